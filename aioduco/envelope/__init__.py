@@ -1,4 +1,4 @@
-"""The operating envelope: zones, speeds, margins and forces within which a program keeps an arm.
+"""The operating envelope: limits (zones, speeds, margins, forces) that a program keeps for an arm.
 
     from aioduco.envelope import Envelope, ToolSpeed, Zone
 
@@ -9,7 +9,7 @@
         ToolSpeed(0.5),
     )
 
-Nothing here imports more than the errors: the worker of a stream loads it, too.
+This module imports only the limits and the errors, because the worker of a stream loads it, too.
 """
 
 from __future__ import annotations

@@ -1,13 +1,14 @@
-"""Whether the arm is, and goes, within an envelope: in plain floats, without I/O or clock.
+"""Checks that the arm is and moves within an envelope: in plain floats, without I/O or clock.
 
-The same code checks the way of a motion before it is sent, each set-point in a stream's worker, and
-each sample of the state. For one set-point numpy would take longer, and the worker has none.
+The same code checks the path of a motion before it is sent, each set-point in a stream's worker,
+and each sample of the state. For one set-point numpy would be slower, and the worker usually has
+not loaded it.
 
-A step of the arm is checked as a sweep: from a configuration to another one, straight in joint
-angles or straight in the tool's pose. What makes that quick: a distance to a zone changes by no
-more than the body moves, and a body moves by no more than a joint's angle times its distance from
-the joint's axis. So of each zone it is kept how far a body may go before it has to be looked at
-again. What is found is the same as if each zone were looked at in each sweep.
+A step of the arm is checked as a sweep: from one configuration to another, straight in joint angles
+or straight in the tool's pose. It is fast because a distance to a zone changes by no more than the
+body moves, and a body moves by no more than a joint's angle times its distance from the joint's
+axis. So the checker stores for each zone how far a body may move before the zone must be checked
+again. The result is the same as if each zone were checked in each sweep.
 """
 
 from __future__ import annotations
@@ -30,16 +31,16 @@ Joints6: TypeAlias = tuple[float, ...]
 _Look: TypeAlias = tuple["Sequence[float]", tuple[Point, ...], Joints6]
 _Margin: TypeAlias = "Callable[[float, float, float], float]"
 
-_HALVINGS = 8  # of a chord, before a zone that it passes closely counts as crossed
-_BESIDE = 3e-3  # how far beyond a zone an arm may stand, and still leave it [m]
+_HALVINGS = 8  # halvings of a chord before a zone that it passes closely counts as crossed
+_BESIDE = 3e-3  # largest depth beyond a zone's limit at the start that is tolerated [m]
 _NOWHERE = (math.nan, math.nan, math.nan)
-_ROUNDING = 1e-9  # more than what adding up an arm's way may be off by [m]
+_ROUNDING = 1e-9  # upper bound of the rounding error of a summed distance [m]
 _UNMARKED: tuple[Sequence[float], float, float] = ((), 0.0, 0.0)
-_LONG_WAY = 100.0  # after which it is added up from zero again, for the sake of rounding [m]
+_LONG_WAY = 100.0  # summed distance after which the sum restarts at zero, because of rounding [m]
 
 
 class _Zone:
-    """A zone as the checker keeps it."""
+    """The checker's data of one zone."""
 
     __slots__ = ("action", "bodies", "bulges", "give", "margin", "name", "near", "speed")
 
@@ -47,7 +48,7 @@ class _Zone:
         kind, keep_in, bodies, at, size, turn = shape
         self.name, self.action, self.speed = name, action, speed
         self.bodies: tuple[int, ...] = tuple(bodies)
-        #: whether a chord may be nearer to it than both its ends
+        #: whether a chord may come nearer to the zone than both its ends
         self.bulges = not keep_in
         sign = -1.0 if keep_in else 1.0
         self.margin: _Margin
@@ -57,9 +58,9 @@ class _Zone:
             self.margin = _sphere(sign, at, size[0])
         else:
             self.margin = _box(sign, at, size, turn)
-        #: whether a body may come to it within the sweep that is looked at
+        #: whether a body may reach the zone in the sweep that is being checked
         self.near = False
-        #: how far the arm stood beyond it at the beginning, by a little: no further from there [m]
+        #: small depth by which the arm was beyond the limit at the start; it may not go deeper [m]
         self.give = 0.0
 
 
@@ -109,10 +110,10 @@ def _box(sign: float, at: Sequence[float], size: Sequence[float], turn: Sequence
 
 
 class _Approach:
-    """A body and a zone.
+    """A pair of a body and a zone.
 
     Attributes:
-        due: way of the body at which the margin is to be looked at next [m].
+        due: summed distance of the body at which the margin must be computed next [m].
     """
 
     __slots__ = ("body", "due", "margin", "zone")
@@ -123,10 +124,10 @@ class _Approach:
 
 
 class _Approaches:
-    """Those of bodies whose ways are added up as one.
+    """The pairs of all bodies that share one summed distance.
 
     Attributes:
-        way: at least as far as each of the bodies has gone [m].
+        way: upper bound of the distance that each of the bodies has moved [m].
     """
 
     __slots__ = ("all", "soonest", "way")
@@ -138,22 +139,22 @@ class _Approaches:
         self.begin()
 
     def begin(self) -> None:
-        """Look at all of them in the next sweep."""
+        """Make all pairs due in the next sweep."""
         self.way = 0.0
-        #: the least of all that are due
+        #: the smallest `due` of all pairs
         self.soonest = 0.0 if self.all else math.inf
         for each in self.all:
             each.due = 0.0
 
     def look(self, places: Sequence[Point], room: float) -> bool:
-        """Look at those that are due within a sweep.
+        """Compute the margins of the pairs that are due within a sweep.
 
         Args:
-            places: where the bodies are at its start.
-            room: how far they may go in it, and aside [m].
+            places: positions of the bodies at the start of the sweep [m].
+            room: upper bound of their distance from there during the sweep [m].
 
         Returns:
-            Whether one may come to a zone within it: those zones are marked as near.
+            Whether a body may reach a zone in the sweep; such zones are marked as near.
         """
         way = self.way
         until, soonest, near = way + room, math.inf, False
@@ -165,9 +166,9 @@ class _Approaches:
                 margin = each.margin(x, y, z) + zone.give
                 if margin > room:
                     each.due = due = way + margin
-                else:  # or it is not known where the body is
+                else:  # also if the body's position is not known
                     near = zone.near = True
-            if due < soonest:  # noqa: PLR1730 - min() would take longer than all the rest
+            if due < soonest:  # noqa: PLR1730 - min() would take longer than the rest of the loop
                 soonest = due
         self.soonest = soonest
         return near
@@ -176,16 +177,17 @@ class _Approaches:
 class EnvelopeChecker:
     """Checks configurations, and sweeps from one to another, against an envelope.
 
-    A configuration is six joint angles [rad], or the pose of the tool's tip (`Tip`). From a tip the
-    joints are found by inverse kinematics, near those of the last one, if a limit needs them.
+    A configuration is six joint angles [rad], or the pose of the tool's tip (`Tip`). If a limit
+    needs the joints of a tip, the checker computes them by inverse kinematics, near those of the
+    last configuration.
 
     Args:
-        packed: what `Envelope.packed` gave.
+        packed: the result of `Envelope.packed`.
         by_tip: whether configurations are poses of the tip.
 
     Attributes:
-        near: joint angles near which those of a tip are sought [rad].
-        stray: share of a sweep by which its way may leave the straight one half-way.
+        near: joint angles; for a tip, the nearest solution of the inverse kinematics is used [rad].
+        stray: largest deviation of a sweep's path from the straight line, as a share of its length.
     """
 
     def __init__(self, packed: Mapping[str, Any], *, by_tip: bool = False) -> None:
@@ -194,7 +196,7 @@ class EnvelopeChecker:
         self._turn, self._offset = packed["tool"][:9], tuple(packed["tool"][9:])
         self._by_tip = by_tip
         self._zones: list[_Zone] = []
-        #: name, action, speed and what it limits to
+        #: name, action, speed and limit value
         self._speeds: list[tuple[str, str, float, float]] = []
         self._joints: list[tuple[str, str, float, float]] = []
         self._singular: list[tuple[str, str, float, float]] = []
@@ -208,7 +210,7 @@ class EnvelopeChecker:
             else:
                 self._zones.append(_Zone(name, action, speed, kind, *rest))
         self._by_joints = bool(self._joints or self._singular)
-        #: whether the speed of the tool matters at all
+        #: whether any limit depends on the speed of the tool
         self.times: bool = bool(self._speeds) or any(
             action == "slow"
             for action in [
@@ -220,7 +222,7 @@ class EnvelopeChecker:
         _, d2, a2, a3, d5, d6 = self._geometry
         tip = hypot(*self._offset)
         forearm = d5 + d6 + tip
-        #: how far the tip is from the axis of each joint, at the most [m]
+        #: largest distance of the tip from the axis of each joint [m]
         self._reaches = (
             abs(d2) + a2 + a3 + forearm,
             a2 + a3 + forearm,
@@ -229,7 +231,7 @@ class EnvelopeChecker:
             d6 + tip,
             hypot(self._offset[0], self._offset[1]),
         )
-        #: how far the elbow is from those of the first two, which alone move it [m]
+        #: distance of the elbow from the axes of joints 1 and 2, which alone move it [m]
         self._elbow_reaches = hypot(a2, d2), abs(a2)
         self._lever = tip
         self._elbow = _Approaches(self._zones, (1,))
@@ -239,25 +241,25 @@ class EnvelopeChecker:
         self.near: Joints6 = ()
         self.stray: float = 0.0
         self._at: Sequence[float] = ()
-        #: how far the joints have turned in all, and until when their margins suffice [rad]
+        #: sum of the joints' turns, and the sum at which their margins must be computed next [rad]
         self._turned = self._joints_due = 0.0
-        #: the start that `clear` has found zones near to, and how far from it [m]
+        #: start for which `clear` found near zones, and the distances that it checked [m]
         self._marked = _UNMARKED
         self._kept: _Look = ((), (), ())
         self._ahead: _Look = ((), (), ())
 
-    # -- where the bodies are ------------------------------------------------------------------
+    # -- positions of the bodies ---------------------------------------------------------------
 
     def places(self, config: Sequence[float]) -> tuple[Point, ...]:
-        """Where tool, elbow and flange are [m]; the elbow is NaN where it is not known."""
+        """Positions of tool, elbow and flange [m]; the elbow is NaN if it is not known."""
         return self._look(config)[1]
 
     def places_ahead(self, config: Sequence[float]) -> tuple[Point, ...]:
-        """The same of a configuration to which the next sweep leads."""
+        """The same positions for a configuration at which the next sweep ends."""
         return self._look_ahead(config)[1]
 
     def _look(self, config: Sequence[float]) -> _Look:
-        """What is known of the configuration from which a sweep starts."""
+        """Positions and joints of the configuration at which a sweep starts (cached)."""
         if self._kept[0] is not config:
             self._kept = self._ahead if self._ahead[0] is config else self._seen(config)
             if self._kept[2]:
@@ -265,7 +267,7 @@ class EnvelopeChecker:
         return self._kept
 
     def _look_ahead(self, config: Sequence[float]) -> _Look:
-        """What is known of the one to which it leads."""
+        """Positions and joints of the configuration at which a sweep ends (cached)."""
         if self._kept[0] is config:
             return self._kept
         if self._ahead[0] is not config:
@@ -297,7 +299,7 @@ class EnvelopeChecker:
         th, ta, tu = fh + z * zh, fa + z * za, fu + z * zu
         if x or y:
             c6, s6 = cos(q6), sin(q6)
-            # what x and y come to along the wrist's own axes
+            # x and y along the axes of the wrist
             u, v = c6 * x - s6 * y, s6 * x + c6 * y
             th += u * c5 * c - v * s
             ta += u * s5
@@ -307,7 +309,7 @@ class EnvelopeChecker:
     def _from_tip(self, tip: Tip) -> tuple[tuple[Point, ...], Joints6]:
         r00, r01, r02, r10, r11, r12, r20, r21, r22, x, y, z = tip
         t00, t01, t02, t10, t11, t12, t20, t21, t22 = self._turn
-        # The flange's axes: the tip's, turned back.
+        # The flange's axes: those of the tip, times the inverse rotation of the tool.
         f00, f01, f02 = (
             r00 * t00 + r01 * t01 + r02 * t02,
             r00 * t10 + r01 * t11 + r02 * t12,
@@ -343,9 +345,9 @@ class EnvelopeChecker:
         return ((x, y, z), elbow, flange), q
 
     def _inverse(self, rows: Sequence[Sequence[float]]) -> Joints6:
-        """The joints that reach a pose of the flange, near the last ones; empty if none do."""
+        """The joints for a pose of the flange, nearest to the last ones; empty if it has none."""
         if self._solve is None:
-            # Imported here: it brings numpy, and only poses of the tool need it.
+            # Imported here: it imports numpy, and only poses of the tool need it.
             from aioduco.kinematics.geometry import Geometry  # noqa: PLC0415
             from aioduco.kinematics.single import nearest_turns, solutions  # noqa: PLC0415
 
@@ -362,13 +364,13 @@ class EnvelopeChecker:
             return ()
         return best
 
-    # -- whether they are within the limits ----------------------------------------------------
+    # -- checks against the limits -------------------------------------------------------------
 
     def begin(self, config: Sequence[float]) -> Crossing | None:
-        """Take where the arm is. A little beyond a zone it may be, by its lag or by rounding.
+        """Set the arm's position. It may be slightly beyond a zone, because of lag or rounding.
 
         Returns:
-            What of it is beyond a limit, if anything is.
+            The limit that the arm is beyond, if any.
         """
         self._at = config
         self._elbow.begin()
@@ -382,7 +384,7 @@ class EnvelopeChecker:
         return self.sweep(config, config)
 
     def moved(self, config: Sequence[float]) -> None:
-        """Take where the arm goes next, without a check: it is known to be within the limits."""
+        """Set the arm's next position without a check: it is known to be within the limits."""
         elbow, tip, _ = self._travel(self._at, config)
         self._went(config, elbow, tip)
         self._joints_due = 0.0
@@ -397,14 +399,14 @@ class EnvelopeChecker:
             self._turned = self._joints_due = 0.0
 
     def clear(self, start: Sequence[float], more: float) -> bool:
-        """Take where the arm goes next, and say whether it may go on so without a closer look.
+        """Set the arm's next position, and decide whether it is safe without a sweep.
 
         Args:
-            start: joint angles [rad].
-            more: how many times it would go on as it came there, from the last ones.
+            start: joint angles of the next position [rad].
+            more: length of the braking path after it, as a multiple of the step to it.
 
         Returns:
-            Whether `sweep` from there, so far, would find nothing for sure: no limit is in reach.
+            Whether a `sweep` of that path would certainly find nothing: no limit is in reach.
         """
         if self._by_tip or start is self._at:
             return False
@@ -419,7 +421,7 @@ class EnvelopeChecker:
         turn = t1 + t2 + t3 + t4 + t5 + t6
         self._went(start, bend, tip)
         self._turned += turn
-        # The way of a sweep bends by no more than this, by which bodies may leave the straight way
+        # Upper bound of the distance of the bodies from their chords during the sweep
         turn *= more
         off = tip * more * (turn / 4 + self.stray) + _ROUNDING
         elbow, wrist = bend * more + off, tip * more + off
@@ -429,9 +431,9 @@ class EnvelopeChecker:
         return not self._by_joints or self._joints_clear(start, turn + _ROUNDING)
 
     def _joints_clear(self, start: Sequence[float], room: float) -> bool:
-        """Whether no margin of the joints is less than they turn in all [rad].
+        """Whether every joint margin is larger than `room`, the sum of the joints' turns [rad].
 
-        By so much, at the most, changes a distance from a limit, and from a singularity.
+        A distance from a joint limit or from a singularity changes by at most that sum.
         """
         if self._turned + room < self._joints_due:
             return True
@@ -443,7 +445,7 @@ class EnvelopeChecker:
         return True
 
     def _near(self, start: Sequence[float], elbow: float, wrist: float) -> bool:
-        """Whether a zone may be within a sweep in which the bodies go so far [m]."""
+        """Whether a zone may be in reach of the bodies, which move up to these distances [m]."""
         near = False
         if self._wrist.way + wrist >= self._wrist.soonest:
             near = self._wrist.look(self._look(start)[1], wrist)
@@ -454,15 +456,16 @@ class EnvelopeChecker:
     def sweep(
         self, start: Sequence[float], end: Sequence[float], speed: float = math.inf
     ) -> Crossing | None:
-        """Check the straight way from a configuration to another one, both included.
+        """Check the straight path from one configuration to another, both included.
 
         Args:
-            start: a configuration, at or near the last one.
-            end: where it leads to.
-            speed: of the tool meanwhile [m/s]: a limit that slows lets slower ones pass.
+            start: the first configuration, at or near the last one.
+            end: the configuration at the end.
+            speed: speed of the tool meanwhile [m/s]; limits with the action "slow" allow motions
+                up to their speed.
 
         Returns:
-            What would cross a limit, if anything does.
+            The limit that would be crossed, if any.
         """
         if start is not self._at:
             self.moved(start)
@@ -474,12 +477,12 @@ class EnvelopeChecker:
         elbow += sag + _ROUNDING
         tip += sag + _ROUNDING
         marked, most_elbow, most_tip = self._marked
-        # what `clear` has just found near is not sought again
+        # `clear` has just marked the near zones, so they are not searched again
         if (marked is start and elbow <= most_elbow and tip <= most_tip) or self._near(
             start, elbow, tip
         ):
             self._marked = _UNMARKED
-            # See how far the bodies go indeed, mostly much less.
+            # Compute how far the bodies really move; it is usually much less than the bound.
             places = self._look(start)[1]
             further = places if end is start else self._look_ahead(end)[1]
             chords = [math.dist(a, b) for a, b in zip(places, further, strict=True)]
@@ -506,7 +509,7 @@ class EnvelopeChecker:
         return self._kept[1][0] if self._kept[1] else _NOWHERE
 
     def slow_speed(self, name: str) -> float:
-        """The speed that a limit allows beyond it [m/s]."""
+        """The speed that a limit with the action "slow" allows [m/s]."""
         for zone in self._zones:
             if zone.name == name:
                 return zone.speed
@@ -516,7 +519,7 @@ class EnvelopeChecker:
         return next(each[2] for each in self._joints + self._singular if each[0] == name)
 
     def margins(self, config: Sequence[float]) -> list[Crossing]:
-        """How far within each zone and margin a configuration is: for each the nearest body."""
+        """Margins of a configuration: to zones (nearest body), joint limits and singularities."""
         _, places, q = self._look(config)
         found = []
         for zone in self._zones:
@@ -538,11 +541,11 @@ class EnvelopeChecker:
         for body in zone.bodies:
             a, b = places[body], further[body]
             if a[0] != a[0] or b[0] != b[0]:
-                continue  # not known, since no joints reach it
+                continue  # not known, because no joints reach it
             first = zone.margin(*a) + zone.give
             last = first if a is b else zone.margin(*b) + zone.give
             low = first if first < last else last
-            # Nearer than this it cannot come; only if that is not enough its way is looked at.
+            # The margin is at least low - sag - chord; the path is checked only if that is below 0.
             if 0.0 <= low < sag + chords[body]:
                 low = self._lowest(zone, a, b, first, last, sag)
             if low < 0.0:
@@ -553,10 +556,10 @@ class EnvelopeChecker:
     def _lowest(
         self, zone: _Zone, a: Point, b: Point, first: float, last: float, sag: float
     ) -> float:
-        """A margin that the way between two places does not fall below; only its sign is exact."""
+        """A lower bound of the margin on the path between two positions; only its sign is exact."""
         low = first if first < last else last
         if not zone.bulges:
-            # Nowhere below the straight line between the two margins, less an arc's height.
+            # The margin is at least the linear interpolation of both margins, minus the arc's sag.
             rise = last - first
             if sag <= 0.0 or abs(rise) >= 4 * sag:
                 return low
@@ -564,7 +567,7 @@ class EnvelopeChecker:
         todo = [(a, b, first, last, 0.0, 1.0, _HALVINGS)]
         while todo:
             a, b, first, last, begin, end, left = todo.pop()
-            # The arc leaves its chord by most half-way, and not at all at its ends.
+            # The arc's distance from its chord is largest half-way, and zero at its ends.
             half = min(max(0.5, begin), end)
             off = 4 * sag * half * (1 - half)
             bound = (first + last - math.dist(a, b)) / 2 - off
@@ -580,10 +583,10 @@ class EnvelopeChecker:
         return low
 
     def _travel(self, start: Sequence[float], end: Sequence[float]) -> tuple[float, float, float]:
-        """How far the bodies move between two configurations, at the most [m].
+        """Upper bounds of the bodies' motion between two configurations [m].
 
         Returns:
-            The elbow; tool and flange; and how far their ways bend away from their chords.
+            Distance of the elbow; of tool and flange; and deviation of their paths from the chords.
         """
         if not self._by_tip:
             return self._travel_joints(start, end)
@@ -605,8 +608,8 @@ class EnvelopeChecker:
         t1, t2, t3 = abs(b1 - a1), abs(b2 - a2), abs(b3 - a3)
         t4, t5, t6 = abs(b4 - a4), abs(b5 - a5), abs(b6 - a6)
         l1, l2, l3, l4, l5, l6 = r1 * t1, r2 * t2, r3 * t3, r4 * t4, r5 * t5, r6 * t6
-        # A point's second derivative by two angles is no longer than its distance from the axis of
-        # the further one.
+        # The second derivative of a point by two joint angles is no longer than the point's
+        # distance from the axis of the joint nearer to the tool.
         t12 = t1 + t2
         t13 = t12 + t3
         t14 = t13 + t4
@@ -640,7 +643,7 @@ class EnvelopeChecker:
         return None
 
     def sweep_places(self, start: Sequence[Point], end: Sequence[Point]) -> Crossing | None:
-        """Check the chords of the bodies between two looks, for the corner that a blend cuts."""
+        """Check the chords of the bodies between two sets of positions, for a blended corner."""
         for zone in self._zones:
             if zone.action == "slow":
                 continue
@@ -672,7 +675,7 @@ class EnvelopeChecker:
         return found
 
     def _passed(self, q: Joints6, ahead: Joints6, place: Point) -> list[Crossing]:
-        """What a sweep that leads through a singularity crosses."""
+        """The limits that a sweep through a singularity crosses."""
         if not self._singular:
             return []
         if all(

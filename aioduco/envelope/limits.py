@@ -1,6 +1,6 @@
-"""The limits of an envelope as values: what they are, and how they pass the process border.
+"""The limits of an envelope as values, and how they are passed to another process.
 
-Plain Python without numpy, for the worker's sake: arrays and poses are taken as sequences.
+Plain Python without numpy, because the worker loads it: arrays and poses are taken as sequences.
 """
 
 from __future__ import annotations
@@ -34,21 +34,21 @@ __all__ = [
 Action: TypeAlias = Literal["refuse", "slow", "stop"]
 Body: TypeAlias = Literal["tool", "elbow", "flange"]
 
-#: the points of the arm that zones hold for: the tool's tip, the axis of joint 3, the flange
+#: the points of the arm to which zones apply: the tool's tip, the axis of joint 3, the flange
 BODIES: tuple[str, ...] = get_args(Body)
-_MOST = 100  # limits of one envelope
+_MOST = 100  # largest number of limits in one envelope
 
 
 class Crossing(NamedTuple):
-    """What of the arm is, or would be, beyond which limit, and where.
+    """A point of the arm, a limit, and the margin between them.
 
     Attributes:
-        limit: the limit's name.
-        body: "tool", "elbow" or "flange"; "joint 3" for a joint; "arm" for a singularity.
-        place: where that is in the base frame [m]; NaN where it is not known.
-        margin: how far within the limit it is; negative beyond it.
-        unit: of the margin; empty for a singularity, which has none.
-        action: what the limit is to do.
+        limit: name of the limit.
+        body: "tool", "elbow" or "flange"; such as "joint 3" for a joint; "arm" for a singularity.
+        place: position of the body in the base frame [m]; NaN if it is not known.
+        margin: distance within the limit; negative beyond it.
+        unit: unit of the margin; empty for a singularity, which has none.
+        action: action of the limit.
     """
 
     limit: str
@@ -69,14 +69,14 @@ class Crossing(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvelopeLimit:
-    """What all limits of an envelope have in common.
+    """The base class of all limits of an envelope.
 
     Attributes:
-        action: what is done about a motion that would cross it. "refuse": what would cross it is
-            not sent. "stop": neither, and the arm is stopped. "slow": it is allowed, with the tool
-            no faster than `speed`.
-        speed: of the tool beyond the limit, with the action "slow" [m/s].
-        name: for errors and events; empty for one that says what it is.
+        action: action for a motion that would cross the limit. "refuse": the motion is not sent.
+            "stop": the motion is not sent, and the arm is stopped. "slow": the motion is allowed,
+            with the tool no faster than `speed`.
+        speed: largest speed of the tool beyond the limit, with the action "slow" [m/s].
+        name: name for errors and events; empty: a name that describes the limit.
     """
 
     action: Action = "refuse"
@@ -92,7 +92,7 @@ class EnvelopeLimit:
 
     @property
     def title(self) -> str:
-        """Its name, or what it is."""
+        """The limit's name, or its description if it has none."""
         return self.name or self._what()
 
     def _what(self) -> str:
@@ -109,7 +109,7 @@ class Zone(EnvelopeLimit):
         at: centre of a box or sphere, or a point of a plane, in the base frame [m].
         size: the three lengths of a box, the radius of a sphere [m], the unit normal of a plane.
         turn: orientation of a box: its rotation matrix by rows. Shape (9,).
-        bodies: the points of the arm that it holds for.
+        bodies: the points of the arm to which it applies.
     """
 
     shape: Literal["box", "sphere", "plane"]
@@ -145,16 +145,16 @@ class Zone(EnvelopeLimit):
         """Make a box.
 
         Args:
-            at: its centre x, y, z [m], or a pose of six numbers [m, rad], in the base frame.
-            size: its lengths along its axes [m]. Shape (3,).
+            at: centre x, y, z [m], or pose of six numbers [m, rad], in the base frame.
+            size: lengths along the axes of the box [m]. Shape (3,).
             keep: whether to keep the bodies "in" it or "out" of it.
-            bodies: the points of the arm that it holds for: "tool", "elbow", "flange".
+            bodies: the points of the arm to which it applies: "tool", "elbow", "flange".
             action: "refuse", "slow" or "stop".
-            speed: of the tool beyond it, with "slow" [m/s].
-            name: for errors and events.
+            speed: largest speed of the tool beyond it, with "slow" [m/s].
+            name: name for errors and events.
 
         Raises:
-            ParameterError: an argument is not of its kind.
+            ParameterError: an argument has a wrong type or value.
         """
         numbers = _numbers("at", at, 3, 6)
         turn = _rotation(*numbers[3:]) if len(numbers) == 6 else _rotation(0.0, 0.0, 0.0)
@@ -181,16 +181,16 @@ class Zone(EnvelopeLimit):
         """Make a sphere.
 
         Args:
-            at: its centre x, y, z in the base frame [m].
-            radius: its radius [m].
+            at: centre x, y, z in the base frame [m].
+            radius: radius [m].
             keep: whether to keep the bodies "in" it or "out" of it.
-            bodies: the points of the arm that it holds for: "tool", "elbow", "flange".
+            bodies: the points of the arm to which it applies: "tool", "elbow", "flange".
             action: "refuse", "slow" or "stop".
-            speed: of the tool beyond it, with "slow" [m/s].
-            name: for errors and events.
+            speed: largest speed of the tool beyond it, with "slow" [m/s].
+            name: name for errors and events.
 
         Raises:
-            ParameterError: an argument is not of its kind.
+            ParameterError: an argument has a wrong type or value.
         """
         size = (_positive("radius", radius, "m"),)
         return cls(
@@ -212,15 +212,15 @@ class Zone(EnvelopeLimit):
         """Make a plane, and keep the bodies on the side to which its normal points.
 
         Args:
-            point: a point of it in the base frame [m]. Shape (3,).
-            normal: its normal, of any length above 0. Shape (3,).
-            bodies: the points of the arm that it holds for: "tool", "elbow", "flange".
+            point: a point of the plane in the base frame [m]. Shape (3,).
+            normal: normal of the plane, of any length above 0. Shape (3,).
+            bodies: the points of the arm to which it applies: "tool", "elbow", "flange".
             action: "refuse", "slow" or "stop".
-            speed: of the tool beyond it, with "slow" [m/s].
-            name: for errors and events.
+            speed: largest speed of the tool beyond it, with "slow" [m/s].
+            name: name for errors and events.
 
         Raises:
-            ParameterError: an argument is not of its kind.
+            ParameterError: an argument has a wrong type or value.
         """
         along = _numbers("normal", normal, 3)
         length = math.hypot(*along)
@@ -238,7 +238,7 @@ class ToolSpeed(EnvelopeLimit):
     """The largest speed of the tool's tip.
 
     Attributes:
-        most: the speed [m/s]. With the action "slow" a motion that is faster is sent slower.
+        most: the speed [m/s]. With the action "slow", a faster motion is sent at a lower speed.
     """
 
     most: float
@@ -274,7 +274,7 @@ class SingularityMargin(EnvelopeLimit):
     """The least distance from the singularities of shoulder, elbow and wrist.
 
     Attributes:
-        least: the distance, as `aioduco.kinematics.Singularity` tells it, above 0 to 1.
+        least: the distance, as `aioduco.kinematics.Singularity` gives it, above 0 to 1.
     """
 
     least: float
@@ -290,7 +290,7 @@ class SingularityMargin(EnvelopeLimit):
 
 @dataclass(frozen=True, slots=True)
 class ToolForce(EnvelopeLimit):
-    """The largest force on the tool. It is seen in the state alone, so it always stops.
+    """The largest force on the tool. Only the state shows it, so a crossing always stops the arm.
 
     Attributes:
         most: the force [N].
@@ -309,8 +309,8 @@ class ToolForce(EnvelopeLimit):
 class Envelope:
     """The operating envelope (工作包络) of an arm: the limits within which a program keeps it.
 
-    It is set as `robot.envelope`. It is no safety function: it does not replace the controller's
-    own safety zones, nor a fence.
+    Set it as `robot.envelope`. It is not a safety function: it replaces neither the controller's
+    safety zones nor a fence.
 
     Args:
         arm: the arm, or the name of its model, such as "gcr5_910".
@@ -318,13 +318,13 @@ class Envelope:
             controller's tool in use, or of the tool that a motion names.
 
     Raises:
-        ParameterError: an argument is not of its kind.
+        ParameterError: an argument has a wrong type or value.
     """
 
     __slots__ = ("arm", "limits")
 
     def __init__(self, arm: Arm | str, *limits: EnvelopeLimit) -> None:
-        # Imported here: it brings numpy, which the worker of a stream does without.
+        # Imported here: it imports numpy, which the worker of a stream does not load.
         from aioduco.kinematics import Arm  # noqa: PLC0415
         from aioduco.kinematics import arm as arm_of  # noqa: PLC0415
 
@@ -345,7 +345,7 @@ class Envelope:
 
     @property
     def titles(self) -> tuple[str, ...]:
-        """The name of each limit, or what it is; numbered where several are called alike."""
+        """The name or description of each limit; numbered if several are equal."""
         found: list[str] = []
         for limit in self.limits:
             title, number = limit.title, 1
@@ -356,7 +356,7 @@ class Envelope:
         return tuple(found)
 
     def packed(self, tool: VectorLike) -> dict[str, Any]:
-        """All that `EnvelopeChecker` is told: lists, numbers and texts, which JSON can carry.
+        """The data for `EnvelopeChecker`: lists, numbers and texts, which JSON can represent.
 
         Args:
             tool: the tool's tip in the frame of the flange [m, rad]. Shape (6,).
@@ -374,7 +374,7 @@ class Envelope:
                 case JointMargin() | SingularityMargin():
                     row += ["joints" if isinstance(limit, JointMargin) else "singular", limit.least]
                 case _:
-                    continue  # forces are known from the state alone
+                    continue  # only the state shows forces
             rows.append(row)
         x, y, z, *angles = map(float, tool)
         return {

@@ -1,8 +1,8 @@
-"""The ways that motions take, as far as they are known before they are sent, and their check.
+"""The paths of motions, as far as they are known before the motions are sent, and their check.
 
-A joint motion goes straight in joint angles, a line straight with the tool's tip while the tool
-turns at a constant rate about one axis, an arc likewise on a circle. Of other motions the way is
-the controller's, and the state shows what becomes of it.
+A joint motion is straight in joint angles. In a linear motion the tool's tip moves straight while
+the tool turns at a constant rate about one axis; an arc does the same on a circle. The controller
+chooses the path of other motions; they are checked only by the state, while they run.
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
     Config = tuple[float, ...]
-    #: gives the poses of the tip at shares of a way, shape (n, 4, 4); and how many steps it has
+    #: function that returns the poses of the tip at shares of a path, shape (n, 4, 4); and the
+    #: number of steps of the path
     _Poses = tuple[Callable[[Sequence[float]], Array], int]
 
 __all__ = ["WAYS", "Start", "Way", "check_way", "cut_corner", "slower", "way_of"]
 
 #: by function of the wire: the indices of speed, blend radius, tool and work object among its
-#: arguments; the speed in percent, if it is
+#: arguments; and whether the speed is in percent
 WAYS: dict[str, tuple[int, int, int | None, int | None, bool]] = {
     "movej2": (1, 3, None, None, False),
     "movej": (1, 3, None, None, True),
@@ -44,23 +45,23 @@ WAYS: dict[str, tuple[int, int, int | None, int | None, bool]] = {
     "tcp_move": (1, 3, 4, None, False),
     "wobj_move": (1, 3, None, 4, False),
 }
-_STEP = 0.02  # between two places of a way [rad, m]
-_TURN = 0.05  # between two orientations [rad]
-_MOST = 1000  # places
-_HALVINGS = 6  # of a step that seems to cross a limit
-_LOOKS = 12  # at the joints, on the way to its end
-_SAME = 1e-6  # [m]
-_CUTS = (0.25, 0.5, 0.75, 1.0)  # of a blend radius: where the corner's chords are
+_STEP = 0.02  # largest step between two positions of a path [rad, m]
+_TURN = 0.05  # largest turn between two orientations [rad]
+_MOST = 1000  # largest number of steps
+_HALVINGS = 6  # halvings of a step that seems to cross a limit
+_LOOKS = 12  # least number of poses on a path at which the joints are computed, if it has as many
+_SAME = 1e-6  # distance up to which two positions count as equal [m]
+_CUTS = (0.25, 0.5, 0.75, 1.0)  # shares of a blend radius at which the corner's chords are checked
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """Where a motion begins.
+    """The start of a motion.
 
     Attributes:
-        joints: joint angles [rad].
-        tool: the tool's tip in the frame of the flange [m, rad].
-        wobj: the work object in the base frame [m, rad].
+        joints: joint angles [rad]. Shape (6,).
+        tool: pose of the tool's tip in the frame of the flange [m, rad].
+        wobj: pose of the work object in the base frame [m, rad].
     """
 
     joints: tuple[float, ...]
@@ -70,16 +71,15 @@ class Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """The places of a motion, from its start to its end.
+    """The path of a motion, from its start to its end.
 
     Attributes:
-        configs: joint angles [rad], or poses of the tip (`checker.Tip`).
-        by_tip: whether they are poses of the tip.
-        v: speed that was asked for: of the leading joint [rad/s], or of the tip [m/s].
+        configs: joint angles [rad], or poses of the tip (`checker.Tip`), at equal shares.
+        by_tip: whether `configs` are poses of the tip.
+        v: requested speed: of the leading joint [rad/s], or of the tip [m/s].
         end: joint angles at the end [rad].
         radius: blend radius at the end [m].
-        at: gives the configurations at shares of the way, from 0 to 1; those of `configs` are at
-            equal shares.
+        at: function that returns the configurations at shares of the path, from 0 to 1.
     """
 
     configs: list[Config]
@@ -91,16 +91,16 @@ class Way:
 
 
 def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None:
-    """The way of a motion.
+    """The path of a motion.
 
     Args:
         arm: the arm.
         name: the function of the wire.
         args: its arguments.
-        start: where it begins, and its frames.
+        start: start of the motion, and its frames.
 
     Returns:
-        The way; None if the pose cannot be reached: the controller says so.
+        The path; None if the pose cannot be reached, which the controller then reports.
     """
     speed, radius, _, _, percent = WAYS[name]
     v, r = float(args[speed]), float(args[radius])
@@ -143,7 +143,7 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
 
 
 def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...]:
-    """The joints at the end of a way of the flange, or as far as it can be reached."""
+    """The joints at the end of a path of the flange, or at its last pose that can be reached."""
     for pose in flange[:: max(1, len(flange) // _LOOKS)].tolist() + flange[-1:].tolist():
         try:
             q = tuple(arm.ikine(np.array(pose), q).tolist())
@@ -181,7 +181,7 @@ def _line(start: Array, end: Array) -> _Poses:
 
 
 def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) -> _Poses:
-    """Poses on the circle through three points: to the third one, or once round."""
+    """Poses on the circle through three points: to the third point, or the full circle."""
     a, b, c = (pose[:3, 3] for pose in (start, first, second))
     ab, ac = b - a, c - a
     normal = np.cross(ab, ac)
@@ -200,7 +200,8 @@ def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) ->
     else:
         turn = rotvec_from_matrix(second[:3, :3] @ start[:3, :3].T)
     length = angle * float(np.linalg.norm(x))
-    # An arc's chords bend away from it by the square of their angle: closer than on a line.
+    # The deviation of a chord from its arc grows with the square of its angle, so an arc has
+    # smaller steps than a line.
     count = max(_count(length, float(np.linalg.norm(turn))), math.ceil(angle / _TURN))
 
     def poses(shares: Sequence[float]) -> Array:
@@ -214,15 +215,15 @@ def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) ->
 
 
 def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, float]:
-    """Check a way, and find how much slower it has to be gone.
+    """Check a path, and compute by how much the motion must be slowed down.
 
     Args:
-        checker: of the kind of the way's configurations; `near` is where the arm is.
-        way: the way.
+        checker: checker for configurations of the path's kind; `near` is the arm's position.
+        way: the path.
 
     Returns:
-        What it would cross, if anything; and the share of the speed asked for at which the
-        limits that slow are kept.
+        The limit that the path would cross, if any; and the share of the requested speed at which
+        the limits with the action "slow" are kept.
     """
     share = 1.0
     here = way.configs[0]
@@ -252,10 +253,10 @@ def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, floa
 def _sweep(
     checker: EnvelopeChecker, way: Way, number: int, here: Config, there: Config, speed: float
 ) -> Crossing | None:
-    """Check a step of a way; where a limit seems to be crossed, in ever smaller steps.
+    """Check a step of a path; if it seems to cross a limit, repeat it in smaller and smaller steps.
 
-    How far bodies are from a straight line meanwhile is overrated by the square of what the joints
-    turn, which is much where the arm is nearly stretched.
+    The bound of the bodies' distance from a straight line grows with the square of the joints'
+    turns. It is much too large where the arm is nearly stretched.
     """
     steps = len(way.configs) - 1
     todo = [(number / steps, (number + 1) / steps, there, _HALVINGS)]
@@ -274,7 +275,7 @@ def _sweep(
 
 
 def slower(name: str, args: Sequence[Any], share: float) -> tuple[Any, ...]:
-    """The arguments of a motion with a share of its speed."""
+    """The arguments of a motion, with its speed multiplied by `share`."""
     at = WAYS[name][0]
     return (*args[:at], args[at] * share, *args[at + 1 :])
 
@@ -282,13 +283,13 @@ def slower(name: str, args: Sequence[Any], share: float) -> tuple[Any, ...]:
 def cut_corner(
     before: EnvelopeChecker, way: Way, after: EnvelopeChecker, following: Way
 ) -> Crossing | None:
-    """Check the corner that a blend cuts: the chords between the legs, within the blend radius.
+    """Check a blended corner: the chords between its two legs, within the blend radius.
 
     Args:
-        before: a checker for the way that blends.
-        way: that way, with a blend radius.
-        after: a checker for the one that follows.
-        following: the way that follows.
+        before: checker for the path before the corner.
+        way: the path before the corner, with a blend radius.
+        after: checker for the path after the corner.
+        following: the path after the corner.
     """
     if way.radius <= 0.0:
         return None
@@ -303,7 +304,7 @@ def cut_corner(
 
 
 def _leg(checker: EnvelopeChecker, configs: Any, radius: float) -> list[Any]:
-    """The bodies on a leg of a corner, as far as the blend radius."""
+    """Positions of the bodies on one leg of a corner, up to the blend radius."""
     found: list[Any] = []
     for config in configs:
         places = checker.places(config)

@@ -1,4 +1,4 @@
-"""The frame in which a program gives velocities and offsets, and how they are turned."""
+"""The frame in which a program gives velocities and offsets, and how they are rotated."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ def _checked(frame: str, wobj: str) -> str:
 
 
 def into_tool(frame: str, wobj: str = "", tool: str = "") -> Turning | None:
-    """What turns directions into the tool's frame.
+    """The rotation of directions into the tool's frame.
 
     Args:
-        frame: in which they are given.
+        frame: frame in which the directions are given.
         wobj: name of the work object, for frame="wobj"; empty for the one in use.
         tool: name of the tool; empty for the one in use.
 
     Returns:
-        None if they are given in the tool's frame.
+        The rotation; None if the directions are given in the tool's frame.
 
     Raises:
-        ParameterError: there is no such frame, or a work object is named without need.
+        ParameterError: there is no such frame, or a work object is given for another frame.
     """
     name = _checked(frame, wobj)
     if frame == "tool":
@@ -49,13 +49,13 @@ def into_tool(frame: str, wobj: str = "", tool: str = "") -> Turning | None:
 
 
 def into_wobj(frame: str) -> Turning | None:
-    """What turns directions into the frame of the work object in use.
+    """The rotation of directions into the frame of the work object in use.
 
     Args:
-        frame: in which they are given.
+        frame: frame in which the directions are given.
 
     Returns:
-        None if they are given in that frame.
+        The rotation; None if the directions are given in that frame.
 
     Raises:
         ParameterError: there is no such frame.

@@ -1,4 +1,4 @@
-"""What rate this machine and the network to the arm can hold: measured, not guessed."""
+"""Measures which stream rate this machine and the network to the arm can hold."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ if TYPE_CHECKING:
 
 __all__ = ["RATES", "Examination", "examine"]
 
-#: rates that streams are used at [Hz]
+#: common rates of streams [Hz]
 RATES = (1000.0, 500.0, 250.0, 125.0, 60.0, 30.0)
 
 _SECONDS = 3.0
-_HELD_UP = 0.5e-3  # seconds of lateness that no machine at rest has
+_HELD_UP = 0.5e-3  # seconds of lateness that an idle machine never has
 
 
 @dataclass(frozen=True, slots=True)
 class Examination:
-    """What was measured. Nothing was moved.
+    """The result of a measurement. The arm was not moved.
 
     Attributes:
-        plain: a worker's figures under the system's usual schedule.
-        urgent: the same under SCHED_FIFO; None where the system does not allow it.
-        processors: processors that this process may use.
-        governor: how the system sets the processor's clock; empty where it does not tell.
-        rate: greatest of `RATES` at which 999 ticks of 1000 fit into their period [Hz]; 0: none.
+        plain: statistics of a worker under the system's default scheduling.
+        urgent: the same under SCHED_FIFO; None if the system does not allow it.
+        processors: number of processors that this process may use.
+        governor: the system's governor of the processor's clock; empty if it is unknown.
+        rate: highest of `RATES` at which 999 ticks of 1000 fit into their period [Hz]; 0: none.
         urgent_rate: the same under SCHED_FIFO [Hz]; 0: none, or not allowed.
     """
 
@@ -55,13 +55,13 @@ class Examination:
 
     @property
     def depth(self) -> int:
-        """Points of a realtime queue that bridge twice the longest gap seen, 20 to 1000."""
+        """Points of a realtime queue that bridge twice the longest measured gap, 20 to 1000."""
         longest = self.plain.lateness.max + self.plain.round_trip.max
         return min(1000, max(20, math.ceil(2 * longest / 0.001)))
 
     @property
     def advice(self) -> tuple[str, ...]:
-        """What would make it better, in words."""
+        """Advice for a higher rate, one text each."""
         found: list[str] = []
         late, answered = self.plain.lateness, self.plain.round_trip
         if self.processors < 2:
@@ -113,18 +113,18 @@ class Examination:
 
 
 async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> Examination:
-    """Measure how late a worker is here, and how soon the controller answers it.
+    """Measure how late a worker is on this machine, and how soon the controller answers.
 
-    It asks for the robot's state a thousand times a second, from a worker's process of its own:
-    what a stream costs, without moving anything.
+    A worker in a separate process reads the robot's state a thousand times a second: this costs as
+    much as a stream, but does not move the arm.
 
     Args:
         host: name or address of the controller.
         port: its TCP port.
-        seconds: how long to measure, for each way to schedule [s].
+        seconds: time to measure, for each of the two scheduling policies [s].
 
     Returns:
-        What was measured.
+        The result of the measurement.
 
     Raises:
         StreamLost: there is no controller, or it does not answer.
@@ -144,8 +144,8 @@ async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> 
 
 
 def holdable(figures: StreamStatistics) -> float:
-    """The greatest of `RATES` at which 999 ticks of 1000 fit into their period; 0: none."""
-    # A tick that was skipped counts in the lateness, so a worker that stood still is not flattered.
+    """The highest of `RATES` at which 999 ticks of 1000 fit into their period; 0: none."""
+    # Skipped ticks count in the lateness, so a worker that stood still does not look good.
     needed = figures.lateness.p999 + figures.work.p999
     return next((rate for rate in RATES if needed <= 1 / rate), 0.0)
 

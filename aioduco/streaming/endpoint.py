@@ -1,4 +1,4 @@
-"""Where a stream leads to, and who is asked and told about it."""
+"""The robot to which a stream sends, and the callbacks that supervise it."""
 
 from __future__ import annotations
 
@@ -20,23 +20,24 @@ __all__ = ["StreamEndpoint"]
 
 @dataclass(frozen=True, slots=True)
 class StreamEndpoint:
-    """Where a stream leads to.
+    """The robot to which a stream sends, and the callbacks that supervise it.
 
     Attributes:
         host: name or address of the controller.
         port: its TCP port.
-        stop: stops the robot on another connection, for a worker that cannot do it any more; it is
-            given the function of the wire that ends the mode in which the worker was, or "".
+        stop: stops the robot on another connection, for a worker that cannot do it any more; its
+            argument is the function of the wire that ends the stream's mode, or "".
         streams: the open streams of the robot.
-        admit: raises if the robot cannot take a stream now; it is given the stream's name.
-        guarded: whether the robot is stopped by others when the program dies.
-        stall_limit: time without the program's event loop running after which it counts as hung,
-            and the arm is brought to rest, whatever is still queued [s].
-        unanswered_timeout: most time for which an unanswered set-point is waited for, with the arm
-            stopped: it may reach the controller late [s].
-        beats: whether the robot's heartbeat beats; without it the controller stops the arm, and
-            the stream must not set it moving again.
-        envelope: what the set-points of a stream are checked against; it is given what is sent.
+        admit: raises if the robot cannot accept a stream now; its argument is the stream's name.
+        guarded: whether a guard stops the robot when the program dies.
+        stall_limit: time after which a program whose event loop does not run counts as hung; the
+            worker then brings the arm to rest, even if set-points are queued [s].
+        unanswered_timeout: longest wait for an unanswered set-point, with the arm stopped: it may
+            reach the controller late [s].
+        beats: returns whether the robot's heartbeat beats; without it the controller stops the arm,
+            and the stream must not start it again.
+        envelope: returns the envelope for the checks of set-points; its argument is what the stream
+            sends.
     """
 
     host: str
@@ -52,7 +53,7 @@ class StreamEndpoint:
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> StreamEndpoint:
-        """The robot that a supervisor looks after."""
+        """The endpoint for the robot of a supervisor."""
 
         def beats() -> bool:
             heart = supervisor.heartbeat
@@ -82,7 +83,7 @@ class StreamEndpoint:
 
 
 def _frames(sent: Sent) -> tuple[str, str]:
-    """The names of the tool and of the work object in which set-points are; empty: those in use."""
+    """The names of the set-points' tool and work object; empty: those in use."""
     if len(sent.read) == 3:
         return sent.read[1], sent.read[2]
     if sent.name == "servo_tcp" and isinstance(sent.drive, Calls):

@@ -1,4 +1,4 @@
-"""What the end of a stream means to its program."""
+"""The error that a program gets for each reason for which a stream ends."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
 
 
 def failure(name: str, reason: Reason, text: str, statistics: object) -> StreamError | None:
-    """The error for the end of a stream; None if there is none, or it was closed."""
+    """The error for the end of a stream; None if it has not ended, or was closed."""
     if reason is Reason.ENVELOPE:
         limit, body, place, *others = json.loads(text)
         found = Crossing(limit, body, tuple(place), *others)

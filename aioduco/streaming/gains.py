@@ -16,8 +16,8 @@ class ServoGains:
     Attributes:
         kp: proportional gain, from 0; the manual advises its default.
         kd: derivative gain, from 0; the manual advises its default.
-        smooth_vel: smoothing of the velocity, 1 to 100; more is smoother and lags more.
-        smooth_acc: smoothing of the acceleration, 0 to 1; more is smoother and lags more.
+        smooth_vel: smoothing of the velocity, 1 to 100; larger is smoother and lags more.
+        smooth_acc: smoothing of the acceleration, 0 to 1; larger is smoother and lags more.
     """
 
     kp: float = 200.0
@@ -26,10 +26,10 @@ class ServoGains:
     smooth_acc: float = 1.0
 
     def wire(self) -> list[float]:
-        """The four numbers as they stand at the end of a servo call, checked.
+        """Check the four gains and return them in the order of a servo call's last arguments.
 
         Raises:
-            ParameterError: one is out of range.
+            ParameterError: a gain is out of range.
         """
         return [
             ranges.SERVO_KP("kp", self.kp),

@@ -1,4 +1,4 @@
-"""Joint positions with times, and what is said of how they are followed: values alone."""
+"""Joint positions with times, and values that describe how the arm follows them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ __all__ = ["Feedback", "JointTrajectory", "Tolerances", "TrajectoryResult"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerances:
-    """How far the arm may be from its trajectory.
+    """Largest allowed distances of the arm from its trajectory.
 
     Attributes:
-        path: of each joint from the path, on the way [rad]; 0: not looked at.
-        goal: of each joint from the last point, at the end [rad].
-        goal_time: time after the trajectory's end in which that must be so [s].
+        path: distance of each joint from the path during the motion [rad]; 0: not checked.
+        goal: distance of each joint from the last point at the end [rad].
+        goal_time: time after the trajectory's end within which the goal must be reached [s].
     """
 
     path: float | tuple[float, ...] = 0.1
@@ -37,14 +37,14 @@ class Tolerances:
 
 
 class Feedback(NamedTuple):
-    """Where the arm is on its way.
+    """The arm's progress on its trajectory.
 
     Attributes:
-        time: time on the trajectory, of what was sent last [s].
-        desired: the place of the path closest to the arm, within the last 0.3 s
+        time: time on the trajectory of the last set-point sent [s].
+        desired: the point of the path closest to the arm, within the last 0.3 s
             [rad]. Shape (6,).
-        actual: where the arm is [rad]. Shape (6,).
-        error: `actual` less `desired` [rad]. Shape (6,).
+        actual: joint angles of the arm [rad]. Shape (6,).
+        error: `actual` minus `desired` [rad]. Shape (6,).
     """
 
     time: float
@@ -54,13 +54,13 @@ class Feedback(NamedTuple):
 
 
 class TrajectoryResult(NamedTuple):
-    """How a trajectory was followed.
+    """The result of following a trajectory.
 
     Attributes:
-        duration: from the first set-point to the arm within its goal tolerance [s].
-        path_error: largest distance of each joint from the path that was seen [rad].
+        duration: time from the first set-point until the arm is within its goal tolerance [s].
+        path_error: largest measured distance of each joint from the path [rad].
         goal_error: distance of each joint from the last point at the end [rad].
-        statistics: the stream's.
+        statistics: statistics of the stream.
     """
 
     duration: float
@@ -70,19 +70,20 @@ class TrajectoryResult(NamedTuple):
 
 
 class JointTrajectory:
-    """Joint positions at given times, with velocities and accelerations if they are known.
+    """Joint positions at given times, optionally with velocities and accelerations.
 
-    Positions alone are joined by a monotone cubic that rests at both ends; with velocities by a
-    cubic that has them; with accelerations by a curve of fifth order that has both.
+    Positions alone are joined by a monotone cubic that rests at both ends. Positions with
+    velocities are joined by a cubic that has these velocities; if accelerations are given too, by a
+    curve of fifth order that has both.
 
     Args:
         positions: joint positions [rad], -2π to 2π. Shape (n, 6).
         times: time of each point from the start, rising, the first at least 0 [s]. Shape (n,).
-        velocities: [rad/s]. Shape (n, 6).
-        accelerations: only with velocities [rad/s²]. Shape (n, 6).
+        velocities: joint velocities [rad/s]. Shape (n, 6).
+        accelerations: joint accelerations, only with velocities [rad/s²]. Shape (n, 6).
 
     Raises:
-        ParameterError: the shapes do not fit, or a number is not allowed.
+        ParameterError: the shapes do not match, or a number is not allowed.
     """
 
     def __init__(
@@ -112,10 +113,10 @@ class JointTrajectory:
         return float(self.times[-1])
 
     def curve(self, actual: Sequence[float]) -> Spline:
-        """The curve through the points, led up to from where the arm is if there is time to.
+        """The curve through the points; it starts at the arm if the first point's time is not 0.
 
         Args:
-            actual: where the arm is [rad]; the curve's start if the first point's time is not 0.
+            actual: joint angles of the arm [rad]. Shape (6,).
         """
         if self.times[0] == 0:
             return Spline(self.times, self.positions, self.velocities, self.accelerations)

@@ -1,6 +1,6 @@
-"""What a program says when it opens a stream, checked: how it is fed, and how its worker runs.
+"""The options of a stream, with checks: how the program feeds it, and how its worker runs.
 
-The worker gets the same values without the checks (`shared.config`), which need numpy.
+The worker gets the same values without the checks (`shared.config`), because these need numpy.
 """
 
 from __future__ import annotations
@@ -54,18 +54,18 @@ class LaneOptions(WorkerSettings):
     """How a stream's worker runs.
 
     Attributes:
-        lane: "process" for one of its own, which nothing in the program can delay; "thread" for
-            light use, or where no process can be started.
-        cpus: processors that the worker may use; none given: all.
-        priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none. None: a
-            worker with a process of its own takes the lowest by itself, where the system allows it,
-            once it is woken late; it loses it if it ever works for 50 ms without a wait, or uses
-            more than half of a processor.
-        spin: how long before each tick to watch the clock instead of sleeping [s]. It costs
-            that share of a processor and takes the system's wake-up time out of the lateness.
-        timeout: most time for one answer of the controller [s].
-        connect_timeout: most time to connect, and for the worker to start [s].
-        watch: time between two looks at whether the controller still follows [s]; 0: never.
+        lane: "process" for a separate process, which the program cannot delay; "thread" for light
+            use, or if no process can be started.
+        cpus: processors that the worker may use; empty: all.
+        priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none. None: if the
+            system allows it, a worker in a separate process takes the lowest priority by itself
+            when it is woken late; it loses the priority if it works for 50 ms without a wait, or
+            uses more than half of a processor.
+        spin: time before each tick in which the worker polls the clock instead of sleeping [s]. It
+            costs that share of a processor and removes the system's wake-up delay.
+        timeout: time-out of one answer of the controller [s].
+        connect_timeout: time-out of the connection, and of the worker's start [s].
+        watch: time between two polls whether the controller still follows [s]; 0: never.
     """
 
     def __post_init__(self) -> None:
@@ -78,7 +78,7 @@ class LaneOptions(WorkerSettings):
 
 
 class FeedingOptions(TypedDict, total=False):
-    """Keywords of every stream that says how its program feeds it; `Feeding` describes them."""
+    """Keywords for how the program feeds a stream; `Feeding` describes them."""
 
     source_rate: float | None
     latest: bool
@@ -88,13 +88,13 @@ class FeedingOptions(TypedDict, total=False):
 
 
 class PacedOptions(FeedingOptions, total=False):
-    """The same for streams that choose their own rate to the controller."""
+    """The same keywords for streams whose rate to the controller can be chosen."""
 
     rate: float
 
 
 class ServoOptions(PacedOptions, total=False):
-    """The same for streams of places, which also take chunks of actions."""
+    """The same keywords for streams of positions, which also take chunks of actions."""
 
     chunks: bool
     blend: float
@@ -102,22 +102,22 @@ class ServoOptions(PacedOptions, total=False):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Feeding(FeedingSettings):
-    """How the program feeds a stream, and what becomes of it.
+    """How the program feeds a stream, and how targets are processed.
 
     Attributes:
-        rate: set-points that are sent to the controller per second [Hz].
-        source_rate: targets that the program sends per second [Hz]; None: as many as `rate`
-            without up-sampling, else measured.
-        latest: only the newest target counts, and `send` never waits; otherwise every one
-            counts, and `send` waits while enough are queued.
-        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        rate: set-points sent to the controller per second [Hz].
+        source_rate: targets that the program sends per second [Hz]; None: measured with `latest`,
+            otherwise as many as `rate`.
+        latest: whether only the newest target counts, and `send` never waits; otherwise every
+            target counts, and `send` waits while enough are queued.
+        upsample: how targets are up-sampled to `rate`: "none", "linear", "cubic" or "ruckig".
         hold: time without a target after which the stream ends [s].
         ahead: targets that `send` queues before it waits; None: those of 50 ms.
         max_step: largest step between two targets, per group [rad, m]; empty: not checked.
-        reach: how far the first target may be from where the arm is, per group [rad, m].
-        chunks: the program sends chunks of actions by `send_chunk`, `source_rate` of them per
-            second.
-        blend: time in which a newer chunk takes over from an older one [s].
+        reach: largest distance of the first target from the arm, per group [rad, m].
+        chunks: whether the program sends chunks of actions by `send_chunk`, with `source_rate`
+            actions per second.
+        blend: time of the transition from an older chunk to a newer one [s].
     """
 
     def __post_init__(self) -> None:
@@ -159,7 +159,7 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
     """A limit for each group, from one number or one per group.
 
     Raises:
-        ParameterError: it is not that, or not above zero.
+        ParameterError: the value has another shape, or is not above zero.
     """
     one: Any = value
     if isinstance(value, (list, tuple, np.ndarray)):
@@ -170,10 +170,10 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
 
 
 def checked(options: LaneOptions | None) -> LaneOptions:
-    """The options of a worker, the usual ones for None.
+    """The options of a worker; the defaults for None.
 
     Raises:
-        ParameterError: they are something else.
+        ParameterError: `options` has another type.
     """
     if options is None:
         return LaneOptions()

@@ -30,7 +30,7 @@ CYCLE = 0.001
 _DEPTH = Integer(2, 1000, "points", source="1.3.15")
 _Limit = float | tuple[float, float]
 
-#: by mode: field of the point, whether it is of joints, its meaning, where the arm is read, check
+#: by mode: field of the point, whether it is in joints, meaning, call that reads the arm, check
 _MODES: dict[
     RealtimeMode,
     tuple[str, bool, Meaning, list[str], Callable[[str, VectorLike], list[float]]],
@@ -55,13 +55,13 @@ _MODES: dict[
 
 
 class RealtimeStreams:
-    """Streams through the queue from which the controller takes a point every millisecond.
+    """Streams through the queue, from which the controller takes one point per millisecond.
 
         async with robot.realtime.stream("joint_position", v=1.0, a=5.0) as stream:
             await stream.play(trajectory, times)
 
-    The worker keeps the controller's queue at a depth: it is what the network and this machine
-    may be late without the arm noticing, and it is the latency of the stream.
+    The worker keeps the controller's queue at a depth. The depth is the time by which the network
+    and this machine may be late without an effect on the arm, and it is the stream's latency.
 
     Args:
         endpoint: the controller.
@@ -90,32 +90,31 @@ class RealtimeStreams:
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
 
         Args:
-            mode: "joint_position", "joint_velocity", "pose" or "twist". Torques are not
-                streamed: manual 3.8 calls their field reserved, and no end of such a stream
-                could be called safe.
+            mode: "joint_position", "joint_velocity", "pose" or "twist". Torques cannot be streamed:
+                manual 3.8 calls their field reserved, and such a stream has no safe end.
             v: largest speed: of each joint [rad/s], or of the tool and its turning
                 [m/s, rad/s].
             a: largest acceleration: of each joint [rad/s²], or of the tool [m/s², rad/s²].
             jerk: largest jerk, for upsample="ruckig"; None: 10 a.
-            frame: of "twist" alone: along and about whose axes it is: "wobj", the work object in
-                use, as the controller takes it; "base" (z is up where the arm stands on a floor);
-                or "tool". None: "wobj". The worker turns it as it fills the queue; the tool's
-                orientation is then at most 10 ms old, and `depth` milliseconds older when the
-                controller carries the speed out.
+            frame: only for "twist": the frame whose axes it refers to: "wobj", the work object in
+                use, as the controller takes it; "base" (z is up if the arm stands on a floor); or
+                "tool". None: "wobj". The worker rotates the twist when it fills the queue. The
+                tool's orientation is then at most 10 ms old, and `depth` milliseconds older when
+                the controller executes the twist.
             depth: points to keep in the controller's queue; each is one millisecond.
-            period: time between two looks at the queue [s].
-            filter_bandwidth: of the controller's filter of the points [Hz].
+            period: time between two polls of the queue [s].
+            filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
             com_lost_time: time with an empty queue after which the controller faults [s].
             max_step: largest step between two set-points [rad], or [m, rad].
-            reach: how far the arm may be from the first set-point [rad], or [m, rad].
-            options: how the worker runs; None: in a process of its own.
-            feeding: how the program feeds it: `source_rate`, set-points per second [Hz], 1000 of
-                them if left out; `latest`, `upsample`, `ahead` as for `robot.servo`; `hold`, time
-                without a set-point after which the stream ends [s], 0.5 for positions and 0.1 for
-                speeds, which go on that long.
+            reach: largest distance of the arm from the first set-point [rad], or [m, rad].
+            options: how the worker runs; None: in a separate process.
+            feeding: how the program feeds it: `source_rate`, set-points per second [Hz], by default
+                1000, or measured with `latest`; `latest`, `upsample`, `ahead` as for `robot.servo`;
+                `hold`, time without a set-point after which the stream ends [s], 0.5 for positions
+                and 0.1 for speeds, which continue for that time.
 
         Returns:
-            The stream; its set-points are what the mode says.
+            The stream; its set-points are those of the mode.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -165,7 +164,7 @@ def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
     names = {known.name.lower(): known for known in _MODES}
     chosen: Any = names.get(mode) if isinstance(mode, str) else mode
     known = isinstance(chosen, int) and not isinstance(chosen, bool) and chosen in _MODES
-    if not known:  # torques, too: nothing would hold the arm
+    if not known:  # torques are refused, too: they would not hold the arm
         raise ParameterError("mode", mode, f"one of {', '.join(names)}")
     return RealtimeMode(chosen)
 

@@ -1,4 +1,4 @@
-"""What a stream did and how well: one frozen value, as text, as a table, as JSON, as a figure."""
+"""The statistics of a stream: one frozen value, as text, as a table, as JSON, as a figure."""
 
 from __future__ import annotations
 
@@ -34,36 +34,37 @@ _PERCENTILES = (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max"
 
 
 class StreamStatistics(NamedTuple):
-    """Figures of one stream, at one moment.
+    """Statistics of one stream at one moment.
 
     Attributes:
         state: state of the stream.
-        reason: why it ended, or ends.
+        reason: why it ended, or is ending.
         ticks: ticks of the worker.
         sent: set-points sent to the controller.
-        missed: ticks that were skipped, since the worker or the controller was not ready in time.
-        starved: ticks in which the arm moved, and no set-point was there though one was due.
+        missed: ticks that were skipped, because the worker or the controller was not ready in time.
+        starved: ticks in which the arm moved, a set-point was due and none had arrived; for the
+            track pool, polls at which it was empty before the program had closed the stream.
         limited: ticks in which the limits kept the arm from its target.
-        overwritten: set-points that newer ones replaced before they were taken.
-        drained: times at which the controller's queue was found empty.
+        overwritten: set-points that newer ones replaced before the worker took them.
+        drained: how often the controller's queue was found empty.
         queued: set-points of the program that wait in the worker's ring.
-        depth: points in the controller's queue when last looked at.
-        memory: size of the worker's process at its end [bytes]; 0 before, and for a thread.
+        depth: points in the controller's queue at the last poll.
+        memory: peak size of the worker's process [bytes]; 0 before its end, and for a thread.
         chunks: chunks of actions that the worker has taken.
-        chunks_late: of these, chunks that came when the time of some of their actions had passed.
-        chunks_dropped: of these, chunks that came when the time of all their actions had passed.
-        actions_late: actions that came when their time had passed.
-        exhausted: times at which the actions were at their end and no chunk was there.
-        unmet: what was asked of the system and not allowed.
-        priority: the worker's priority for real time; 0: none.
-        lateness: how late ticks began, those that were skipped included [s].
+        chunks_late: of these, chunks some of whose actions were already past.
+        chunks_dropped: of these, chunks all of whose actions were already past.
+        actions_late: actions that arrived after their time.
+        exhausted: how often the actions ran out before a new chunk arrived.
+        unmet: requests that the system did not allow.
+        priority: the worker's real-time priority; 0: none.
+        lateness: how late ticks began, skipped ticks included [s].
         interval: time between two ticks [s].
-        round_trip: time from a set-point sent to its answer [s].
+        round_trip: time from sending a set-point to its answer [s].
         work: time of all work in a tick [s].
-        age: time from a set-point sent by the program to taken by the worker [s].
-        queue: points in the controller's queue each time that it was looked at.
-        buckets: the histograms behind these percentiles: by name the lowest value, the next
-            bucket's, and the count; nanoseconds or points.
+        age: time from sending a set-point in the program until the worker takes it [s].
+        queue: points in the controller's queue at each poll.
+        buckets: the histograms behind these percentiles: by name, a list of lowest value, lowest
+            value of the next bucket, and count; in nanoseconds or points.
     """
 
     state: StreamState
@@ -95,7 +96,7 @@ class StreamStatistics(NamedTuple):
 
     @classmethod
     def of(cls, host: WorkerHandle) -> StreamStatistics:
-        """Read them from the memory that the worker writes."""
+        """Read the statistics from the memory that the worker writes."""
         block = host.block
         words = block.status
         times = {
@@ -147,7 +148,7 @@ class StreamStatistics(NamedTuple):
         return f"{self.chunks} chunks ({self.chunks_late} late, {self.chunks_dropped} dropped), "
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as plain values, for JSON."""
+        """All fields as plain values, for JSON."""
         found: dict[str, Any] = {}
         for name, value in self._asdict().items():
             match value:
@@ -160,7 +161,7 @@ class StreamStatistics(NamedTuple):
         return found
 
     def save(self, path: str | Path) -> None:
-        """Write them as JSON, from which `aioduco plot` draws a figure."""
+        """Write the statistics as JSON, from which `aioduco plot` draws a figure."""
         Path(path).write_text(json.dumps(self.as_dict(), indent=1) + "\n", encoding="utf-8")
 
     def __rich__(self) -> Table:
@@ -190,8 +191,8 @@ class StreamStatistics(NamedTuple):
 
 
 def times_table(title: str, rows: Sequence[tuple[str, Percentiles]]) -> Table:
-    """A table for `rich` of what takes how long."""
-    from rich.table import Table  # noqa: PLC0415 - only for those who print it
+    """A table of percentiles of times, for `rich`."""
+    from rich.table import Table  # noqa: PLC0415 - needed only to print
 
     table = Table(title=title, title_justify="left")
     for column in ("", "p50", "p99", "p99.9", "max"):
@@ -206,14 +207,14 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
     """Draw the histograms of a stream as a PNG, on logarithmic scales. Needs matplotlib.
 
     Args:
-        statistics: the statistics, or what `StreamStatistics.save` wrote, read back.
-        path: where to write the figure.
+        statistics: the statistics, or the parsed JSON that `StreamStatistics.save` wrote.
+        path: file for the figure.
 
     Raises:
         MissingExtra: matplotlib is not installed.
     """
     try:
-        from matplotlib.figure import Figure  # noqa: PLC0415 - only for those who plot
+        from matplotlib.figure import Figure  # noqa: PLC0415 - needed only to plot
     except ModuleNotFoundError as exc:
         raise MissingExtra("a plot", "matplotlib", "plot") from exc
 
@@ -245,10 +246,10 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
 
 
 def _draw(axes: Any, buckets: Sequence[Sequence[int]], *, scale: float, log: bool) -> None:
-    """One histogram; buckets are put together so that the bars can be seen."""
+    """Draw one histogram; buckets are merged so that the bars are visible."""
     bars: dict[int, tuple[float, float, int]] = {}
     for low, high, count in buckets:
-        # Eight bars per octave of times; depths are few, so each has its own.
+        # Eight bars per octave of times; there are few depths, so each has a bar.
         place = round(8 * math.log2(max(low, 1))) if log else low
         before = bars.get(place, (low * scale, high * scale, 0))
         bars[place] = (before[0], high * scale, before[2] + count)

@@ -1,4 +1,4 @@
-"""Trajectories given by points and times, read at other times."""
+"""Trajectories that are given by points and times, sampled at other times."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ __all__ = ["Spline", "sampled"]
 class Spline:
     """A curve through points at given times, per axis: cubic, or of fifth order.
 
-    Without velocities it is monotone between the points (Fritsch and Carlson): it overshoots
-    none of them. With velocities it has them at the points, with accelerations these as well.
+    Without velocities it is monotone between the points (Fritsch and Carlson), so it overshoots
+    none of them. With velocities, and with accelerations, it has these values at the points.
 
     Args:
         times: rising times [s]. Shape (n,).
@@ -49,11 +49,11 @@ class Spline:
         return float(self.times[-1] - self.times[0])
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Positions at some times; before and after the curve its ends. Shape (m, k)."""
+        """Positions at given times; outside of the curve its ends. Shape (m, k)."""
         return self._evaluate(times)[0]
 
     def velocity(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Velocities at some times, zero outside of the curve. Shape (m, k)."""
+        """Velocities at given times, zero outside of the curve. Shape (m, k)."""
         inside = (times >= self.times[0]) & (times <= self.times[-1])
         return np.asarray(np.where(inside[:, None], self._evaluate(times)[1], 0.0))
 
@@ -90,7 +90,7 @@ class Spline:
 
 
 def _monotone(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Velocities at the points, at rest at both ends, with which no point is overshot."""
+    """Velocities at the points that overshoot none of them, with rest at both ends."""
     velocities = np.zeros_like(points)
     if len(times) < 3:
         return velocities
@@ -111,14 +111,14 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArr
     Args:
         space: the space of the points.
         trajectory: the points. Shape (n, 6).
-        times: when each is due, rising [s]. Shape (n,). None: one per interval.
+        times: due time of each point, rising [s]. Shape (n,). None: one point per interval.
         interval: time between two set-points [s].
 
     Returns:
         The set-points, from the first point to the last. Shape (m, 6).
 
     Raises:
-        ParameterError: the shapes do not fit, a number is not finite, or times do not rise.
+        ParameterError: the shapes do not match, a number is not finite, or times do not rise.
     """
     points = _floats("trajectory", trajectory)
     if points.ndim != 2 or points.shape[1] != 6 or not len(points):
@@ -144,7 +144,7 @@ def _poses(
     moments: NDArray[np.float64],
     at: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Positions by a monotone curve, orientations by the shortest turn from one to the next."""
+    """Positions on a monotone curve, orientations by the shortest turn between two points."""
     placed = Spline(moments, points[:, :3]).at(at)
     if len(points) == 1:
         return np.repeat(points, len(at), axis=0)

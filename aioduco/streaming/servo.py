@@ -28,13 +28,13 @@ _Pair = tuple[float, float]
 
 
 class OffsetStream(Stream):
-    """A stream of offsets of the tool, each from where the one before led to."""
+    """A stream of offsets of the tool, each relative to the end of the one before."""
 
     def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
-        """Where an offset leads to, from where the tool is at the stream's start.
+        """Add an offset to the earlier ones, relative to the tool at the stream's start.
 
-        By the axes of the tool at that time; or, if offsets are given in another frame, by those
-        of that frame.
+        The axes are those of the tool at that time, or those of the frame in which offsets are
+        given.
         """
         space = POSE_SPACE
         start, offset = space.decode(self._last or (0.0,) * 6), space.decode(values)
@@ -50,9 +50,9 @@ class OffsetStream(Stream):
             point: the offset (x, y, z [m], rx, ry, rz [rad]). Shape (6,).
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            ParameterError: it is not allowed; nothing was sent, and the stream continues.
             SetPointTooFar: it is larger than the stream allows; nothing was sent.
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         await super().send(self._placed(tuple(self._check("point", point))))
 
@@ -61,11 +61,11 @@ class OffsetStream(Stream):
 
         Args:
             trajectory: the offsets. Shape (n, 6).
-            times: not taken: an offset says how far, not when.
+            times: not accepted: an offset is a distance without a time.
 
         Raises:
             ParameterError: an offset is not allowed, or times were given.
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         if times is not None:
             raise ParameterError("times", times, "left out: an offset says how far, not when")
@@ -81,23 +81,23 @@ class Servo(ManualNames):
             async for tick in stream.ticks():
                 await stream.send(policy(tick.time))
 
-    All of them move each joint by itself to the newest set-point. Only one stream may be open on
-    a robot, and no other motion goes on meanwhile.
+    All of them move each joint separately to the newest set-point. Only one stream may be open on a
+    robot, and no other motion may run at the same time.
 
-    How the program feeds a stream is said by keywords that all of them take:
+    All of them take these keywords for how the program feeds the stream, here with their defaults:
 
         rate: set-points per second to the controller [Hz]; 500.
         source_rate: targets per second from the program [Hz]; as many as `rate`, or measured.
-        latest: whether only the newest target counts, and `send` never waits; no.
-        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        latest: whether only the newest target counts, and `send` never waits; False.
+        upsample: up-sampling of targets to `rate`: "none", "linear", "cubic" or "ruckig"; "none".
         hold: time without a target after which the stream ends [s]; 0.5.
         ahead: targets queued before `send` waits; those of 50 ms.
 
-    Those of places (all but `tcp_offset`) also take chunks of actions, by `Stream.send_chunk`:
+    Streams of positions (all but `tcp_offset`) also take chunks of actions, by `Stream.send_chunk`:
 
-        chunks: whether the program sends chunks, `source_rate` actions per second; no. They need
-            upsample="ruckig", which keeps the limit of jerk, or "cubic".
-        blend: time in which a newer chunk takes over from an older one [s]; 0.1.
+        chunks: whether the program sends chunks, `source_rate` actions per second; False. They need
+            upsample="ruckig", which keeps the jerk limit, or "cubic".
+        blend: time of the transition from an older chunk to a newer one [s]; 0.1.
 
     Args:
         endpoint: the controller.
@@ -128,9 +128,9 @@ class Servo(ManualNames):
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
             max_step: largest step of a joint between two targets [rad].
-            reach: how far each joint may be from the first target [rad].
+            reach: largest distance of each joint from the first target [rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -180,16 +180,16 @@ class Servo(ManualNames):
             v: largest speed of each joint, for the controller, 0.000175 to 3.93 [rad/s].
             a: largest acceleration of each joint, for the controller, from 0.000175 [rad/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
-            acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+            acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
+            jerk: largest jerk of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             q_near: joint angles that choose the solution [rad]; None: the present ones.
             tool: name of the tool; empty: the one in use.
             wobj: name of the work object; empty: the one in use.
             max_step: largest step between two targets [m, rad].
-            reach: how far the tool may be from the first target [m, rad].
+            reach: largest distance of the tool from the first target [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -232,20 +232,20 @@ class Servo(ManualNames):
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
 
-        Manual 3.8 gives `v` and `a` as joint speeds, manual 4.3 as those of the tool; what is
-        allowed here lies within both. The other arguments are those of `pose`.
+        Manual 3.8 gives `v` and `a` for the joints, manual 4.3 for the tool; the ranges here lie
+        within both. The other arguments are those of `pose`.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
-            acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³].
+            acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
+            jerk: largest jerk of the tool [m/s³] and of its turning [rad/s³].
             q_near: joint angles that choose the solution [rad].
             tool: name of the tool.
             wobj: name of the work object.
             max_step: largest step between two targets [m, rad].
-            reach: how far the tool may be from the first target [m, rad].
+            reach: largest distance of the tool from the first target [m, rad].
             gains: how closely the controller follows.
             options: how the worker runs.
             feeding: how the program feeds it, see above.
@@ -289,29 +289,28 @@ class Servo(ManualNames):
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
 
-        The controller takes offsets in the tool's frame. With `frame` the worker turns them: it
-        reads the tool's orientation once, as the first offset is due and the arm stands, and
-        reckons from there, so that no offset depends on how old a reading is.
+        The controller takes offsets in the tool's frame. With another `frame` the worker rotates
+        them: it reads the tool's orientation once, when the first offset is due and the arm stands
+        still, and computes from there, so that no offset depends on the age of a reading.
 
-        The controller counts an offset from its last target, so offsets add up, and each is
-        carried out once: when no more of them come, the arm stands where they led to. The worker
-        spreads them over the ticks that the limits ask for. With `latest`, offsets that are not
-        sent yet add up.
+        The controller applies an offset to its last target, so offsets add up, and each is executed
+        once: when no more offsets come, the arm stops at their sum. The worker spreads them over as
+        many ticks as the limits require. With `latest`, offsets that are not sent yet add up.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
-            acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+            acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
+            jerk: largest jerk of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             tool: name of the tool; empty: the one in use.
-            frame: along and about whose axes an offset is: "tool", "base" (z is up where the arm
-                stands on a floor) or "wobj", a work object. It turns the tool about its tip.
+            frame: frame whose axes an offset refers to: "tool", "base" (z is up if the arm stands
+                on a floor) or "wobj", a work object. An offset turns the tool about its tip.
             wobj: name of the work object; empty: the one in use.
-            max_step: largest offset, and largest turn of one [m, rad].
+            max_step: largest translation and largest rotation of one offset [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -337,7 +336,7 @@ class Servo(ManualNames):
 
 
 def _calls(function: str, motion: list[Any], frames: list[str], gains: ServoGains | None) -> Calls:
-    """The calls of a servo: speeds first, then frames, `block`, and the gains."""
+    """The calls of a servo stream: speeds first, then frames, `block`, and the gains."""
     gains = ServoGains() if gains is None else gains
     if not isinstance(gains, ServoGains):
         raise ParameterError("gains", gains, "ServoGains, or None")
@@ -346,7 +345,7 @@ def _calls(function: str, motion: list[Any], frames: list[str], gains: ServoGain
 
 
 def _fed(feeding: ServoOptions | PacedOptions, max_step: _Pair, reach: _Pair) -> Feeding:
-    # either is the first with some keys left out, which type checkers do not see
+    # `PacedOptions` is `ServoOptions` with some keys left out, which type checkers cannot infer
     given = cast("ServoOptions", feeding)
     return Feeding(
         **given,

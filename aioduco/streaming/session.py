@@ -1,10 +1,10 @@
-"""One worker from its start to its end, as the robot and its supervision see it.
+"""One worker from its start to its end, for the robot and its supervision.
 
 Guarantees:
-- Leaving returns only when the worker can send nothing any more, and the arm has been seen to stand
-  or been told to stop. Cancelling the one who leaves, once or more, does not cut that short.
-- A worker that is gone without a word, or does not end in time, is followed by a stop of the robot
-  on another connection. So is a worker that this program cannot look after any more.
+- `Session.close` returns only when the worker can send nothing any more, and the arm was observed
+  at rest or a stop was sent. Cancelling the caller, once or more, does not cut this short.
+- If the worker ends without giving a reason, or does not end in time, the session stops the robot
+  on another connection. It does the same if the program cannot supervise the worker any more.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ if TYPE_CHECKING:
 
 __all__ = ["Session"]
 
-_HALTED = 2.0  # seconds for a worker to end that was told to send nothing more
-_KILLED = 1.0  # seconds for a process that was killed to be gone
+_HALTED = 2.0  # seconds within which a halted worker must end
+_KILLED = 1.0  # seconds within which a killed process must end
 _SIGNS = 10  # signs of life of the event loop per stall limit
-_SIGN_EVERY = 0.1  # seconds between two of them at most
+_SIGN_EVERY = 0.1  # longest time between two signs of life [s]
 
 
 class Session:
-    """The life of one stream.
+    """The life cycle of one stream.
 
     Args:
-        endpoint: where it leads to.
-        config: all that its worker is told.
+        endpoint: the robot to which the stream sends.
+        config: the configuration of its worker.
     """
 
     def __init__(self, endpoint: StreamEndpoint, config: WorkerConfig) -> None:
@@ -55,7 +55,7 @@ class Session:
         self._config = config
         self._owner_loop = OwnerLoop("the stream", moves=False)
         self._background = BackgroundTasks(self._crashed)
-        #: stops the robot when a part of the other has failed
+        #: tasks that stop the robot after a task of `_background` has failed
         self._rescue = BackgroundTasks(self._not_rescued)
         self._fault = ""
         self._minded = anyio.Event()
@@ -70,11 +70,11 @@ class Session:
         where = "process" if self._options.lane == "process" else "thread"
         return f"<Stream {self.name} {self.rate:g} Hz in a {where}, {self.state.name}{end}>"
 
-    # -- what is known of it -------------------------------------------------------------------
+    # -- status --------------------------------------------------------------------------------
 
     @property
     def name(self) -> str:
-        """What the stream is called, mostly by its function of the wire."""
+        """Name of the stream, usually its function of the wire."""
         return self._config.sent.name
 
     @property
@@ -91,7 +91,7 @@ class Session:
 
     @property
     def reason(self) -> Reason:
-        """Why it ended, or ends."""
+        """Why it ended, or is ending."""
         if self._fault:
             return Reason.FAILED
         return Reason.NONE if self.host is None else self.host.reason
@@ -106,13 +106,13 @@ class Session:
 
     @property
     def taken(self) -> int:
-        """How many of the program's set-points the worker has taken."""
+        """Number of the program's set-points that the worker has taken."""
         if self.host is not None and self._final is None:
             self._taken = self.host.block.ring.read
         return self._taken
 
     def statistics(self) -> StreamStatistics:
-        """Read the figures as they are now, or as they were at the end.
+        """Read the present statistics, or those at the end of the stream.
 
         Raises:
             StreamClosed: the stream was never opened.
@@ -124,10 +124,10 @@ class Session:
         return StreamStatistics.of(self.host)
 
     def check_end(self) -> None:
-        """Raise what the end of the stream means; nothing if there is none, or it was closed.
+        """Raise the error for the end of the stream, unless it is open or was closed.
 
         Raises:
-            StreamError: says why it ended.
+            StreamError: the stream has ended; the error says why.
         """
         if self.host is None:
             return
@@ -140,8 +140,8 @@ class Session:
         """The worker, if set-points can be sent to it.
 
         Raises:
-            StreamClosed: it is not open, or was closed.
-            StreamError: the stream has ended; says why.
+            StreamClosed: the stream is not open, or was closed.
+            StreamError: the stream has ended; the error says why.
         """
         if self.host is None:
             raise StreamClosed("the stream is not open: use it in `async with`")
@@ -151,10 +151,10 @@ class Session:
             raise StreamClosed("the stream was closed, and takes no set-points any more")
         return self.host
 
-    # -- its life ------------------------------------------------------------------------------
+    # -- life cycle ----------------------------------------------------------------------------
 
     async def open(self) -> None:
-        """Start the worker and see it connected.
+        """Start the worker and wait until it is connected.
 
         Raises:
             RobotStateError: another stream is open, or something moves the arm.
@@ -170,7 +170,7 @@ class Session:
                 self._config = replace(self._config, envelope=envelope)
         if self._endpoint.admit is not None:
             await self._endpoint.admit(self.name)
-        # Nothing may be awaited here, or a motion could be sent in between.
+        # Nothing may be awaited here; otherwise a motion could be sent in between.
         self._endpoint.streams.add(self)
         try:
             await self._start()
@@ -198,7 +198,7 @@ class Session:
         self._background.start(self._live(host), f"aioduco {self.name} sign of life")
         await host.until_ready(self._options.connect_timeout)
         if self._halted:
-            # The robot was stopped before there was a worker to be told of it.
+            # The robot was stopped before the worker existed, so the command is sent now.
             host.command(StreamCommand.HALT)
             await host.until_gone()
         if host.gone:
@@ -207,10 +207,10 @@ class Session:
             raise LaneFailed("the stream's lane did not get ready in time; nothing was sent")
 
     async def close(self, *, at_once: bool) -> None:
-        """End the stream and see its worker go.
+        """End the stream and wait until its worker has ended.
 
         Args:
-            at_once: bring the arm to rest now, instead of at the last set-point.
+            at_once: whether to bring the arm to rest now, instead of at the last set-point.
 
         In a forked child this does nothing.
         """
@@ -227,7 +227,7 @@ class Session:
             raise cancelled
 
     async def _end(self) -> None:
-        """Have the worker end, whatever it takes, and keep its figures. Safe to do twice."""
+        """End the worker, by force if necessary, and keep its statistics. Safe to do twice."""
         host = self.host
         if host is not None and self._final is None:
             if not host.gone:
@@ -246,7 +246,7 @@ class Session:
             if host.gone:
                 host.release()
         if host is not None and host.gone:
-            # A worker that died may be followed by a stop, which has a deadline of its own.
+            # After a worker that died, `_mind` may still stop the robot; that stop has a deadline.
             await self._minded.wait()
         with anyio.move_on_after(self._patience):
             await self._rescue.ended()
@@ -255,18 +255,18 @@ class Session:
         self._endpoint.streams.remove(self)
 
     async def _mind(self, host: WorkerHandle) -> None:
-        """Hear from the worker to its end; stop the robot if it went without a word."""
+        """Listen to the worker until it ends; stop the robot if it gave no reason."""
         try:
             await host.listen(self._patience + 20 * self._config.period)
         except Exception as error:
-            # At once: the worker sees that nobody hears it, and would give that as its reason.
+            # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
         if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 
     async def _live(self, host: WorkerHandle) -> None:
-        """Show the worker that the event loop runs and the heartbeat beats."""
+        """Give the worker signs of life: the event loop runs and the heartbeat beats."""
         every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
         due = anyio.current_time()
         while not host.gone:
@@ -275,13 +275,13 @@ class Session:
             await anyio.sleep_until(due)
 
     def _crashed(self, error: BaseException) -> None:
-        """What looks after the worker failed: the worker ends, and the robot is stopped."""
+        """End the worker and stop the robot, because a task that supervises the worker failed."""
         if self._fault or self.host is None:
-            return  # it is being done
+            return  # it is already in progress
         self._fault = f"what looks after it failed: {error!r}"
         stop = self._endpoint.stop
         if stop is None:
-            # Nobody but the worker can bring the arm to rest.
+            # Only the worker can bring the arm to rest.
             self.host.command(StreamCommand.ABORT)
             patience = self._patience
         else:
@@ -291,48 +291,48 @@ class Session:
         self._rescue.start(self.host.bury(patience), f"aioduco end of {self.name}")
 
     async def _stop_robot(self, stop: Callable[[str], Awaitable[object]]) -> None:
-        # `stop` says itself, to its own caller, when it cannot be confirmed; here is nobody to
-        # tell but the one who meets the worker's death.
+        # `stop` raises if the stop cannot be confirmed. This task has no caller that could handle
+        # the error; the user of the stream gets the error for the worker's end.
         with contextlib.suppress(DucoError):
             await stop(self._config.sent.ending)
 
     def _not_rescued(self, error: BaseException) -> None:
-        """Even that failed: the end of the worker's process is all that is left."""
+        """Kill the worker's process, because the rescue failed too."""
         self._fault = f"{self._fault}, and then {error!r}"
         if self.host is not None:
             self.host.kill()
 
     @property
     def _patience(self) -> float:
-        """How long the worker may take to bring the arm to rest, and to say good-bye [s]."""
+        """Time within which the worker must bring the arm to rest and end [s]."""
         limits = self._config.sent.limits
         braking = max(v / a for v, a in zip(limits.velocity, limits.acceleration, strict=True))
         return 8.0 + 2 * braking + 4 * self._options.timeout
 
-    # -- what a stop of the robot wants of it --------------------------------------------------
+    # -- for a stop of the robot ---------------------------------------------------------------
 
     @property
     def quiet(self) -> bool:
-        """Whether the worker can send nothing any more; from any thread."""
+        """Whether the worker can send nothing any more; may be read from any thread."""
         return self.host is None or self.host.silent
 
     @property
     def unanswered(self) -> bool:
-        """Whether the worker stops the arm until its last set-point cannot move it any more."""
+        """Whether the worker keeps the arm stopped until its last set-point cannot move it."""
         return self.host is not None and self._final is None and self.host.unanswered
 
     def halt(self) -> None:
-        """Send nothing more; from any thread or signal handler, at once."""
+        """Send nothing more, from now on; may be called from any thread or signal handler."""
         self._halted = True
         if self.host is not None:
             self.host.command(StreamCommand.HALT)
 
     def kill(self) -> None:
-        """End a worker that does not end by itself; one in a thread cannot be ended so."""
+        """Kill a worker's process that does not end by itself; a thread cannot be killed."""
         if self.host is not None:
             self.host.kill()
 
     async def ended(self) -> None:
-        """Wait until the stream has ended, for whatever reason, and its worker is gone."""
+        """Wait until the stream has ended, for any reason, and its worker has ended."""
         if self.host is not None and self._final is None:
             await self.host.until_gone()

@@ -22,15 +22,15 @@ __all__ = ["Speed"]
 
 
 class Speed(ManualNames):
-    """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
+    """Streams of speeds (speedj, speedl, manual 1.3.5), for example from a joystick.
 
         async with robot.speed.linear(a=0.5, frame="base", dead_man=0.2) as stream:
             async for tick in stream.ticks():
                 await stream.send(joystick())
 
-    Each call carries a time after which the controller ends the motion by itself, so an arm
-    never runs on alone: not when the program dies, nor when the cable is pulled. The stream's
-    end ramps to zero and calls speed_stop.
+    Each call carries a time after which the controller ends the motion by itself, so the arm also
+    stops when the program dies or the cable is pulled. At its end the stream ramps the speed to
+    zero and calls speed_stop.
 
     Args:
         endpoint: the controller.
@@ -57,12 +57,12 @@ class Speed(ManualNames):
 
         Args:
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; more is shortened.
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; higher speeds are limited.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
-            latest: only the newest speed counts, and `send` never waits.
+            latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
 
         Returns:
             The stream; its set-points are six joint speeds [rad/s].
@@ -102,22 +102,23 @@ class Speed(ManualNames):
         """Follow a speed of the tool (speedl, 末端速度).
 
         The controller takes the speed in the tool's frame: manual 4.3 says so, manual 3.8 says
-        nothing. With `frame` the worker turns it, by the orientation that it read from the
-        controller at most 10 ms, and the time of that call, before it sends the speed.
+        nothing. With another `frame` the worker rotates the speed. The orientation that it uses
+        was read from the controller at most 10 ms, plus the time of that call, before the speed is
+        sent.
 
         Args:
             a: largest acceleration of the tool, from 0.00001 [m/s²].
-            turn_a: largest change of the turning speed [rad/s²], kept by the worker.
-            v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
-            turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
-            frame: along and about whose axes the speed is: "tool", "base" (z is up where the arm
-                stands on a floor) or "wobj", a work object.
+            turn_a: largest change of the turning speed [rad/s²]; the worker keeps this limit.
+            v: largest speed, 0.00001 to 5 [m/s]; higher speeds are limited.
+            turn_v: largest turning speed, up to 3.93 [rad/s]; higher speeds are limited.
+            frame: frame whose axes the speed refers to: "tool", "base" (z is up if the arm stands
+                on a floor) or "wobj", a work object.
             wobj: name of the work object; empty: the one in use.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
-            latest: only the newest speed counts, and `send` never waits.
+            latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
 
         Returns:
             The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]) in `frame`.

@@ -1,4 +1,4 @@
-"""What all streams have in common, seen from the program."""
+"""The base class of all streams, for the program's end."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Stream", "Tick"]
 
-_AT_ONCE = 256  # set-points written between two looks at the event loop
-_FARTHEST = 60.0  # s from now: for a chunk further away another clock was read
+_AT_ONCE = 256  # set-points written before the event loop runs again
+_FARTHEST = 60.0  # s from now: the time of a chunk further away comes from another clock
 _AT = Number(0.0, unit="s", source="this package")
 
 
 class _Chunk(NamedTuple):
-    """A chunk as it was sent: what the next one is compared with."""
+    """A chunk that was sent, to which the next one is compared."""
 
     begin: float
     interval: float
@@ -48,7 +48,7 @@ class _Chunk(NamedTuple):
         return self.begin + (len(self.actions) - 1) * self.interval
 
     def at(self, space: Space, time: float) -> tuple[float, ...]:
-        """Where it leads to at a time."""
+        """The chunk's position at a time, as six numbers."""
         last = len(self.actions) - 1
         place = min(max((time - self.begin) / self.interval, 0.0), float(last))
         index = min(int(place), max(0, last - 1))
@@ -62,12 +62,12 @@ class Stream:
     """A stream of set-points to the controller. Use it as an async context manager.
 
     Entering starts the worker and connects it; the arm does not move before the first set-point.
-    Leaving follows what was sent to its end and leaves the arm at rest. Leaving by an error or
-    a cancellation brings the arm to rest at once.
+    Leaving follows all set-points that were sent, and the arm is then at rest. Leaving because of
+    an error or a cancellation brings the arm to rest at once.
 
     Args:
-        endpoint: where it leads to.
-        feeding: how it is fed.
+        endpoint: the robot to which the stream sends.
+        feeding: how the program feeds it.
         options: how its worker runs; None: the defaults.
         sent: what it sends to the controller.
         check: checks a set-point and returns its six numbers.
@@ -101,11 +101,11 @@ class Stream:
         self._chunks = 0
         self._sent_chunk: _Chunk | None = None
 
-    # -- what it is ----------------------------------------------------------------------------
+    # -- status --------------------------------------------------------------------------------
 
     @property
     def rate(self) -> float:
-        """Set-points that are sent to the controller per second [Hz]."""
+        """Set-points sent to the controller per second [Hz]."""
         return self._feeding.rate
 
     @property
@@ -115,7 +115,7 @@ class Stream:
 
     @property
     def reason(self) -> Reason:
-        """Why it ended, or ends."""
+        """Why it ended, or is ending."""
         return self._session.reason
 
     @property
@@ -125,21 +125,21 @@ class Stream:
 
     @property
     def taken(self) -> int:
-        """How many of the program's set-points the worker has taken."""
+        """Number of the program's set-points that the worker has taken."""
         return self._session.taken
 
     @property
     def pid(self) -> int | None:
-        """The worker's process; None for a thread, and before it is started."""
+        """Id of the worker's process; None for a thread, and before it is started."""
         return None if self._session.host is None else self._session.host.pid
 
     @property
     def quiet(self) -> bool:
-        """Whether the worker can send nothing any more; from any thread."""
+        """Whether the worker can send nothing any more; may be read from any thread."""
         return self._session.quiet
 
     def statistics(self) -> StreamStatistics:
-        """Read the figures as they are now, or as they were at the end.
+        """Read the present statistics, or those at the end of the stream.
 
         Raises:
             StreamClosed: the stream was never opened.
@@ -149,7 +149,7 @@ class Stream:
     def __repr__(self) -> str:
         return repr(self._session)
 
-    # -- its life ------------------------------------------------------------------------------
+    # -- life cycle ----------------------------------------------------------------------------
 
     async def __aenter__(self) -> Self:
         """Start the worker and connect it.
@@ -169,41 +169,41 @@ class Stream:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """End the stream and see its worker go.
+        """End the stream and wait until its worker has ended.
 
         Raises:
-            StreamError: the stream ended by something else than this, and no error is under way.
+            StreamError: the stream had ended for another reason, and the block raised no error.
         """
         await self._session.close(at_once=exc is not None)
         if exc is None:
             self._session.check_end()
 
     async def ended(self) -> None:
-        """Wait until the stream has ended, for whatever reason, and its worker is gone."""
+        """Wait until the stream has ended, for any reason, and its worker has ended."""
         await self._session.ended()
 
     def halt(self) -> None:
-        """Send nothing more; from any thread or signal handler, at once.
+        """Send nothing more, from now on; may be called from any thread or signal handler.
 
-        The arm is not decelerated by this: it is for those who stop the robot themselves.
+        This does not decelerate the arm: the caller must stop the robot itself.
         """
         self._session.halt()
 
-    # -- feeding it ----------------------------------------------------------------------------
+    # -- sending -------------------------------------------------------------------------------
 
     async def send(self, point: VectorLike) -> None:
         """Send one set-point.
 
-        The first one waits until the worker has compared it with where the arm is. Later ones
-        wait while enough are queued, or never, if the stream takes only the latest.
+        The first call waits until the worker has compared the set-point with the arm's position.
+        Later calls wait while enough set-points are queued, or never with `latest`.
 
         Args:
             point: the set-point, in the stream's units. Shape (6,).
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            ParameterError: it is not allowed; nothing was sent, and the stream continues.
             SetPointTooFar: it is too far from the one before; nothing was sent.
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         if self._feeding.chunks:
             await self.send_chunk([point])
@@ -213,31 +213,32 @@ class Stream:
         await self._feed((values,), self._feeding.queued)
 
     async def send_chunk(self, actions: Any, at: float | None = None) -> None:
-        """Send a chunk of actions; from its time on it replaces what was sent before.
+        """Send a chunk of actions; from its time on it replaces earlier chunks.
 
-        For streams opened with `chunks=True`. The actions are as far apart as `source_rate` says.
-        Where this chunk and what was sent before disagree, the worker blends from one to the
-        other within the stream's limits. Actions whose time has passed are left out, and counted:
-        `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. Behind the last action
-        the arm stands; after `hold` the stream ends.
+        For streams opened with `chunks=True`. The time between two actions is 1 / `source_rate`.
+        Where this chunk differs from the earlier ones, the worker blends from them to this one
+        within the stream's limits. Actions whose time has passed are skipped, and counted:
+        `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. After the last action
+        the arm stands still; after `hold` the stream ends.
 
         Args:
             actions: set-points in the stream's units, 1 to 1000 of them. Shape (n, 6).
-            at: when the first one is due, by `time.monotonic()`, up to 60 s from now [s]. For
-                actions of a policy that is the time of the observation. None: now.
+            at: when the first action is due, by `time.monotonic()`, up to 60 s from now [s]. For
+                actions of a policy this is the time of the observation. None: now.
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
-            SetPointTooFar: two neighbours are further from one another than `max_step`, or it is
-                further from what was sent before; nothing was sent.
-            StreamError: the stream has ended; says why.
+            ParameterError: the chunk is not allowed; nothing was sent, and the stream continues.
+            SetPointTooFar: two successive actions are further apart than `max_step`, or the chunk
+                is further than that from the earlier ones; nothing was sent.
+            StreamError: the stream has ended; the error says why.
         """
         host = self._session.alive()
         now = time.monotonic()
         chunk = self._chunk(actions, at, now)
         begin = 0 if at is None else max(1, round(at * 1e9))
         count, ring = len(chunk.actions), host.block.ring
-        # All of it or nothing: from here to the last action nothing is awaited.
+        # The chunk is written completely or not at all: after this loop nothing is awaited until
+        # the last action is written.
         while ring.level > self._feeding.capacity - count:
             await host.until_level(self._feeding.capacity - count)
             host = self._session.alive()
@@ -250,7 +251,7 @@ class Stream:
         await anyio.lowlevel.checkpoint()
 
     def _chunk(self, actions: Any, at: float | None, now: float) -> _Chunk:
-        """A chunk, checked."""
+        """Check a chunk."""
         interval = self._feeding.interval
         if not self._feeding.chunks or interval is None:
             raise ParameterError("actions", "a chunk", "sent to a stream opened with chunks=True")
@@ -277,13 +278,13 @@ class Stream:
         return chunk
 
     async def follow(self, source: AsyncIterable[VectorLike]) -> None:
-        """Send every set-point of an async iterator, to its end.
+        """Send every set-point of an async iterator until it ends.
 
         Args:
-            source: gives the set-points.
+            source: async iterator over the set-points.
 
         Raises:
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         async for point in source:
             await self.send(point)
@@ -291,34 +292,35 @@ class Stream:
     async def play(self, trajectory: Any, times: Any = None) -> None:
         """Send a whole array, and wait until the worker has taken it.
 
-        All of it is checked before any of it is sent. It is brought to the stream's rate by
-        monotone cubic interpolation, and queued as far ahead as the ring is long, so that a
-        stall of the program's event loop does not reach the arm.
+        The whole array is checked before any set-point is sent. It is sampled at the stream's rate
+        by monotone cubic interpolation, and queued up to the ring's capacity, so that a stall of
+        the program's event loop does not affect the arm.
 
         Args:
             trajectory: the set-points. Shape (n, 6).
-            times: when each is due, rising, from the first one on [s]. Shape (n,). None: one
-                for each period of the stream.
+            times: due time of each set-point, rising, relative to the first [s]. Shape (n,). None:
+                one set-point for each period of the stream.
 
         Raises:
             ParameterError: the array is not allowed; nothing was sent.
-            SetPointTooFar: two neighbours are too far from one another; nothing was sent.
-            StreamError: the stream has ended; says why.
+            SetPointTooFar: two successive set-points are too far apart; nothing was sent.
+            StreamError: the stream has ended; the error says why.
         """
         points = await self._sampled(trajectory, times)
         if self._sent.meaning != "speed":
-            # The arm stands at the last point for a tick, so the end is no lack of set-points.
+            # The arm stays at the last point for one more tick, so the end does not count as
+            # starved.
             points.append(points[-1])
         await self._feed(points, self._feeding.capacity)
         await self._taken()
 
     async def _taken(self) -> None:
-        """Wait until the worker has taken all that was sent."""
+        """Wait until the worker has taken all set-points that were sent."""
         await self._session.alive().until_level(0)
         self._session.alive()
 
     async def _sampled(self, trajectory: Any, times: Any) -> list[tuple[float, ...]]:
-        """The set-points of a trajectory, checked."""
+        """Sample a trajectory, and check its set-points."""
         interval = self._feeding.interval
         if self._feeding.latest or self._feeding.chunks or interval is None:
             raise ParameterError(
@@ -336,15 +338,15 @@ class Stream:
         return found
 
     def ticks(self, rate: float | None = None) -> AsyncIterator[Tick]:
-        """Rounds of the program's own loop, on an absolute schedule.
+        """Ticks for the program's loop, on an absolute schedule.
 
-        Ticks for which the program is not ready in time are left out, never made up for.
+        Ticks for which the program is not ready in time are skipped, never made up for.
 
         Args:
-            rate: ticks per second [Hz]; None: as many as the stream takes set-points.
+            rate: ticks per second [Hz]; None: the rate at which the stream takes set-points.
 
         Raises:
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         period = 1 / (rate or self._feeding.source_rate or self._feeding.rate)
         return Ticks(period, self._session.alive)
@@ -370,7 +372,7 @@ class Stream:
         await anyio.lowlevel.checkpoint()
 
     async def _begin(self, host: WorkerHandle) -> None:
-        """Wait, once, until the worker has compared the first set-point with where the arm is."""
+        """Wait, once, until the worker has compared the first set-point with the arm's position."""
         if not self._begun:
             await host.until_begun()
             self._session.alive()
@@ -379,7 +381,7 @@ class Stream:
     def _check_step(
         self, values: tuple[float, ...], before: Any = None, name: str = "point"
     ) -> None:
-        """See that a set-point is not too far from the one before."""
+        """Check that a set-point is not too far from the one before."""
         before = before or self._last
         limits = self._feeding.max_step
         if before is None or not limits:

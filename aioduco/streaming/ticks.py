@@ -1,4 +1,4 @@
-"""A program's own loop, on an absolute schedule."""
+"""The ticks of a program's loop, on an absolute schedule."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ __all__ = ["Tick", "Ticks"]
 
 
 class Tick(NamedTuple):
-    """One round of a program's own loop.
+    """One tick of a program's loop.
 
     Attributes:
         number: number of the tick, from 0.
         time: time since the first tick [s].
-        dt: time since the tick before, as measured [s]; the period for the first.
+        dt: measured time since the previous tick [s]; the period for the first tick.
         late: how late the tick is [s].
-        skipped: ticks left out before this one, since the program was not ready.
+        skipped: ticks skipped before this one, because the program was not ready.
     """
 
     number: int
@@ -32,13 +32,13 @@ class Tick(NamedTuple):
 
 
 class Ticks:
-    """Rounds on an absolute schedule, one for each `anext`; the first one begins it.
+    """An iterator over ticks on an absolute schedule, which begins with the first tick.
 
-    Those for which the program is not ready in time are left out.
+    A tick for which the program is not ready in time is skipped.
 
     Args:
         period: time between two ticks [s].
-        check: called before each; raises to end the ticks.
+        check: function called before each tick; it raises to end the ticks.
     """
 
     def __init__(self, period: float, check: Callable[[], object]) -> None:

@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 __all__ = ["TrackStream", "TrackStreams"]
 
 POOL = 1000  # points that fit (manual 1.3.12)
-LEAST = 10  # points to keep, for a motion without a halt (manual 1.3.12)
-_EXTRA = 512  # bytes for what is set at a point: 128 and three names of events
+LEAST = 10  # points to keep in the pool, for a motion without a halt (manual 1.3.12)
+_EXTRA = 512  # bytes for the operation of a point: 128 and three names of events
 _COUNT = Integer(LEAST, POOL, "points", source="1.3.12")
 _AHEAD = Integer(1, 16384, "points", source="this package")
-_RATE = 100.0  # points per second by which the worker's ring is sized; the arm's pace is its own
+_RATE = 100.0  # points per second, for the size of the worker's ring; not the speed of the arm
 
 
 class TrackStream(Stream):
-    """A stream into the track pool: points of a path, each perhaps with outputs to set."""
+    """A stream into the track pool: points of a path, optionally with outputs to set."""
 
     async def send(self, point: VectorLike, op: Op | None = None) -> None:
         """Send one point of the path.
@@ -41,11 +41,11 @@ class TrackStream(Stream):
 
         Args:
             point: the point, in the stream's units. Shape (6,).
-            op: what is set there; only for streams opened with `operations`.
+            op: outputs to set at the point; only for streams opened with `operations`.
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
-            StreamError: the stream has ended; says why.
+            ParameterError: an argument is not allowed; nothing was sent, and the stream continues.
+            StreamError: the stream has ended; the error says why.
         """
         values = tuple(self._check("point", point))
         self._check_step(values)
@@ -56,18 +56,18 @@ class TrackStream(Stream):
 
         Args:
             trajectory: the points. Shape (n, 6).
-            times: not taken: the controller plans the times itself, by speed and acceleration.
+            times: not accepted: the controller plans the times, from speed and acceleration.
 
         Raises:
             ParameterError: the path is not allowed, or times were given; nothing was sent.
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         if times is not None:
             raise ParameterError("times", times, "left out: the controller plans the times")
         await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
 
     async def _begin(self, host: WorkerHandle) -> None:
-        """The worker begins with the first points together, so no point waits for it alone."""
+        """Do not wait: the worker takes the first points only when there are enough of them."""
 
     def _tail(self, op: Op | None) -> bytes:
         if not self._sent.extra:
@@ -82,14 +82,14 @@ class TrackStream(Stream):
 
 
 class TrackStreams:
-    """Streams of points of a path, which the controller plans a motion through.
+    """Streams of the points of a path, through which the controller plans a motion.
 
         async with robot.track.stream("pose", speed=0.2, acc=0.5) as stream:
             for pose in path:
                 await stream.send(pose)
 
-    The worker keeps the pool between a low and a high mark. When the pool runs dry the controller
-    comes to rest at the last point by itself, and goes on when there are new ones.
+    The worker keeps the pool between a low and a high mark. When the pool is empty, the controller
+    comes to rest at the last point by itself; the worker restarts it when there are new points.
 
     Args:
         endpoint: the controller.
@@ -128,16 +128,17 @@ class TrackStreams:
             radius: blend radius between the points of a Cartesian path [m].
             tool: name of the tool; empty: the one in use. Cartesian paths only.
             wobj: name of the work object; empty: the one in use. Cartesian paths only.
-            operations: whether points come with outputs to set (trackEnqueueOp).
-            low: fill the pool up when it has fewer points; at least 10, as the manual advises.
-            high: fill it up to so many points, up to 1000.
-            period: time between two looks at the pool [s].
+            operations: whether points have outputs to set (trackEnqueueOp).
+            low: the worker fills the pool when it has fewer points; at least 10, as the manual
+                advises.
+            high: number of points to which the worker fills the pool, up to 1000.
+            period: time between two polls of the pool [s].
             hold: time with an empty pool after which the stream ends [s].
             ahead: points queued in the worker before `send` waits.
             max_step: largest step between two points [rad], or [m, rad]; None: not checked.
-            reach: how far the arm may be from the first point; None: 0.1 rad, or 0.05 m and
-                0.1 rad.
-            options: how the worker runs; None: in a process of its own.
+            reach: largest distance of the arm from the first point [rad], or [m, rad]; None: 0.1
+                rad, or 0.05 m and 0.1 rad.
+            options: how the worker runs; None: in a separate process.
 
         Returns:
             The stream.

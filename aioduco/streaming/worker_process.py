@@ -1,4 +1,4 @@
-"""The program's side of a worker: it starts the worker, hears from it, and sees it end."""
+"""The program's side of a worker: starts the worker, listens to it, and waits for its end."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ if TYPE_CHECKING:
 
 __all__ = ["WorkerHandle"]
 
-_LOOK = 0.25  # seconds between two looks at whether the worker's process stands still
-_LOOK_EVERY = 0.005  # seconds between two looks at whether a worker is gone
-_EXIT = 5.0  # seconds that a worker's process may take to go after it has said its last word
+_LOOK = 0.25  # seconds between two checks whether the worker's process hangs
+_LOOK_EVERY = 0.005  # seconds between two checks whether a worker has ended
+_EXIT = 5.0  # seconds within which a worker's process must exit after it has closed its socket
 
 
 class WorkerHandle:
-    """One worker, seen from the program.
+    """The program's handle of one worker.
 
-    The worker is a process of its own, or a thread of this one. Either way it hears of the end of
-    the program by the end of a socket, and is heard of in the same way.
+    The worker is a separate process, or a thread of this process. In both cases the worker detects
+    the end of the program by EOF on a socket, and the program detects the worker's end likewise.
 
     Args:
-        config: all that the worker is told.
-        in_thread: runs a worker to its end, given the block and its end of the socket.
+        config: the configuration of the worker.
+        in_thread: runs a worker until it ends; its arguments are the block and the worker's socket.
     """
 
     def __init__(
@@ -51,14 +51,14 @@ class WorkerHandle:
         self._link: socket.socket | None = None
         self._woken = anyio.Event()
         self._gone = False
-        # A controller that is stopping refuses a set-point that was on its way.
+        # A controller that is stopping refuses a set-point that was already sent.
         self._halted = False
         self.block: Block = Block.make(config, shared=not self._in_thread)
         self._outcome: tuple[Reason, str] | None = None
 
     @property
     def pid(self) -> int | None:
-        """The worker's process; None for a thread."""
+        """Id of the worker's process; None for a thread."""
         return None if self._process is None else self._process.popen.pid
 
     @property
@@ -78,7 +78,7 @@ class WorkerHandle:
 
     @property
     def reason(self) -> Reason:
-        """Why it ends; `LANE_DIED` if the worker went without a word."""
+        """Why it ends; `LANE_DIED` if the worker ended without giving a reason."""
         if self._outcome is not None:
             return self._outcome[0]
         if self._gone and self.block.status[StatusWord.STATE] != StreamState.ENDED:
@@ -88,12 +88,12 @@ class WorkerHandle:
 
     @property
     def gone(self) -> bool:
-        """Whether the worker is over: its thread or process does nothing any more."""
+        """Whether the worker's thread or process has ended."""
         return self._gone
 
     @property
     def text(self) -> str:
-        """Why it ended, in words."""
+        """Why it ended, as text."""
         if self._outcome is not None:
             return self._outcome[1]
         if self.reason is Reason.LANE_DIED and self._process is not None:
@@ -104,23 +104,23 @@ class WorkerHandle:
         return self.block.text
 
     def command(self, command: StreamCommand) -> None:
-        """Tell the worker what is wanted of it; from any thread or signal handler, at once.
+        """Send a command to the worker; may be called from any thread or signal handler.
 
-        A command never takes back a stronger one.
+        A command never cancels a stronger one.
         """
-        # The block may be let go of at any moment, by another thread: then the worker is gone.
+        # Another thread may release the block at any moment; the worker has then ended.
         with contextlib.suppress(ValueError):
             if command is StreamCommand.HALT and not self.reason:
                 self._halted = True
             self.block.control[command] = 1
 
     def touch(self, alive: bool = True) -> None:
-        """Show the worker that the program's event loop runs, or that it is to brake at once."""
+        """Give the worker a sign of life, or make it brake at once if `alive` is False."""
         self.block.control[ControlWord.ALIVE] = time.monotonic_ns() if alive else 0
 
     @property
     def silent(self) -> bool:
-        """Whether the worker can send nothing any more; from any thread."""
+        """Whether the worker can send nothing any more; may be read from any thread."""
         try:
             return self._gone or self.block.status[StatusWord.STATE] == StreamState.ENDED
         except ValueError:
@@ -163,11 +163,11 @@ class WorkerHandle:
         theirs.close()
 
     async def listen(self, patience: float) -> None:
-        """Hear from the worker until it is gone, and see its thread or process go.
+        """Listen to the worker until it ends, and reap its thread or process.
 
         Args:
-            patience: time after which a process that stands still is ended: nobody could stop
-                what it streams [s].
+            patience: time after which a process that hangs is killed, because it would no longer
+                react to commands [s].
         """
         assert self._link is not None
         gone = True
@@ -182,13 +182,13 @@ class WorkerHandle:
             gone = False
             raise
         finally:
-            # A worker that lives on sees by this that nobody hears it, and ends.
+            # A worker that still runs detects the closed socket, and ends.
             self._link.close()
             self._gone = self._gone or gone
             self._wake()
 
     async def bury(self, patience: float) -> None:
-        """See a worker go that was told to end, if nobody may be listening to it any more.
+        """Reap a worker that got the command to end, if `listen` may have ended before.
 
         Args:
             patience: seconds after which its process is killed.
@@ -198,7 +198,7 @@ class WorkerHandle:
         self._wake()
 
     async def _seen_off(self, patience: float) -> None:
-        # By looking: to be woken takes a descriptor, and there may be none.
+        # This polls: a wait for an event needs a descriptor, and there may be no free descriptor.
         start = anyio.current_time()
         looks = 0
         while self._alive():
@@ -210,14 +210,14 @@ class WorkerHandle:
             self._process.close()
 
     def _alive(self) -> bool:
-        """Whether its thread or process runs; a process that has ended is seen off by this."""
+        """Whether its thread or process runs; this also reaps a process that has exited."""
         if self._thread is not None:
             return self._thread.is_alive()
         return self._process is not None and self._process.popen.poll() is None
 
     @staticmethod
     async def _hear(link: socket.socket) -> bool:
-        """Wait for a word from the worker; whether there was one, and not the end."""
+        """Wait for a byte from the worker; returns False at the end of the socket's data (EOF)."""
         while True:
             await anyio.wait_readable(link)
             try:
@@ -232,7 +232,7 @@ class WorkerHandle:
         beat, number = self.beat, 0
         while True:
             number += 1
-            # A program that was itself held up looks once more before it judges.
+            # After a stall of this program, one more check follows before the worker is killed.
             await anyio.sleep_until(max(start + number * _LOOK, anyio.current_time()))
             if self.beat != beat or not self.ready:
                 beat, changed = self.beat, anyio.current_time()
@@ -244,7 +244,7 @@ class WorkerHandle:
             await self._seen_off(_EXIT)
 
     def forked(self) -> None:
-        """This is a forked child: the worker is the parent's, and its block is left alone."""
+        """Detach in a forked child: the worker belongs to the parent, and so does its block."""
         self.block = Block.make(self._config, shared=False)
         self._process = self._thread = None
         self._gone = True
@@ -252,12 +252,12 @@ class WorkerHandle:
             self._link.close()
 
     def release(self) -> None:
-        """Let go of the shared block, once the worker is gone; what it said last stays."""
+        """Release the shared block, after the worker has ended; its reason and text are kept."""
         self._outcome = self.reason, self.text
         self.block.close()
 
     def kill(self) -> None:
-        """End a worker's process that does not end by itself."""
+        """Kill a worker's process that does not end by itself."""
         if self._process is not None:
             self._process.popen.kill()
 
@@ -266,20 +266,20 @@ class WorkerHandle:
         woken.set()
 
     async def until_ready(self, timeout: float) -> None:
-        """Wait until the worker is connected, or gone."""
+        """Wait until the worker is connected, or has ended."""
         with anyio.move_on_after(timeout):
             await self._until(lambda: self.ready)
 
     async def until_begun(self) -> None:
-        """Wait until the worker has taken the first set-point, or is gone."""
+        """Wait until the worker has taken the first set-point, or has ended."""
         await self._until(lambda: self.state is not StreamState.WAITING)
 
     async def until_gone(self) -> None:
-        """Wait until the worker is gone."""
+        """Wait until the worker has ended."""
         await self._until(lambda: False)
 
     async def until_level(self, level: int) -> None:
-        """Wait until no more than so many set-points are in the ring, or the worker is gone."""
+        """Wait until at most `level` set-points are in the ring, or the worker has ended."""
         control = self.block.control
         try:
             control[ControlWord.WAKE_BELOW] = max(1, level)
@@ -296,10 +296,10 @@ class WorkerHandle:
 
 
 def _start(memory: int | str, link: socket.socket) -> Process:
-    """Start a worker's process, by a plain start of the interpreter.
+    """Start a worker's process, as a new interpreter.
 
-    No fork, so that it is small and the program may have threads; no `multiprocessing`, so that
-    scripts need no main guard and notebooks work.
+    It is not forked, so it is small and the program may have threads. It does not use
+    `multiprocessing`, so scripts need no main guard and notebooks work.
     """
     try:
         return Process("aioduco.streaming.worker.main", [link], memory=memory)

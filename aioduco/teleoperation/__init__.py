@@ -1,12 +1,13 @@
-"""Teleoperation: a keyboard, a gamepad or a SpaceMouse leads the arm, at a speed.
+"""Teleoperation: a person moves the arm at a speed by a keyboard, a gamepad or a SpaceMouse.
 
     with KeyboardDevice() as device:
         await teleoperate(robot, device, TeleopScale(speed=0.05), frame="base")
 
-`reading`, `keyboard`, `gamepad` and `spacemouse` say what the bytes of a device mean, and when its
-dead-man is held: without a device and without a clock. `devices` opens devices by plain files of
-Linux, so that nothing has to be installed. `scale` makes speeds of readings, `teleop_loop` leads an
-arm by them. `joint_target` makes joint angles of speeds, for those who record positions.
+`reading`, `keyboard`, `gamepad` and `spacemouse` interpret the bytes of a device and whether its
+dead-man switch is held, without a device and without a clock. `devices` opens devices as plain
+files of Linux, so that nothing must be installed. `scale` converts readings to speeds, and
+`teleop_loop` moves an arm with them. `joint_target` converts speeds to joint angles, for programs
+that record positions.
 """
 
 from __future__ import annotations

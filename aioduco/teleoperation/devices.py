@@ -1,4 +1,4 @@
-"""Input devices by plain files of Linux: a terminal, /dev/input/js*, /dev/hidraw*."""
+"""Input devices as plain files of Linux: a terminal, /dev/input/js*, /dev/hidraw*."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ if TYPE_CHECKING:
 
 __all__ = ["GamepadDevice", "InputDevice", "KeyboardDevice", "SpaceMouseDevice", "open_device"]
 
-_MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # both names have been on SpaceMice
+_MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # SpaceMice have been sold by both
 _MOST = 4096
 
 
 class _Meaning(Protocol):
-    """What the bytes of a device mean."""
+    """Interprets the bytes of a device."""
 
     def feed(self, data: bytes, now: float) -> None: ...
     def reading(self, now: float) -> Reading: ...
 
 
 class InputDevice:
-    """An input device that is read without waiting. Use it in `with`.
+    """An input device that is read without blocking. Use it in `with`.
 
     Args:
-        meaning: what its bytes mean, such as `Gamepad`.
-        path: its file; None for a descriptor that is open.
-        descriptor: that descriptor; it stays open.
-        whole: whether each read gives one report.
+        meaning: interprets its bytes, such as `Gamepad`.
+        path: file of the device; None: an open descriptor is used.
+        descriptor: the open descriptor; it stays open at the end.
+        whole: whether each read returns exactly one report.
     """
 
     def __init__(
@@ -87,12 +87,12 @@ class InputDevice:
             self._descriptor = -1
 
     def read(self, now: float) -> Reading:
-        """Take what the device has sent, and say what it means; it never waits.
+        """Read and interpret the bytes that the device has sent; never blocks.
 
-        A device that is gone (unplugged, a closed terminal) is not held, and done.
+        If the device is gone (unplugged, a closed terminal), the reading is not `held`, and `done`.
 
         Args:
-            now: the time, by any clock that does not go back [s].
+            now: time of any clock that does not go back [s].
         """
         while select.select([self._descriptor], [], [], 0)[0]:
             try:
@@ -120,11 +120,11 @@ def _require_files(path: str | Path | None) -> None:
 
 
 class KeyboardDevice(InputDevice):
-    """The keys of a terminal, or of what stands in its place, such as a pipe.
+    """The keys of a terminal, or of a substitute such as a pipe.
 
     Args:
-        descriptor: what is read; standard input if None is given.
-        keys: how keys are held; None: the usual times.
+        descriptor: descriptor to read; None: standard input.
+        keys: interprets the keys; None: with the default times.
     """
 
     def __init__(self, descriptor: int | None = None, keys: Keyboard | None = None) -> None:
@@ -132,10 +132,10 @@ class KeyboardDevice(InputDevice):
         super().__init__(keys or Keyboard(), descriptor=-1 if descriptor is None else descriptor)
 
     def __enter__(self) -> Self:
-        """Have the terminal give each key at once, and not show it.
+        """Set the terminal to return each key at once, without echo.
 
         Raises:
-            ParameterError: the system has no terminal that can be read so.
+            ParameterError: the system has no terminal that can be read in this way.
         """
         _require_files("keyboard")
         import termios  # noqa: PLC0415 - not on every system
@@ -154,7 +154,7 @@ class KeyboardDevice(InputDevice):
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Have the terminal as it was."""
+        """Restore the terminal's settings."""
         if self._before is not None:
             import termios  # noqa: PLC0415
 
@@ -166,8 +166,8 @@ class GamepadDevice(InputDevice):
     """A gamepad.
 
     Args:
-        path: its file.
-        pad: what its events mean; None: the buttons of an Xbox gamepad.
+        path: file of the gamepad.
+        pad: interprets its events; None: the buttons of an Xbox gamepad.
     """
 
     def __init__(self, path: str | Path = "/dev/input/js0", pad: Gamepad | None = None) -> None:
@@ -178,11 +178,11 @@ class SpaceMouseDevice(InputDevice):
     """A SpaceMouse.
 
     Args:
-        path: its file; None: the first one that is there.
-        mouse: what its reports mean; None: the cap is the dead-man.
+        path: file of the SpaceMouse; None: the first one that is found.
+        mouse: interprets its reports; None: the cap is the dead-man switch.
 
     Raises:
-        ParameterError: there is none.
+        ParameterError: no SpaceMouse is found.
     """
 
     def __init__(self, path: str | Path | None = None, mouse: SpaceMouse | None = None) -> None:
@@ -190,7 +190,7 @@ class SpaceMouseDevice(InputDevice):
 
 
 def _space_mouse(root: Path = Path("/sys/class/hidraw")) -> str:
-    """The file of the first SpaceMouse, by what the kernel says of each HID device."""
+    """The file of the first SpaceMouse, from the kernel's description of each HID device."""
     for found in sorted(root.glob("hidraw*")):
         try:
             lines = (found / "device" / "uevent").read_text(errors="replace").splitlines()
@@ -206,14 +206,14 @@ def _space_mouse(root: Path = Path("/sys/class/hidraw")) -> str:
 
 
 def open_device(kind: str, path: str | None = None) -> InputDevice:
-    """Name a device by what it is; enter it to open it.
+    """Make a device of a kind; entering it opens it.
 
     Args:
         kind: "keyboard", "gamepad" or "spacemouse".
-        path: its file; None: the usual one.
+        path: file of the device; None: the usual one.
 
     Raises:
-        ParameterError: it is none of these, or there is none.
+        ParameterError: there is no such kind, or no such device.
     """
     match kind:
         case "keyboard":

@@ -1,11 +1,12 @@
-"""A gamepad by Linux's joystick interface. No device and no clock in here.
+"""Interprets a gamepad's events of Linux's joystick interface. No device and no clock are used.
 
 An event is `struct js_event` of include/uapi/linux/joystick.h: time [ms] as u32, value as s16, type
-and number as u8 each; type 1 is a button, 2 an axis, and 0x80 marks what was so at the opening.
+and number as u8 each; type 1 is a button, 2 an axis, and 0x80 marks the state when it was opened.
 Axes and buttons have the numbers of the kernel's driver xpad (drivers/input/joystick/xpad.c).
 
-A stick that is held sends nothing, so silence says nothing here: a shoulder button is the
-dead-man. One that was down at the opening, or is stuck, does not count before it was let go.
+A stick that is held still sends no events, so missing events mean nothing here: a shoulder button
+is the dead-man switch. A button that was down when the device was opened, or is stuck, counts only
+after it was released.
 """
 
 from __future__ import annotations
@@ -20,18 +21,18 @@ __all__ = ["EVENT", "Gamepad"]
 EVENT: Final = struct.Struct("=IhBB")
 _BUTTON, _AXIS, _INITIAL = 0x01, 0x02, 0x80
 _FULL: Final = 32767
-#: number of a stick's axis: axis that it leads along, and sign. Sticks give minus forward and left.
+#: by number of a stick's axis: axis of the reading, and sign. Sticks give minus forward and left.
 _STICKS: Final = {1: (0, -1), 0: (1, -1), 4: (2, -1), 6: (3, 1), 7: (4, -1), 3: (5, -1)}
 _DEAD_MEN: Final = (4, 5)  # LB, RB
 _DONE: Final = 7  # Start
 
 
 class Gamepad:
-    """Makes readings of a joystick's events.
+    """Converts a joystick's events to readings.
 
     Args:
-        width: share of a stick's way in which it counts as at rest.
-        dead_men: numbers of the buttons of which one has to be held.
+        width: share of a stick's travel within which it counts as at rest.
+        dead_men: numbers of the buttons, one of which must be held.
     """
 
     def __init__(self, *, width: float = 0.1, dead_men: tuple[int, ...] = _DEAD_MEN) -> None:
@@ -43,11 +44,11 @@ class Gamepad:
         self._gone = False
 
     def feed(self, data: bytes, now: float) -> None:  # noqa: ARG002 - other devices need the time
-        """Take bytes of the device; none at all: it is gone.
+        """Take bytes of the device; no bytes mean that the device is gone.
 
         Args:
             data: events, or parts of them.
-            now: time at which they came [s].
+            now: time at which they arrived [s].
         """
         self._gone = self._gone or not data
         self._rest += data
@@ -63,7 +64,7 @@ class Gamepad:
                 self._down.add(number)
 
     def reading(self, now: float) -> Reading:  # noqa: ARG002 - other devices need the time
-        """What the sticks and buttons say at a time [s]."""
+        """The state of sticks and buttons at a time [s]."""
         held = not self._gone and any(number in self._down for number in self._dead_men)
         x, y, z, rx, ry, rz = self._axes
         axes: Axes = (x, y, z, rx, ry, rz)

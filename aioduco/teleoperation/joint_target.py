@@ -1,4 +1,4 @@
-"""Joint angles that a speed leads to, for those who record and learn positions. Pure."""
+"""Integration of speeds to joint angles, for programs that record and learn positions. Pure."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
 
 __all__ = ["JointTarget"]
 
-_MOVED = 1.5  # times the lead: an arm so far away was moved by others
+_MOVED = 1.5  # multiple of the lead from which on the arm was moved by something else
 _Vector = NDArray[np.float64]
 
 
 class JointTarget:
-    """Goes on from where the arm is by a speed, one step at a time.
+    """Integrates a speed from the arm's position, one step at a time.
 
-    Near a singularity the step is damped: the tool then goes slower than it was told to, and no
-    joint faster than `fastest`.
+    Near a singularity the step is damped: the tool is then slower than requested, and no joint is
+    faster than `fastest`.
 
     Args:
         arm: the arm's kinematics.
         fastest: largest speed of a joint [rad/s].
-        lead: how far the target may be ahead of where the arm is seen [rad].
-        damping: how early a singularity is felt.
+        lead: largest distance of the target ahead of the measured joint angles [rad].
+        damping: damping factor; a larger factor takes effect further from a singularity.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class JointTarget:
         self._target: _Vector | None = None
 
     def rest(self, seen: Sequence[float]) -> _Vector:
-        """Nothing leads: the target stays where it is, unless others have moved the arm away.
+        """Keep the target, or reset it to the arm if something else has moved the arm away.
 
         Args:
             seen: joint angles of the arm [rad]. Shape (6,).
@@ -54,11 +54,11 @@ class JointTarget:
     def by_twist(
         self, twist: Sequence[float], period: float, seen: Sequence[float], *, in_tool: bool = False
     ) -> _Vector:
-        """Go on by a speed of the flange.
+        """Advance by a speed of the flange.
 
         Args:
             twist: the speed [m/s, rad/s], along and about the axes of the base. Shape (6,).
-            period: for how long [s].
+            period: duration of the step [s].
             seen: joint angles of the arm [rad]. Shape (6,).
             in_tool: whether the speed is along and about the axes of the flange instead.
 
@@ -77,11 +77,11 @@ class JointTarget:
     def by_joints(
         self, speeds: Sequence[float] | _Vector, period: float, seen: Sequence[float]
     ) -> _Vector:
-        """Go on by joint speeds.
+        """Advance by joint speeds.
 
         Args:
             speeds: the speeds [rad/s]. Shape (6,).
-            period: for how long [s].
+            period: duration of the step [s].
             seen: joint angles of the arm [rad]. Shape (6,).
 
         Returns:

@@ -1,8 +1,8 @@
-"""Keys of a terminal: the key that is held leads. No device and no clock in here.
+"""Interprets the keys of a terminal: the key that is held moves the arm. No device, no clock.
 
-A terminal tells no release of a key; it repeats a key that is held, first after a delay of up to
-0.66 s and then some 25 times a second (defaults of X11's `xset r rate`). So a key counts as held
-for `first` seconds, and from its first repetition on for `repeating` seconds only.
+A terminal does not report the release of a key. It repeats a key that is held, first after a delay
+of up to 0.66 s and then some 25 times a second (defaults of X11's `xset r rate`). So a key counts
+as held for `first` seconds, and from its first repetition on for only `repeating` seconds.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ __all__ = ["KEYS", "Keyboard"]
 
 _DIRECTIONS: Final = (("w", "s"), ("a", "d"), ("r", "f"), ("j", "l"), ("i", "k"), ("u", "o"))
 
-#: by key, the axes that it leads along
+#: the axes of each key
 KEYS: dict[str, Axes] = {}
 for _axis, _keys in enumerate(_DIRECTIONS):
     for _key, _sign in zip(_keys, (1.0, -1.0), strict=True):
@@ -27,11 +27,11 @@ _REPEATS_WITHIN: Final = 0.15  # s between two repetitions of a key that is held
 
 
 class Keyboard:
-    """Makes readings of what a terminal sends.
+    """Converts the keys of a terminal to readings.
 
     Args:
-        first: seconds for which a key counts as held that came once.
-        repeating: the same for a key that is repeated.
+        first: seconds for which a key counts as held after it came once.
+        repeating: seconds for which a repeated key counts as held.
     """
 
     def __init__(self, *, first: float = 0.4, repeating: float = 0.15) -> None:
@@ -44,17 +44,17 @@ class Keyboard:
         self._escape = False
 
     def feed(self, data: bytes, now: float) -> None:
-        """Take bytes of the terminal; none at all: it is gone.
+        """Take bytes of the terminal; no bytes mean that the terminal is gone.
 
         Args:
             data: the bytes.
-            now: time at which they came [s].
+            now: time at which they arrived [s].
         """
         if not data:
             self._done = True
         for key in data.decode(errors="replace").lower():
             if self._escape:
-                # Letters of an arrow or a function key lead nowhere.
+                # The letters of an arrow or a function key do not move the arm.
                 self._escape = not (key.isalpha() or key == "~") or key == "o"
             elif key == "\x1b":
                 self._escape, self._key = True, ""
@@ -69,7 +69,7 @@ class Keyboard:
         self._until = now + (self._repeating if repeated else self._first)
 
     def reading(self, now: float) -> Reading:
-        """What the keys say at a time [s]."""
+        """The state of the keys at a time [s]."""
         held = self._key in KEYS and now < self._until
         axes = KEYS[self._key] if held else STANDING
         return Reading(axes, held, self._done)

@@ -1,4 +1,4 @@
-"""What an input device says at one moment."""
+"""The state of an input device at one moment."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from typing import NamedTuple
 __all__ = ["STANDING", "Axes", "Reading", "deadband"]
 
 #: six shares of the full speed, -1 to 1: along x, y, z and about x, y, z; or of joints 1 to 6.
-#: As somebody sees them who stands behind the arm: x leads forward, y to the left, z up.
+#: The axes are those of a person who stands behind the arm: x forward, y to the left, z up.
 Axes = tuple[float, float, float, float, float, float]
 
 STANDING: Axes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Reading(NamedTuple):
-    """What an input device says at one moment.
+    """The state of an input device at one moment.
 
     Attributes:
-        axes: shares of the full speed; they count only while `held`.
-        held: whether the dead-man is held.
-        done: whether the person wants to end.
-        pressed: buttons that are down beside the dead-man, by their numbers, or letters of keys.
+        axes: shares of the full speed; valid only while `held`.
+        held: whether the dead-man switch is held.
+        done: whether the person wants to end, or the device is gone.
+        pressed: numbers of the pressed buttons, without a gamepad's dead-man buttons; a keyboard
+            gives none.
     """
 
     axes: Axes = STANDING
@@ -30,7 +31,7 @@ class Reading(NamedTuple):
 
 
 def deadband(value: float, width: float) -> float:
-    """A deflection without what a stick at rest says; its full deflection stays what it is."""
+    """A deflection without the noise of a stick at rest; full deflection stays 1."""
     size = min(1.0, abs(value))
     if size <= width:
         return 0.0

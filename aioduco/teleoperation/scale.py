@@ -1,4 +1,4 @@
-"""From readings of a device to speeds."""
+"""Conversion of a device's readings to speeds."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class TeleopScale:
     """Speeds at the full deflection of a device.
 
     Attributes:
-        speed: along x, y and z, up to 5 [m/s].
-        turn_speed: about x, y and z, up to 3.93 [rad/s].
-        joint_speed: of each joint, up to 3.93 [rad/s].
+        speed: speed along x, y and z, up to 5 [m/s].
+        turn_speed: turning speed about x, y and z, up to 3.93 [rad/s].
+        joint_speed: speed of each joint, up to 3.93 [rad/s].
     """
 
     speed: float = 0.05
@@ -34,7 +34,7 @@ class TeleopScale:
         ranges.JOINT_SPEED("joint_speed", self.joint_speed)
 
     def twist(self, reading: Reading) -> Axes:
-        """Speed of the tool [m/s, rad/s]; zero while the dead-man is not held."""
+        """Speed of the tool [m/s, rad/s]; zero while the dead-man switch is not held."""
         if not reading.held:
             return STANDING
         x, y, z, rx, ry, rz = reading.axes
@@ -42,7 +42,7 @@ class TeleopScale:
         return (x * v, y * v, z * v, rx * w, ry * w, rz * w)
 
     def joints(self, reading: Reading) -> Axes:
-        """Speeds of the joints [rad/s]; zero while the dead-man is not held."""
+        """Speeds of the joints [rad/s]; zero while the dead-man switch is not held."""
         if not reading.held:
             return STANDING
         a, b, c, d, e, f = reading.axes

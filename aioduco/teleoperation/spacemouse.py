@@ -1,13 +1,13 @@
-"""A SpaceMouse by its HID reports. No device and no clock in here.
+"""Interprets the HID reports of a SpaceMouse. This module uses no device and no clock.
 
 Report 1 has three s16, little-endian: x to the right, y towards the person, z down, each about
--350 to 350; newer models send the three turns behind them. Report 2 has the turns about these axes
-in the older models. Report 3 has the buttons, a bit each. So does the public project PySpaceMouse
-(its list of devices) read them, and spacenavd.
+-350 to 350; newer models send the three turns after them. Report 2 has the turns about these axes
+in the older models. Report 3 has the buttons, one bit each. The public projects PySpaceMouse (its
+list of devices) and spacenavd read the reports in the same way.
 
-A cap that is deflected sends a report every 8 to 16 ms, and zeros when it is let go: so silence
-means that the device does not work any more, and the arm is to stand. The cap itself is the
-dead-man; with `button` a button has to be held as well.
+A SpaceMouse sends a report every 8 to 16 ms while its cap is deflected, and zeros when it is
+released. So if no report comes, the device does not work any more, and the arm must stop. The cap
+itself is the dead-man switch; with `button` a button must be held as well.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _TRANSLATION, _ROTATION, _BUTTONS = 1, 2, 3
 
 
 class SpaceMouse:
-    """Makes readings of a SpaceMouse's reports.
+    """Converts a SpaceMouse's reports to readings.
 
     Args:
-        width: share of the cap's way in which it counts as at rest.
-        button: number of the button that has to be held, from 0; None: none has to.
-        quiet: seconds without a report after which a deflected cap counts as let go.
+        width: share of the cap's travel within which it counts as at rest.
+        button: number of the button that must be held, from 0; None: no button.
+        quiet: seconds without a report after which a deflected cap counts as released.
     """
 
     def __init__(
@@ -45,11 +45,11 @@ class SpaceMouse:
         self._gone = False
 
     def feed(self, data: bytes, now: float) -> None:
-        """Take one report of the device; an empty one: it is gone.
+        """Take one report of the device; an empty report means that the device is gone.
 
         Args:
-            data: the report, its number first.
-            now: time at which it came [s].
+            data: the report, which begins with its number.
+            now: time at which it arrived [s].
         """
         if not data:
             self._gone = True
@@ -72,7 +72,7 @@ class SpaceMouse:
         return x, y, z
 
     def reading(self, now: float) -> Reading:
-        """What cap and buttons say at a time [s]."""
+        """The state of cap and buttons at a time [s]."""
         x, y, z = self._along
         rx, ry, rz = self._about
         axes: Axes = (x, y, z, rx, ry, rz)

@@ -1,4 +1,4 @@
-"""An arm that is led by an input device, until the person or the device ends it."""
+"""Moves an arm by an input device, until the person or the device ends it."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _DEAD_MAN = 0.2  # s without a call after which the controller ends the motion b
 
 
 class TeleopReport(NamedTuple):
-    """How a teleoperation went.
+    """The report of a teleoperation.
 
     Attributes:
-        held: how often the dead-man was pressed.
-        seconds: for how long it was held, in all [s].
-        stream: figures of the stream of speeds.
+        held: how often the dead-man switch was pressed.
+        seconds: total time for which it was held, without a hold that lasts until the end [s].
+        stream: statistics of the stream of speeds.
     """
 
     held: int
@@ -53,34 +53,35 @@ async def teleoperate(
     options: LaneOptions | None = None,
     on_reading: Callable[[Reading], None] | None = None,
 ) -> TeleopReport:
-    """Lead the arm by a device, by a stream of speeds, until the person ends it.
+    """Move the arm by a device, with a stream of speeds, until the person ends it.
 
-    The arm comes to rest within the accelerations when the dead-man is let go, when the device is
-    gone or falls silent while it should not, and when this is cancelled. When the program dies or
-    the network is lost, the controller ends the motion 0.2 s later by itself. `robot.envelope`
-    holds: the state is watched. To keep what was done, `async with robot.record("run.mcap")`
-    around this.
+    The arm comes to rest within the accelerations when the dead-man switch is released, when the
+    device is gone or stops sending while its cap or key is held, and when the caller is cancelled.
+    When the program dies or the network is lost, the controller ends the motion by itself after
+    0.2 s. `robot.envelope` applies, by checks of the state. To record the motion, put the call into
+    `async with robot.record("run.mcap")`.
 
     Args:
-        robot: the robot; it is brought up, and nothing else moves it.
+        robot: the robot; it must be brought up, and nothing else may move it.
         device: the device, open.
-        scale: speeds at its full deflection; None: slow ones.
-        frame: along and about whose axes the tool moves: "base", "tool" or "wobj".
+        scale: speeds at full deflection; None: low speeds.
+        frame: frame whose axes the motion refers to: "base", "tool" or "wobj".
         wobj: name of the work object; empty: the one in use.
         joints: whether the six axes of the device turn joints 1 to 6 instead.
-        acceleration: of the tool [m/s²], or of each joint [rad/s²].
-        turn_acceleration: of the tool's turning [rad/s²].
-        hold: time for which this program may not get to run before the arm is brought to rest,
-            and this ends [s].
-        options: how the stream's worker runs; None: in a process of its own.
-        on_reading: told each reading, such as to open a gripper by a button; it must not wait.
+        acceleration: acceleration of the tool [m/s²], or of each joint [rad/s²].
+        turn_acceleration: acceleration of the tool's turning [rad/s²].
+        hold: time without a speed from this program after which the arm is brought to rest and the
+            call raises [s].
+        options: how the stream's worker runs; None: in a separate process.
+        on_reading: callback with each reading, for example to open a gripper by a button; it must
+            not block.
 
     Returns:
-        How it went.
+        The report.
 
     Raises:
         ParameterError: an argument is out of range.
-        StreamError: the stream ended by something else; says why.
+        StreamError: the stream ended for another reason; the error says why.
     """
     found = TeleopScale() if scale is None else scale
     if not isinstance(found, TeleopScale):

@@ -1,4 +1,4 @@
-"""What a program and the worker of its stream have in common: the memory between them.
+"""The memory that a program shares with the worker of its stream.
 
-Imports neither anyio nor asyncio nor numpy, and nothing of the package but what is here.
+Imports neither anyio nor asyncio nor numpy, and from the rest of the package only `_platform`.
 """

@@ -1,4 +1,4 @@
-"""What goes through the ring with each action of a chunk."""
+"""The tag of each action of a chunk in the ring."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import NamedTuple
 
 __all__ = ["MOST_ACTIONS", "ActionTag"]
 
-#: most actions in a chunk
+#: largest number of actions in a chunk
 MOST_ACTIONS = 1000
 
 _LAYOUT = struct.Struct("<QQII")
 
 
 class ActionTag(NamedTuple):
-    """To which chunk an action belongs.
+    """The chunk to which an action belongs, and its position there.
 
     Attributes:
         chunk: running number of the chunk, from 1.
-        begin: monotonic time at which its first action is due [ns]; 0: when it is taken.
+        begin: monotonic time at which its first action is due [ns]; 0: when the worker takes it.
         position: number of this action in the chunk, from 0.
         total: actions in the chunk.
     """
@@ -30,14 +30,14 @@ class ActionTag(NamedTuple):
 
     @staticmethod
     def size() -> int:
-        """How many bytes it takes."""
+        """Number of bytes of a packed tag."""
         return _LAYOUT.size
 
     def pack(self) -> bytes:
-        """As it stands in the ring."""
+        """Encode it for the ring."""
         return _LAYOUT.pack(*self)
 
     @classmethod
     def unpack(cls, data: bytes) -> ActionTag:
-        """What `pack` made."""
+        """Decode the result of `pack`."""
         return cls(*_LAYOUT.unpack(data))

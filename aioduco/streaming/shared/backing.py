@@ -1,4 +1,4 @@
-"""The memory behind a block, and how it gets to another process."""
+"""The memory behind a block, and how it is passed to another process."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ __all__ = ["MemoryFile", "NamedMemory"]
 
 
 class MemoryFile:
-    """Memory without a name (memfd). When all that have it open are gone, so is it.
+    """Memory without a name (memfd). It is freed when all processes that have it open have ended.
 
     Args:
-        descriptor: an open one; it is this object's from now on.
+        descriptor: an open descriptor, which this object owns from now on.
     """
 
     def __init__(self, descriptor: int) -> None:
@@ -26,7 +26,7 @@ class MemoryFile:
 
     @classmethod
     def make(cls, size: int) -> MemoryFile:
-        """New memory of so many bytes."""
+        """Allocate new memory of `size` bytes."""
         descriptor = os.memfd_create("aioduco-stream", os.MFD_CLOEXEC)
         try:
             os.ftruncate(descriptor, size)
@@ -37,7 +37,7 @@ class MemoryFile:
 
     @property
     def handle(self) -> int:
-        """The descriptor, for a process that is handed it."""
+        """The descriptor, to be passed to another process."""
         return self._descriptor
 
     def map(self) -> mmap.mmap:
@@ -45,24 +45,24 @@ class MemoryFile:
         return mmap.mmap(self._descriptor, os.fstat(self._descriptor).st_size)
 
     def handed_over(self) -> None:
-        """The other process has it: close the descriptor. What is mapped stays."""
+        """Close the descriptor: the other process has its own. The mapping stays."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
 
     def close(self) -> None:
-        """Let go of it."""
+        """Release the memory."""
         self.handed_over()
 
 
 class NamedMemory:
-    """Shared memory of the standard library, where there are no memory files.
+    """Shared memory of the standard library, for systems without memory files.
 
-    The process that made it takes its name away at the end. If that process is killed, Windows
-    takes it away with the last that has it open, and elsewhere Python's own resource tracker does.
+    The process that made it removes its name at the end. If that process is killed, Windows removes
+    the name when the last process closes the memory; elsewhere Python's resource tracker does.
 
     Args:
-        memory: it.
+        memory: the shared memory.
         maker: whether this process made it.
     """
 
@@ -72,18 +72,18 @@ class NamedMemory:
 
     @classmethod
     def make(cls, size: int) -> NamedMemory:
-        """New memory of so many bytes, and of a name that nobody can guess."""
+        """Allocate new memory of `size` bytes under a name that cannot be guessed."""
         return cls(_shared_memory(create=True, size=size), maker=True)
 
     @classmethod
     def open(cls, name: str) -> NamedMemory:
-        """Memory that another process made."""
+        """Open memory that another process made."""
         from multiprocessing import resource_tracker  # noqa: PLC0415 - used here alone
 
         if sys.version_info >= (3, 13):
             return cls(_shared_memory(name, track=False), maker=False)
-        # Earlier ones have each process that opens it tracked, by one more process, which takes
-        # the name away from the program that made it.
+        # Earlier versions also track memory that is only opened, in one more process; that process
+        # would remove the name although the maker still uses it.
         tracker: Any = resource_tracker
         register = tracker.register
         tracker.register = _nothing
@@ -94,21 +94,21 @@ class NamedMemory:
 
     @property
     def handle(self) -> str:
-        """Its name."""
+        """The name of the memory."""
         return self._memory.name
 
     def map(self) -> memoryview:
-        """All of it. It may be longer than what was asked for."""
+        """Map all of it. It may be longer than requested."""
         view = self._memory.buf
         assert view is not None, "it is closed"
         return memoryview(view)
 
     def handed_over(self) -> None:
-        """The other process may not have opened it yet: the name stays."""
+        """Do nothing: the other process may not have opened it yet, so the name must stay."""
 
     def close(self) -> None:
-        """Let go of it, once what was mapped is released."""
-        with contextlib.suppress(BufferError):  # of a block that could not be made
+        """Release the memory, after all views of it are released."""
+        with contextlib.suppress(BufferError):  # a block that could not be made has left views
             self._memory.close()
         if self._maker:
             self._memory.unlink()
@@ -118,7 +118,7 @@ def _shared_memory(*args: Any, **options: Any) -> SharedMemory:
     from multiprocessing.shared_memory import SharedMemory  # noqa: PLC0415 - used here alone
 
     class Memory(SharedMemory):
-        """One that may be thrown away, with its process, while a view of it is still there."""
+        """Shared memory whose finalizer raises no error while a view of it still exists."""
 
         def __del__(self) -> None:
             with contextlib.suppress(BufferError):

@@ -1,9 +1,9 @@
 """The block of memory between a program and its worker.
 
-It is a memory file without a name (memfd), handed to the worker's process as an open descriptor:
-when both processes are gone, however they went, so is the block. Where there are no such files it
-is the standard library's shared memory, under a name that nobody can guess. A worker in a thread
-uses the same layout in anonymous memory.
+It is a memory file without a name (memfd), passed to the worker's process as an open descriptor:
+the system frees the block when both processes have ended, however they ended. Where there are no
+such files it is the standard library's shared memory, under a name that cannot be guessed. A worker
+in a thread uses the same layout in anonymous memory.
 
 Each word has one writer: the program writes `StreamCommand` and `ControlWord`, the worker writes
 `StatusWord`, the histograms and the report. Words are 64 bits wide and aligned, so that a reader
@@ -29,22 +29,22 @@ _HEADER = struct.Struct("<QQ")
 _CONFIG = 65536  # an envelope of 100 limits takes half of it
 _TEXT = 1024
 
-#: what the worker measures; times in nanoseconds, depth in points
+#: the worker's measurements; times in nanoseconds, depth in points
 HISTOGRAMS = ("lateness", "interval", "round_trip", "work", "age", "depth")
 
 
 class StreamCommand(IntEnum):
-    """What the program wants of the worker; a higher one overrides a lower one.
+    """Commands of the program to the worker; a higher command overrides a lower one.
 
-    Each is a word of `ControlWord`, set once and never taken back: so two threads that want
-    different things at the same moment cannot undo each other.
+    Each command is a word of `Block.control`. It is set once and never reset, so two threads that
+    send different commands at the same moment cannot undo each other.
     """
 
-    #: follow what was sent to its end, then end
+    #: follow all set-points that were sent, then end
     CLOSE = 0
     #: come to rest at once, then end
     ABORT = 1
-    #: send nothing more, at once: the robot was stopped
+    #: send nothing more, from now on: the robot was stopped
     HALT = 2
 
 
@@ -53,7 +53,7 @@ class ControlWord(IntEnum):
 
     #: wake the program when no more than this many set-points are in the ring; 0: do not
     WAKE_BELOW = 3
-    #: monotonic time at which the program's event loop last ran, and the heartbeat beat [ns]
+    #: monotonic time of the program's last sign of life [ns]; 0: the heartbeat does not beat
     ALIVE = 4
 
 
@@ -70,9 +70,9 @@ class StatusWord(IntEnum):
     STARVED = 6
     LIMITED = 7
     OVERWRITTEN = 8
-    #: points in the controller's queue when last looked at
+    #: points in the controller's queue at the last poll
     DEPTH = 9
-    #: times at which the controller's queue was found empty
+    #: how often the controller's queue was found empty
     DRAINED = 10
     #: number of the last set-point taken
     TAKEN = 11
@@ -80,25 +80,25 @@ class StatusWord(IntEnum):
     BEAT = 12
     #: length of the text that says why the stream ended
     TEXT = 13
-    #: size of the worker's process at its largest [kB]
+    #: peak size of the worker's process [kB]
     MEMORY = 14
-    #: what was asked of the system and not allowed: flags of `Unmet`
+    #: requests that the system did not allow: flags of `Unmet`
     UNMET = 15
     #: whether the worker waits until an unanswered set-point cannot move the arm any more
     UNANSWERED = 16
-    #: chunks of actions: taken, of these late and dropped; actions that came too late; times at
-    #: which the actions were at their end
+    #: chunks of actions: taken, of these late and dropped; actions that came too late; how often
+    #: the actions ran out
     CHUNKS = 17
     CHUNKS_LATE = 18
     CHUNKS_DROPPED = 19
     ACTIONS_LATE = 20
     EXHAUSTED = 21
-    #: the worker's priority for real time
+    #: the worker's real-time priority
     PRIORITY = 22
 
 
 class Unmet(IntFlag):
-    """What a worker asked of the system and did not get."""
+    """Requests of a worker that the system did not allow."""
 
     TIMER_SLACK = 1
     CPUS = 2
@@ -107,22 +107,22 @@ class Unmet(IntFlag):
 
 
 _WORDS = 32
-_REPORT = 4  # slots: the reader always finds one that is not being written
+_REPORT = 4  # slots: the reader always finds a slot that is not being written
 
 
 class Block:
-    """The block, from either side.
+    """The block, as the program or the worker uses it.
 
     Args:
         memory: the mapped memory.
         config: the worker's configuration, for the side that makes the block.
-        backing: what stands behind it, with the means to hand it over; None within one process.
+        backing: the memory's owner, which can pass it to another process; None within one process.
 
     Attributes:
         control: words of `StreamCommand` and `ControlWord`.
         status: words of `StatusWord`.
         ring: the program's set-points.
-        report: the set-points that the worker sent, the newest only.
+        report: the newest of the set-points that the worker sent.
         histograms: one for each name of `HISTOGRAMS`.
     """
 
@@ -176,7 +176,7 @@ class Block:
 
         Args:
             config: the worker's configuration.
-            shared: whether another process is to open it, by its `descriptor`.
+            shared: whether another process opens it, by its `handle`.
         """
         size = cls._size(config)
         if not shared:
@@ -190,7 +190,7 @@ class Block:
 
     @classmethod
     def open(cls, handle: int | str) -> Block:
-        """Open a block that another process made, by its `handle`; a descriptor is closed."""
+        """Open a block that another process made, by its `handle`; closes a descriptor."""
         backing = MemoryFile(handle) if isinstance(handle, int) else NamedMemory.open(handle)
         try:
             return cls(backing.map(), None, backing)
@@ -199,7 +199,7 @@ class Block:
 
     @property
     def handle(self) -> int | str:
-        """By which another process opens it: a descriptor that it is handed, or a name."""
+        """The handle by which another process opens it: an inherited descriptor, or a name."""
         assert self._backing is not None, "this block is of one process alone"
         return self._backing.handle
 
@@ -215,12 +215,12 @@ class Block:
         self.status[StatusWord.TEXT] = len(encoded)
 
     def close_descriptor(self) -> None:
-        """Close the program's descriptor, once the worker's process has its own."""
+        """Close the program's descriptor, after the worker's process has its own."""
         if self._backing is not None:
             self._backing.handed_over()
 
     def close(self) -> None:
-        """Let go of the memory, and of what the system holds open for it."""
+        """Release the memory and its system resources."""
         self.close_descriptor()
         for histogram in self.histograms.values():
             histogram.close()

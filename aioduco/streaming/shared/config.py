@@ -1,7 +1,7 @@
-"""All that a worker is told: plain values, which stand as JSON in the shared block.
+"""The configuration of a worker: plain values, stored as JSON in the shared block.
 
-They were checked where the program gave them (`streaming.options`). A stream's factory fills in
-`Sent`; where to, how it is fed and how it runs come from its caller.
+The program's end checks the values (`streaming.options`). A stream's factory fills in `Sent`; its
+caller gives the address, the feeding and the options.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ __all__ = [
     "WorkerSettings",
 ]
 
-#: most set-points in the ring
+#: largest number of set-points in the ring
 MOST_POINTS = 16384
 _LATEST = 8  # slots of a ring of which only the newest counts
 
 Upsampling = Literal["none", "linear", "cubic", "ruckig"]
-#: the ways to bring targets to the stream's rate; "ruckig" also keeps the limit of jerk
+#: the methods of up-sampling targets to the stream's rate; "ruckig" also keeps the jerk limit
 UPSAMPLING: tuple[str, ...] = get_args(Upsampling)
 
-#: what a set-point is: a place, a speed that is kept, or a step from where the last one led
+#: what a set-point is: a position, a speed that is kept, or a step from the last position
 Meaning = Literal["place", "speed", "step"]
 
 
@@ -60,7 +60,7 @@ class WorkerSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FeedingSettings:
-    """How the program feeds a stream, and what becomes of it; `Feeding` describes the values."""
+    """How the program feeds a stream, and how targets are processed; see `Feeding`."""
 
     rate: float = 500.0
     source_rate: float | None = None
@@ -89,7 +89,7 @@ class FeedingSettings:
 
     @property
     def capacity(self) -> int:
-        """Set-points that fit into the ring: four seconds of them, for whole arrays."""
+        """Set-points that fit into the ring: four seconds of them, so that arrays fit."""
         if self.latest:
             return _LATEST
         if self.chunks:
@@ -100,11 +100,11 @@ class FeedingSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calls:
-    """One call per tick: servo and speeds.
+    """One call per tick, for servo and speed streams.
 
     Attributes:
         function: the function of the wire.
-        arguments: its arguments behind the set-point, which is the first.
+        arguments: its arguments after the set-point, which is the first argument.
     """
 
     function: str
@@ -116,10 +116,10 @@ class QueueDrive:
     """The realtime queue.
 
     Attributes:
-        field: field of a point of the queue that carries the set-point.
+        field: field of a queue point that carries the set-point.
         mode: arguments of start_realtime_mode.
         depth: points to keep in the queue.
-        period: time between two looks at the queue [s].
+        period: time between two polls of the queue [s].
     """
 
     field: str
@@ -133,12 +133,12 @@ class PoolDrive:
     """The track pool.
 
     Attributes:
-        function: the function of the wire that follows the pool.
+        function: the function of the wire that starts the motion through the pool.
         arguments: its arguments.
-        low: the pool is filled up when it has fewer points.
-        high: it is filled up to so many.
-        period: time between two looks at the pool [s].
-        extra: bytes for what goes with a point; 0: points go alone.
+        low: the worker fills the pool when it has fewer points than this.
+        high: number of points to which the worker fills the pool.
+        period: time between two polls of the pool [s].
+        extra: bytes for the operation of a point; 0: points have no operations.
     """
 
     function: str
@@ -157,13 +157,13 @@ _DRIVES: dict[str, type[Calls | QueueDrive | PoolDrive]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Turning:
-    """How directions get from the program's frame into that of the wire.
+    """How directions are rotated from the program's frame into the frame of the wire.
 
     Attributes:
-        reads: functions of the wire that read a pose, each with its arguments. One frame lies in
-            the other as the product of these poses says.
-        back: whether they lead from the wire's frame to the program's, so that a direction has
-            to be turned back.
+        reads: functions of the wire that read a pose, each with its arguments. The product of these
+            poses is the pose of one frame in the other.
+        back: whether to apply the inverse rotation: the product leads from the wire's frame to the
+            program's.
     """
 
     reads: Sequence[Sequence[str]]
@@ -175,16 +175,16 @@ class Sent:
     """What a stream sends, and how.
 
     Attributes:
-        name: what the stream is called, mostly by its function of the wire.
+        name: name of the stream, usually its function of the wire.
         in_joints: whether set-points are joints [rad]; else poses, twists or offsets [m, rad].
-        limits: of each group, see `Limits`.
-        drive: how set-points are brought to the controller; None: not at all, it is only asked
-            for its state.
+        limits: limits of each group, see `Limits`.
+        drive: how the worker sends set-points to the controller; None: it sends none, and only
+            reads the controller's state.
         meaning: what a set-point is.
-        read: function of the wire that reads where the arm is, and its arguments.
-        leave: calls at the end of the stream: a function and its arguments each.
-        ending: function of the wire that ends the mode in which the controller is meanwhile.
-        turning: how directions are turned into the frame of the wire; None: they are in it.
+        read: function of the wire that reads the arm's position, and its arguments.
+        leave: calls at the end of the stream, each a function and its arguments.
+        ending: function of the wire that ends the controller's mode during the stream.
+        turning: how directions are rotated into the frame of the wire; None: they are in it.
     """
 
     name: str
@@ -204,19 +204,19 @@ class Sent:
 
     @property
     def extra(self) -> int:
-        """Bytes for what goes with a set-point."""
+        """Bytes for the operation of a set-point."""
         return self.drive.extra if isinstance(self.drive, PoolDrive) else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvelopeSettings:
-    """What the worker checks set-points against.
+    """The envelope against which the worker checks set-points.
 
     Attributes:
-        packed: what `Envelope.packed` gave.
-        wobj: pose of the work object of the set-points in the base frame [m, rad].
+        packed: the result of `Envelope.packed`.
+        wobj: pose of the set-points' work object in the base frame [m, rad].
         tip: function of the wire that reads the tool's pose in that work object, and its
-            arguments, for set-points that count from there.
+            arguments, for set-points that are relative to that pose.
     """
 
     packed: dict[str, Any]
@@ -226,18 +226,18 @@ class EnvelopeSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerConfig:
-    """All that a worker is told.
+    """The configuration of a worker.
 
     Attributes:
         host: name or address of the controller.
         port: its TCP port.
-        guarded: whether the robot is stopped by others when the program dies.
+        guarded: whether a guard stops the robot when the program dies.
         stall_limit: time after which a program whose event loop does not run counts as hung [s].
-        unanswered_timeout: most time for which an unanswered set-point is waited for [s].
+        unanswered_timeout: longest wait for an unanswered set-point [s].
         options: how the worker runs.
-        feeding: how it is fed.
+        feeding: how the program feeds it.
         sent: what it sends.
-        envelope: what set-points are checked against; None for nothing.
+        envelope: the envelope against which set-points are checked; None: no check.
     """
 
     host: str
@@ -260,17 +260,17 @@ class WorkerConfig:
 
     @property
     def extra(self) -> int:
-        """Bytes for what goes with a set-point."""
+        """Bytes for the tag or the operation of a set-point."""
         return ActionTag.size() if self.feeding.chunks else self.sent.extra
 
     def pack(self) -> bytes:
-        """As it stands in the shared block."""
+        """Encode it for the shared block."""
         drive = self.sent.drive
         return json.dumps([asdict(self), type(drive).__name__ if drive else ""]).encode()
 
     @classmethod
     def unpack(cls, text: bytes) -> WorkerConfig:
-        """What `pack` made."""
+        """Decode the result of `pack`."""
         values, kind = json.loads(text)
         sent = values.pop("sent")
         sent["limits"] = Limits(*map(tuple, sent["limits"]))

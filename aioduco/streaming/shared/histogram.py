@@ -1,4 +1,4 @@
-"""Histograms of fixed size that one process writes and another one reads while it does."""
+"""Histograms of fixed size that one process writes while another process reads them."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ __all__ = ["Histogram", "Percentiles"]
 
 _BITS = 5
 _SUB = 1 << _BITS  # buckets per octave: a percentile is at most 1/32 above the true value
-_LARGEST = (1 << 42) - 1  # 73 minutes in nanoseconds; anything longer counts as this
+_LARGEST = (1 << 42) - 1  # 73 minutes in nanoseconds; longer times count as this
 _COUNT = ((42 - _BITS - 1) << _BITS) + 2 * _SUB
 _TOTAL, _MAX, _HEAD = 0, 1, 2
 
 
 class Percentiles(NamedTuple):
-    """What a histogram says at one moment. Times are in seconds, depths in points.
+    """Percentiles of a histogram at one moment. Times are in seconds, depths in points.
 
     Attributes:
-        samples: how many values were recorded.
+        samples: number of recorded values.
         mean: their mean.
         p50: the median.
-        p99: the value that 99 % do not exceed.
-        p999: the value that 99.9 % do not exceed.
-        max: the largest.
+        p99: the value that 99 % of them do not exceed.
+        p999: the value that 99.9 % of them do not exceed.
+        max: the largest value.
     """
 
     samples: int
@@ -39,13 +39,13 @@ class Percentiles(NamedTuple):
 class Histogram:
     """A histogram with logarithmic buckets, 3 % wide, over whole numbers (nanoseconds).
 
-    Its words are 64 bits wide and written one at a time by one writer, so that another process
-    can read them meanwhile: what it sees may be one value behind, never torn. The count is the
-    sum of the buckets and not a word of its own, so a percentile never refers to a value that
-    is not there yet.
+    Its words are 64 bits wide and one writer writes them one at a time, so that another process can
+    read them at the same time: a word may be one value behind, but is never torn. The count is the
+    sum of the buckets and has no word, so a percentile never refers to a value that is not yet
+    written.
 
     Args:
-        words: where to count: `Histogram.WORDS` words of unsigned 64 bits, all zero at first.
+        words: `Histogram.WORDS` words of unsigned 64 bits, all zero at first, for the counts.
     """
 
     WORDS = _HEAD + _COUNT
@@ -56,7 +56,7 @@ class Histogram:
         self._words = memoryview(bytearray(8 * self.WORDS)).cast("Q") if words is None else words
 
     def record(self, value: int) -> None:
-        """Count one value; below zero counts as zero."""
+        """Count one value; a value below zero counts as zero."""
         words = self._words
         if value < 0:
             value = 0
@@ -71,22 +71,22 @@ class Histogram:
         words[_MAX] = max(words[_MAX], value)
 
     def close(self) -> None:
-        """Let go of the memory; nothing else may be called after that."""
+        """Release the memory; no other method may be called after that."""
         self._words.release()
 
     def buckets(self) -> list[tuple[int, int, int]]:
-        """Every bucket that is not empty: its lowest value, the next one's, and its count."""
+        """All buckets that are not empty: lowest value, lowest value of the next, count."""
         return [(*_edges(i), n) for i, n in enumerate(self._words[_HEAD:].tolist()) if n]
 
     def snapshot(self, scale: float = 1e-9) -> Percentiles:
-        """Read the percentiles as they are now.
+        """Read the present percentiles.
 
         Args:
-            scale: what one counted unit is worth: 1e-9 for nanoseconds read as seconds.
+            scale: factor from the counted unit to the result: 1e-9 for nanoseconds to seconds.
 
         Returns:
-            The percentiles; all zero when nothing was recorded. A percentile is the upper edge
-            of its bucket, so it is never flattering, and never above the maximum.
+            The percentiles; all zero if nothing was recorded. A percentile is the upper edge of its
+            bucket, so it is never too low, and never above the maximum.
         """
         counts = self._words[_HEAD:].tolist()
         total, largest = self._words[_TOTAL], self._words[_MAX]
@@ -99,14 +99,14 @@ class Histogram:
 
 
 def _edges(index: int) -> tuple[int, int]:
-    """The lowest value of a bucket, and of the next."""
+    """The lowest value of a bucket, and that of the next bucket."""
     shift = max((index >> _BITS) - 1, 0)
     low = (index - (shift << _BITS)) << shift
     return low, low + (1 << shift)
 
 
 def _percentiles(counts: list[int], count: int, fractions: Iterable[float]) -> list[int]:
-    """The largest value of the bucket that holds each fraction, fractions rising."""
+    """The largest value of the bucket that contains each fraction; fractions in rising order."""
     found: list[int] = []
     seen, index = 0, -1
     for fraction in fractions:

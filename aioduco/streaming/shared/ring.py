@@ -1,17 +1,16 @@
-"""A ring of set-points in memory that two processes share, without locks.
+"""A ring buffer of set-points in memory that two processes share, without locks.
 
-One side only writes (the program), the other only reads (the worker). Why it is correct on
-CPython, on any processor:
+One side only writes, the other only reads: for set-points the program and the worker, for the
+report the worker and the program. Why this is correct on CPython, on any processor:
 
 - Every shared word is written by one side only, 64 bits wide and aligned, in one store.
-- A slot is never believed because a counter says that it is ready: it carries its own running
-  number and a CRC over all of its bytes. A reader copies the slot first and checks the copy.
-  A slot that is half written, or written but not yet visible to the other processor, fails the
-  check and counts as "not there yet"; the reader looks again at its next tick. So the order in
-  which stores become visible does not matter, and no memory barrier is needed, which Python
-  does not have.
-- The reader frees a slot only after the check of its copy has passed. A processor may not move
-  a store ahead of the branch that it depends on, so the writer cannot get the slot too early.
+- The reader does not rely on a counter to decide that a slot is complete: each slot has a running
+  number and a CRC over all of its bytes. The reader copies the slot first and checks the copy. A
+  slot that is half written, or written but not yet visible to the other processor, fails the check
+  and counts as "not there yet"; the reader tries again at its next tick. So the order in which
+  stores become visible does not matter, and no memory barrier is needed; Python has none.
+- The reader frees a slot only after the check of its copy has passed. A processor must not move a
+  store ahead of the branch that it depends on, so the writer cannot get the slot too early.
 """
 
 from __future__ import annotations
@@ -37,8 +36,8 @@ class SetPoint(NamedTuple):
     Attributes:
         number: running number of the set-point, from 1.
         stamp: monotonic time at which it was sent [ns].
-        values: six numbers; their meaning is the stream's.
-        extra: what goes with the point, already encoded (a point's operation), mostly empty.
+        values: six numbers; the stream defines their meaning.
+        extra: encoded data of the point (its operation, or the tag of an action), usually empty.
     """
 
     number: int
@@ -48,12 +47,12 @@ class SetPoint(NamedTuple):
 
 
 class Ring:
-    """First in, first out, or latest only: the writer chooses `put` or `overwrite`.
+    """A ring that is first in, first out with `put`, or latest only with `overwrite`.
 
     Args:
         buffer: `Ring.size(capacity, extra)` bytes, all zero at first.
         capacity: number of set-points that fit.
-        extra: room for what goes with a point [bytes].
+        extra: size of the encoded data of a point [bytes].
     """
 
     __slots__ = ("_buffer", "_capacity", "_extra", "_slot", "_words", "overwritten")
@@ -64,17 +63,17 @@ class Ring:
         self._capacity = capacity
         self._extra = extra
         self._slot = _slot_size(extra)
-        #: set-points that the reader never saw because newer ones took their place
+        #: set-points that the reader skipped because newer ones were there
         self.overwritten: int = 0
 
     @staticmethod
     def size(capacity: int, extra: int = 0) -> int:
-        """How many bytes a ring needs."""
+        """Number of bytes that a ring needs."""
         return 16 + capacity * _slot_size(extra)
 
     @property
     def capacity(self) -> int:
-        """How many set-points fit."""
+        """Number of set-points that fit."""
         return self._capacity
 
     @property
@@ -98,15 +97,15 @@ class Ring:
         Returns:
             Whether it was written.
         """
-        # The tail seen here may be old; it only ever grows, so the ring is at most fuller in
-        # the writer's eyes than it is.
+        # The tail read here may be old. It only grows, so the writer can only overestimate how full
+        # the ring is.
         if self._words[_HEAD] - self._words[_TAIL] >= self._capacity:
             return False
         self.overwrite(values, stamp, extra)
         return True
 
     def overwrite(self, values: Sequence[float], stamp: int, extra: bytes = b"") -> None:
-        """Write one set-point, over the oldest one if need be. For readers of `newest` only."""
+        """Write one set-point, over the oldest one if the ring is full. Read it with `newest`."""
         if len(extra) > self._extra:
             raise ValueError(f"{len(extra)} bytes go with the point; {self._extra} fit")
         number = self._words[_HEAD] + 1
@@ -116,7 +115,7 @@ class Ring:
         self._words[_HEAD] = number
 
     def take(self) -> SetPoint | None:
-        """Read the next set-point in order; None when there is none yet."""
+        """Read the next set-point in order; None if there is none yet."""
         number = self._words[_TAIL] + 1
         if number > self._words[_HEAD]:
             return None
@@ -126,9 +125,9 @@ class Ring:
         return point
 
     def newest(self) -> SetPoint | None:
-        """Read the newest set-point and pass over all older ones; None when none is new.
+        """Read the newest set-point and skip all older ones; None if there is no new one.
 
-        A slot may be overwritten while it is read; then the one before it is taken.
+        If the writer overwrites a slot during the read, the slot before it is read instead.
         """
         seen, head = self._words[_TAIL], self._words[_HEAD]
         for number in range(head, max(seen, head - self._capacity), -1):
@@ -140,7 +139,7 @@ class Ring:
         return None
 
     def close(self) -> None:
-        """Let go of the memory; nothing else may be called after that."""
+        """Release the memory; no other method may be called after that."""
         self._words.release()
         self._buffer.release()
 

@@ -1,9 +1,9 @@
-"""The spaces in which set-points live, joint angles and poses, and the limits in them.
+"""The spaces of set-points, joint angles and poses, and the limits in them.
 
-A stream interpolates and limits *displacements*, six numbers each, so that one code serves
+A stream interpolates and limits *displacements*, six numbers each, so that the same code serves
 both: for joints a displacement is a difference of angles, for poses it is a translation and a
 rotation vector in the base frame. Rotations are never interpolated as roll, pitch and yaw.
-Plain Python: for six numbers that is quicker than numpy.
+Plain Python: for six numbers it is faster than numpy.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ __all__ = [
 
 #: a point of a space: six joint angles [rad], or position [m] and unit quaternion (w, x, y, z)
 Config = tuple[float, ...]
-#: what leads from one point to another: six numbers [rad], or [m, m, m, rad, rad, rad]
+#: the displacement from one point to another: six numbers [rad], or [m, m, m, rad, rad, rad]
 Displacement = tuple[float, ...]
 
 Quaternion = tuple[float, float, float, float]
 
 
-#: the limit of jerk where none is given: full acceleration after 0.1 s [1/s]
+#: default jerk limit, per acceleration limit: full acceleration after 0.1 s [1/s]
 JERK = 10.0
 
 
@@ -47,7 +47,7 @@ class Limits(NamedTuple):
     Attributes:
         velocity: [rad/s], or [m/s, rad/s].
         acceleration: [rad/s²], or [m/s², rad/s²].
-        jerk: [rad/s³], or [m/s³, rad/s³]; only up-sampling by ruckig keeps it.
+        jerk: [rad/s³], or [m/s³, rad/s³]; kept only with up-sampling by ruckig.
     """
 
     velocity: tuple[float, ...]
@@ -56,18 +56,18 @@ class Limits(NamedTuple):
 
 
 class Space(Protocol):
-    """What interpolation, limits and states need to know of a space."""
+    """The operations of a space that interpolation, limits and states use."""
 
     @property
     def groups(self) -> tuple[slice, ...]:
         """The slices of a displacement whose lengths are limited.
 
-        Each joint by itself; for poses the translation and the rotation.
+        Each joint is a group; for poses the groups are the translation and the rotation.
         """
         ...
 
     def decode(self, values: Sequence[float]) -> Config:
-        """The point that six numbers of the wire mean."""
+        """The point for six numbers of the wire."""
         ...
 
     def encode(self, config: Config) -> tuple[float, ...]:
@@ -75,21 +75,21 @@ class Space(Protocol):
         ...
 
     def difference(self, start: Config, end: Config) -> Displacement:
-        """What leads from `start` to `end`."""
+        """The displacement from `start` to `end`."""
         ...
 
     def moved(self, start: Config, displacement: Displacement) -> Config:
-        """Where a displacement leads to."""
+        """The point that a displacement leads to from `start`."""
         ...
 
 
 class JointSpace:
-    """Joint angles [rad], each limited by itself."""
+    """Joint angles [rad], each with its own limit."""
 
     groups: tuple[slice, ...] = tuple(slice(axis, axis + 1) for axis in range(6))
 
     def decode(self, values: Sequence[float]) -> Config:
-        """The point that six numbers of the wire mean."""
+        """The point for six numbers of the wire."""
         return tuple(values)
 
     def encode(self, config: Config) -> tuple[float, ...]:
@@ -97,13 +97,13 @@ class JointSpace:
         return config
 
     def difference(self, start: Config, end: Config) -> Displacement:
-        """What leads from `start` to `end`."""
+        """The displacement from `start` to `end`."""
         s0, s1, s2, s3, s4, s5 = start
         e0, e1, e2, e3, e4, e5 = end
         return (e0 - s0, e1 - s1, e2 - s2, e3 - s3, e4 - s4, e5 - s5)
 
     def moved(self, start: Config, displacement: Displacement) -> Config:
-        """Where a displacement leads to."""
+        """The point that a displacement leads to from `start`."""
         s0, s1, s2, s3, s4, s5 = start
         d0, d1, d2, d3, d4, d5 = displacement
         return (s0 + d0, s1 + d1, s2 + d2, s3 + d3, s4 + d4, s5 + d5)
@@ -115,7 +115,7 @@ class PoseSpace:
     groups: tuple[slice, ...] = (slice(0, 3), slice(3, 6))
 
     def decode(self, values: Sequence[float]) -> Config:
-        """The point that six numbers of the wire mean."""
+        """The point for six numbers of the wire."""
         x, y, z, rx, ry, rz = values
         return (x, y, z, *_quaternion(rx, ry, rz))
 
@@ -125,9 +125,9 @@ class PoseSpace:
         return (x, y, z, *_angles(*quaternion))
 
     def difference(self, start: Config, end: Config) -> Displacement:
-        """What leads from `start` to `end`; the rotation is the shorter one."""
+        """The displacement from `start` to `end`; the rotation is the shorter one."""
         if start == end:
-            # exactly nothing, so that a stream knows that it is at rest
+            # exactly zero, so that a stream can detect that it is at rest
             return (0.0,) * 6
         x, y, z, qw, qx, qy, qz = start
         u, v, w, *quaternion = end
@@ -135,20 +135,20 @@ class PoseSpace:
         return (u - x, v - y, w - z, *_rotation_vector(turn))
 
     def moved(self, start: Config, displacement: Displacement) -> Config:
-        """Where a displacement leads to."""
+        """The point that a displacement leads to from `start`."""
         x, y, z, *quaternion = start
         u, v, w, *rotation = displacement
         return (x + u, y + v, z + w, *_product(_exponential(rotation), quaternion))
 
     def composed(self, pose: Config, offset: Config) -> Config:
-        """The pose that an offset, in the frame of a pose, leads to."""
+        """The pose that an offset leads to; the offset is in the frame of `pose`."""
         x, y, z, *turn = pose
         ox, oy, oz, *further = offset
         u, v, w = rotated(turn, (ox, oy, oz))
         return (x + u, y + v, z + w, *_product(turn, further))
 
     def offset(self, start: Config, end: Config) -> Config:
-        """The offset, in the frame of `start`, that leads from there to `end`."""
+        """The offset from `start` to `end`, in the frame of `start`."""
         x, y, z, qw, qx, qy, qz = start
         u, v, w, *turn = end
         back = (qw, -qx, -qy, -qz)
@@ -173,8 +173,8 @@ def _quaternion(rx: float, ry: float, rz: float) -> Quaternion:
 
 
 def _angles(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a unit quaternion; where only their sum is known, rx is zero."""
-    # Columns of the rotation matrix: hypot keeps the pitch exact near ±90°, asin would not.
+    """Roll, pitch and yaw of a unit quaternion; at a pitch of ±90° roll is set to zero."""
+    # Columns of the rotation matrix: hypot keeps the pitch exact near ±90°; asin would not.
     r00, r10, r20 = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)
     level = hypot(r00, r10)
     pitch = atan2(-r20, level)
@@ -185,10 +185,10 @@ def _angles(w: float, x: float, y: float, z: float) -> tuple[float, float, float
 
 
 def rotated(q: Sequence[float], vector: Sequence[float]) -> tuple[float, float, float]:
-    """A vector, turned by a unit quaternion."""
+    """A vector, rotated by a unit quaternion."""
     w, x, y, z = q
     a, b, c = vector
-    # twice the vector part crossed with the vector, and that again
+    # twice the cross product of the vector part and the vector; crossed once more below
     u, v, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
     return (
         a + w * u + y * t - z * v,
@@ -204,7 +204,7 @@ def _product(a: Sequence[float], b: Sequence[float]) -> Quaternion:
     x = aw * bx + ax * bw + ay * bz - az * by
     y = aw * by - ax * bz + ay * bw + az * bx
     z = aw * bz + ax * by - ay * bx + az * bw
-    # Normalised each time: a stream multiplies a million of them.
+    # Normalised each time: a stream multiplies a million quaternions.
     norm = sqrt(w * w + x * x + y * y + z * z)
     return w / norm, x / norm, y / norm, z / norm
 

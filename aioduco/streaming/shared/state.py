@@ -8,7 +8,7 @@ __all__ = ["Reason", "StreamState"]
 
 
 class StreamState(IntEnum):
-    """StreamState of a stream."""
+    """State of a stream."""
 
     WAITING = 0
     FOLLOWING = 1
@@ -23,7 +23,7 @@ class Reason(IntEnum):
     NONE = 0
     #: the program closed it
     CLOSED = 1
-    #: the program left the stream by an error or a cancellation
+    #: the program left the stream because of an error or a cancellation
     ABORTED = 2
     #: the program sent nothing for longer than the hold time
     STARVED = 3
@@ -31,17 +31,17 @@ class Reason(IntEnum):
     PROGRAM_DIED = 4
     #: the robot was stopped
     STOPPED = 5
-    #: the first set-point was too far from where the arm is
+    #: the first set-point was too far from the arm's position
     TOO_FAR = 6
-    #: the controller refused a set-point, or left the state in which it takes any
+    #: the controller refused a set-point, or left the state in which it accepts them
     REFUSED = 7
     #: the connection to the controller broke, or an answer did not come in time
     CONNECTION = 8
-    #: the worker ended by an error of its own
+    #: the worker ended because of an internal error
     FAILED = 9
-    #: the worker's process is gone
+    #: the worker ended without giving a reason
     LANE_DIED = 10
     #: the program's event loop hung, or the robot's heartbeat was lost
     HUNG = 11
-    #: a set-point would have led beyond a limit of the robot's envelope
+    #: a set-point would have crossed a limit of the robot's envelope
     ENVELOPE = 12

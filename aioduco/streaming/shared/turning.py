@@ -1,6 +1,6 @@
-"""Directions turned from the frame in which a program gives them into that of the wire.
+"""Rotating directions from the frame in which a program gives them into that of the wire.
 
-Plain Python, and no I/O: a worker and a single call turn by the same functions.
+Plain Python without I/O: a worker and a single call use the same functions.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ORIGIN = (0.0, 0.0, 0.0)
 
 
 def composed(poses: Sequence[Sequence[float]]) -> Config:
-    """The product of poses (x, y, z [m], rx, ry, rz [rad]), as a place and a quaternion."""
+    """The product of poses (x, y, z [m], rx, ry, rz [rad]), as a position and a quaternion."""
     place = POSE_SPACE.decode((0.0,) * 6)
     for pose in poses:
         place = POSE_SPACE.composed(place, POSE_SPACE.decode(pose))
@@ -28,12 +28,12 @@ def composed(poses: Sequence[Sequence[float]]) -> Config:
 
 
 def turned(twist: Sequence[float], place: Config, *, back: bool) -> tuple[float, ...]:
-    """A velocity along and about the axes of another frame.
+    """Rotate a velocity into the axes of another frame.
 
     Args:
         twist: along x, y, z [m/s] and about them [rad/s]. Shape (6,).
-        place: how one frame lies in the other.
-        back: whether to turn against it.
+        place: pose of one frame in the other.
+        back: whether to apply the inverse rotation.
     """
     _, _, _, w, x, y, z = place
     turn = (w, -x, -y, -z) if back else (w, x, y, z)
@@ -41,11 +41,11 @@ def turned(twist: Sequence[float], place: Config, *, back: bool) -> tuple[float,
 
 
 def in_tool(offset: Sequence[float], place: Config) -> tuple[float, ...]:
-    """An offset along and about the axes of a frame, as the offset in the tool's own.
+    """Convert an offset along and about the axes of a frame into an offset in the tool's frame.
 
     Args:
         offset: x, y, z [m], rx, ry, rz [rad]; it turns the tool about its tip. Shape (6,).
-        place: how the tool lies in that frame.
+        place: pose of the tool in that frame.
     """
     here = (*_ORIGIN, *place[3:])
     there = POSE_SPACE.composed(POSE_SPACE.decode(offset), here)

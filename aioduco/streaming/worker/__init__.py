@@ -1,5 +1,6 @@
-"""What runs in a stream's own process: it sends set-points on a schedule of its own.
+"""The code of a stream's separate process, which sends set-points on its own schedule.
 
-Imports neither anyio nor asyncio nor numpy, nothing of streaming but `shared`, and of the rest of
-the package only the wire, the errors, and what is asked of the scheduler.
+Imports neither anyio nor asyncio, and numpy only if an envelope needs inverse kinematics. It
+imports from streaming only `shared`, and from the rest of the package only the wire, the errors,
+the envelope's checker, and the requests to the system.
 """

@@ -1,7 +1,7 @@
-"""What a worker does in one tick, for streams through a buffer of the controller.
+"""The work of one tick, for streams through a buffer of the controller.
 
-`Depth` and `PoolStates` decide when to fill the realtime queue and the track pool, and when their
-end has come. They are pure: no clock, no calls.
+`Depth` and `PoolStates` decide when to fill the realtime queue and the track pool, and when the
+stream ends. They are pure: no clock, no calls.
 """
 
 from __future__ import annotations
@@ -29,21 +29,20 @@ if TYPE_CHECKING:
 __all__ = ["Depth", "PoolStates", "RealtimeQueueDriver", "Todo", "TrackPoolDriver"]
 
 _MOST = 100  # points in one call: about 6 kB
-_PATIENCE = 0.25  # seconds for which the controller may take no point before it counts as gone
+_PATIENCE = 0.25  # seconds without the controller taking a point, after which it counts as stuck
 _RUNNING = (0, 1, 2)  # not yet begun, running, paused
 
 
 class Depth:
-    """How many points the realtime queue wants, and whether the controller takes any.
+    """Decides how many points to add to the realtime queue, and whether the controller takes any.
 
     Args:
         depth: points to keep in the queue.
-        patience: time for which a full queue may stay so, before the controller counts as one
-            that takes nothing any more [s].
+        patience: time for which the queue may stay full before the controller counts as stuck [s].
 
     Attributes:
-        drained: looks at which the queue was empty.
-        stuck: whether the controller takes nothing any more.
+        drained: polls at which the queue was empty.
+        stuck: whether the controller takes no more points.
     """
 
     def __init__(self, depth: int, patience: float) -> None:
@@ -55,14 +54,14 @@ class Depth:
         self.stuck: bool = False
 
     def look(self, left: int, now: float) -> int:
-        """Take account of a look at the queue.
+        """Process the result of a poll of the queue.
 
         Args:
-            left: points in it.
+            left: points in the queue.
             now: the time [s].
 
         Returns:
-            How many points to add.
+            Number of points to add.
         """
         self.drained += left == 0
         wanted = min(self._depth - left, _MOST)
@@ -75,17 +74,17 @@ class Depth:
         return 0
 
     def rest(self, count: int) -> None:
-        """So many points were added at which the arm rests, for lack of others."""
+        """Count points that were added to hold the arm at rest, because there were no others."""
         self._resting += count
 
     @property
     def at_rest(self) -> bool:
-        """Whether the queue holds nothing but rest."""
+        """Whether the queue contains only points at which the arm rests."""
         return self._resting >= self._depth
 
 
 class Todo(Enum):
-    """What is to be done about the track pool after a look at it."""
+    """The next action after a poll of the track pool."""
 
     FOLLOW = auto()
     """Nothing: the arm follows."""
@@ -102,19 +101,19 @@ class Todo(Enum):
 class PoolStates:
     """The states of a stream through the track pool.
 
-    WAITING until there are enough points to begin with; HOLDING while the pool is dry, where the
-    controller comes to rest by itself; DECELERATING once the pool was emptied on purpose.
+    WAITING until there are enough points to begin; HOLDING while the pool is empty, where the
+    controller comes to rest by itself; DECELERATING after the stream has cleared the pool.
 
     Args:
-        low: fill the pool up when it has fewer points.
-        high: fill it up to so many.
-        hold: time with a dry pool after which the stream ends [s].
+        low: fill the pool when it has fewer points than this.
+        high: number of points to which to fill it.
+        hold: time with an empty pool after which the stream ends [s].
 
     Attributes:
-        state: the state.
+        state: state of the stream.
         reason: why it ends; NONE before.
-        drained: times at which the pool ran dry though the program was not done.
-        starved: looks at which it was dry then.
+        drained: how often the pool ran empty before the program had closed the stream.
+        starved: polls at which it was empty then.
     """
 
     def __init__(self, low: int, high: int, hold: float) -> None:
@@ -123,43 +122,43 @@ class PoolStates:
         self._hold = hold
         self._closing = False
         self._dry_since: float | None = None
-        self._filled = 0  # points that were in the pool after the last look at it
+        self._filled = 0  # points that were in the pool after the last poll
         self.state: StreamState = StreamState.WAITING
         self.reason: Reason = Reason.NONE
         self.drained: int = 0
         self.starved: int = 0
 
     def may_begin(self, waiting: int, capacity: int) -> bool:
-        """Whether there are enough points to begin with.
+        """Whether there are enough points to begin.
 
-        The controller follows at its best with enough points in its pool, so they are waited for.
+        The controller follows best with enough points in its pool, so the worker waits for them.
 
         Args:
             waiting: points that the program has sent.
-            capacity: how many of them fit before they are taken.
+            capacity: number of points that fit into the ring.
         """
         if self._closing and not waiting:
             self.end(Reason.CLOSED)
         return waiting > 0 and (self._closing or waiting >= min(self._low, capacity))
 
     def begin(self) -> None:
-        """The controller follows the pool."""
+        """Note that the controller follows the pool."""
         self.state = StreamState.FOLLOWING
 
     def wanted(self, left: int) -> int:
-        """How many points to add to a pool that has so many left."""
+        """Number of points to add to a pool that has `left` points."""
         return self._high - left if left < self._low else 0
 
     def look(self, left: int, added: int, now: float) -> Todo:
-        """Take account of a look at the pool.
+        """Process the result of a poll of the pool.
 
         Args:
-            left: points that were in it.
-            added: points that were added to it.
+            left: points that were in the pool.
+            added: points that were then added to it.
             now: the time [s].
         """
-        # The pool runs dry between two looks, too, and even between a look and what it adds:
-        # points that nobody takes any more tell of that.
+        # The pool can also run empty between two polls, and even between a poll and the points that
+        # it adds. Then the controller rests and takes none of the new points, which shows here.
         untaken = 0 < self._filled <= left
         self._filled = left + added
         if left or added:
@@ -179,14 +178,14 @@ class PoolStates:
         return Todo.WAIT
 
     def close(self) -> None:
-        """The program sends nothing more."""
+        """Follow all points that were sent, then end: the program sends no more."""
         self._closing = True
 
     def brake(self, reason: Reason) -> bool:
         """Come to rest at once, then end.
 
         Returns:
-            Whether the pool is to be emptied for that.
+            Whether the caller must clear the pool for that.
         """
         if self.state is StreamState.WAITING:
             self.end(reason)
@@ -204,8 +203,8 @@ class PoolStates:
 class RealtimeQueueDriver:
     """The realtime queue (实时控制, manual 1.3.15), kept at a depth.
 
-    The controller takes a point every cycle, by its own clock. So the worker does not count time:
-    each tick it asks how many points are left and adds what is missing to the depth.
+    The controller takes a point every cycle of its own clock. So the worker does not count time: in
+    each tick it polls how many points are left and fills the queue to its depth.
     """
 
     def __init__(self, queue: QueueDrive, connection: Connection, block: Block) -> None:
@@ -233,7 +232,7 @@ class RealtimeQueueDriver:
 
     @property
     def state(self) -> StreamState:
-        """State of the stream; it ends once the queue holds nothing but rest."""
+        """State of the stream; it ends when the queue contains only points at rest."""
         state = self._feed.source.state
         if state is StreamState.ENDED and self._running:
             return StreamState.DECELERATING
@@ -244,7 +243,7 @@ class RealtimeQueueDriver:
         """Why it ends."""
         return self._feed.source.reason
 
-    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the queue
+    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the queue compensates lateness
         """Do the work of one tick; returns whether there is another one."""
         if self._running:
             return self._fill()
@@ -255,9 +254,9 @@ class RealtimeQueueDriver:
         return source.state < StreamState.ENDED
 
     def _start(self) -> bool:
-        """Fill the empty queue, and have the controller begin with it.
+        """Fill the empty queue, and start realtime mode.
 
-        The first points are where the arm is, as the manual asks for.
+        The first points are the arm's position, as the manual requires.
         """
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
@@ -284,7 +283,7 @@ class RealtimeQueueDriver:
         return not reason or self._refuse(text)
 
     def _more(self, count: int) -> list[bytes]:
-        """The next points; after the end those at which the arm rests."""
+        """The next points; after the last one, points at which the arm rests."""
         elements: list[bytes] = []
         for _ in range(count):
             values = self._feed.step()
@@ -318,7 +317,7 @@ class RealtimeQueueDriver:
         return False
 
     def close(self) -> None:
-        """The program sends nothing more."""
+        """Follow all set-points that were sent, then end: the program sends no more."""
         self._feed.source.close()
 
     def brake(self, reason: Reason) -> None:
@@ -326,13 +325,13 @@ class RealtimeQueueDriver:
         self._feed.source.brake(reason)
 
     def end(self, reason: Reason) -> None:
-        """Send nothing more: the robot was stopped, and realtime mode is left."""
+        """Send nothing more, and leave realtime mode: the robot was stopped."""
         self._feed.source.end(reason)
         if self._running:
             self._stop()
 
     def publish(self) -> None:
-        """Write what the program wants to know into the shared block."""
+        """Write the status of the stream into the shared block."""
         self._block.status[StatusWord.SENT] = self._sent
         self._block.status[StatusWord.DRAINED] = self._depth.drained
         self._feed.publish()
@@ -341,8 +340,8 @@ class RealtimeQueueDriver:
 class TrackPoolDriver:
     """The track pool (轨迹池, manual 1.3.12), kept between a low and a high mark.
 
-    The controller plans the motion through the points itself, and comes to rest by itself when
-    the pool is empty: nothing is interpolated or limited here.
+    The controller itself plans the motion through the points, and comes to rest by itself when the
+    pool is empty, so the worker neither interpolates nor limits.
     """
 
     def __init__(self, pool: PoolDrive, connection: Connection, block: Block) -> None:
@@ -375,7 +374,7 @@ class TrackPoolDriver:
         """Why it ends."""
         return self._states.reason
 
-    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the pool
+    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the pool compensates lateness
         """Do the work of one tick; returns whether there is another one."""
         match self.state:
             case StreamState.WAITING:
@@ -383,7 +382,7 @@ class TrackPoolDriver:
             case StreamState.FOLLOWING | StreamState.HOLDING:
                 return self._serve()
             case StreamState.DECELERATING:
-                # The pool was emptied, so the controller comes to rest by itself.
+                # The pool was cleared, so the controller comes to rest by itself.
                 return self._task_runs() or self._finish(self.reason, "")
             case StreamState.ENDED:
                 return False
@@ -402,7 +401,7 @@ class TrackPoolDriver:
         if not within(space, space.decode(actual), space.decode(first.values), reach):
             return self._finish(Reason.TOO_FAR, "")
         if self._block.config.envelope is not None:
-            # imported here: a stream without an envelope has no need of it
+            # imported here: only a stream with an envelope needs it
             from aioduco.streaming.worker.checked import CheckedPath  # noqa: PLC0415
 
             self._checked = CheckedPath(self._block.config, self._connection, actual)
@@ -434,7 +433,7 @@ class TrackPoolDriver:
         return not reason or self._finish(reason, text)
 
     def _go(self) -> bool:
-        """Have the controller follow what is in the pool."""
+        """Start the controller's motion through the pool."""
         name, args = self._pool.function, tuple(self._pool.arguments)
         self._task = self._connection.call(name, args, self._timeout)
         if refused(self._task):
@@ -443,21 +442,22 @@ class TrackPoolDriver:
         return True
 
     def _resume(self) -> bool:
-        """Have the controller go on if it has come to rest by itself, and by nothing else."""
+        """Restart the motion if the controller has come to rest by itself, for no other reason."""
         state = self._state()
         if state in _RUNNING:
             return True
         reason, text = ended(self._task, state)
         if reason:
             return self._finish(reason, text)
-        # It may have taken the last point meanwhile.
+        # The controller may have taken the last point in the meantime.
         return self._connection.call("getQueueSize", (), self._timeout) <= 0 or self._go()
 
     def _add(self, room: int, first: SetPoint | None = None) -> int:
         """Add points of the program to the pool.
 
         Returns:
-            How many; -1: they were refused, or lead beyond the envelope, and this is the end.
+            Number of points added; -1: the stream ends, because the controller refused points or a
+            point crosses the envelope.
         """
         point = first
         elements: list[bytes] = []
@@ -500,7 +500,7 @@ class TrackPoolDriver:
         return False
 
     def close(self) -> None:
-        """The program sends nothing more."""
+        """Follow all points that were sent, then end: the program sends no more."""
         self._states.close()
 
     def brake(self, reason: Reason) -> None:
@@ -513,7 +513,7 @@ class TrackPoolDriver:
         self._states.end(reason)
 
     def publish(self) -> None:
-        """Write what the program wants to know into the shared block."""
+        """Write the status of the stream into the shared block."""
         status = self._block.status
         status[StatusWord.SENT] = self._sent
         status[StatusWord.DRAINED] = self._states.drained

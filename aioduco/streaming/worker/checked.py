@@ -1,4 +1,4 @@
-"""Set-points of a stream as what the robot's envelope is checked for."""
+"""Conversion of a stream's set-points into configurations that the envelope's checker takes."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckedPath", "EnvelopeSpace"]
 
-_STEP = 0.02  # of a way between two points [m, rad]
+_STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500
 
 
 class EnvelopeSpace:
-    """Set-points of a stream as the configurations that an envelope is checked for.
+    """Converts set-points of a stream into configurations that an `EnvelopeChecker` takes.
 
     Args:
         envelope: the envelope, and the frames of the set-points.
-        config: the stream.
-        connection: reads where the arm is.
+        config: the configuration of the stream.
+        connection: connection over which the arm's position is read.
         turn: orientation of the tool at the start, for steps that are not given in its frame;
             empty for others.
     """
@@ -58,7 +58,7 @@ class EnvelopeSpace:
         if self._in_joints:
             return config
         if self._turn:
-            # along and about the axes of another frame: as seen from the tool
+            # convert from the axes of another frame to those of the tool
             back = POSE_SPACE.offset(self._turn, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
             config = POSE_SPACE.composed(POSE_SPACE.composed(back, config), self._turn)
         x, y, z, w, a, b, c = POSE_SPACE.composed(self._base, config)
@@ -71,12 +71,12 @@ class EnvelopeSpace:
 
 
 class CheckedPath:
-    """Checks the straight ways between points that the controller plans a motion through.
+    """Checks the straight lines between the points through which the controller plans a motion.
 
     Args:
-        config: the stream, with an envelope.
-        connection: reads where the arm is.
-        start: where the arm is, as six numbers of the wire.
+        config: the configuration of a stream with an envelope.
+        connection: connection over which the arm's position is read.
+        start: the arm's position, as six numbers of the wire.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class CheckedPath:
         self._begun = False
 
     def add(self, values: Sequence[float]) -> Crossing | None:
-        """Take the next point; what the way to it crosses, if anything."""
+        """Take the next point, and return the limit that the line to it crosses, if any."""
         checker, space = self._place.checker, self._space
         if not self._begun:
             self._begun = True
@@ -102,7 +102,7 @@ class CheckedPath:
         for number in range(1, count + 1):
             share = number / count
             there = self._place.seen(space.moved(self._last, tuple(share * w for w in way)))
-            # A speed is the controller's to choose here: a limit that slows lets it pass.
+            # The controller chooses the speed here, so limits with the action "slow" do not apply.
             if found := checker.sweep(self._seen, there, 0.0):
                 return found
             self._seen = there

@@ -1,9 +1,9 @@
-"""Chunks of actions that overlap, brought to one set-point per tick. Nothing here reads a clock.
+"""Conversion of overlapping chunks of actions to one target per tick. This module reads no clock.
 
-A policy gives its actions in chunks: so many, at a fixed rate, from a time on. The next chunk comes
-before the last one is over. From its time on the newer one replaces the older one, and the way from
-one to the other is blended: what is followed has no step, neither in place nor in velocity. The
-limiter behind it keeps acceleration and jerk.
+A policy gives its actions in chunks: a number of actions at a fixed rate, from a given time on. The
+next chunk arrives before the last one is over. From its time on the newer chunk replaces the older
+one, and the transition is blended: the target has no step in position or in velocity. The limiter
+after it keeps the limits of acceleration and jerk.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 __all__ = ["ActionTimeline", "ChunkCounts"]
 
 _ZERO: Displacement = (0.0,) * 6
-_CATCH_UP = 0.25  # of a period for each tick: how fast time that was missed is made up for
+_CATCH_UP = 0.25  # share of a period per tick by which missed time is made up for
 _ROUNDING = 1e-7
 
 
 class ChunkCounts(NamedTuple):
-    """What became of the chunks.
+    """Counts of chunks and actions.
 
     Attributes:
         taken: chunks that were taken, dropped ones included.
-        late: of these, chunks that came when the time of some of their actions had passed.
-        dropped: of these, chunks all of whose actions came too late; what was followed goes on.
-        late_actions: actions that came too late, one by one.
-        exhausted: times at which the actions were at their end before a new chunk was there.
+        late: of these, chunks some of whose actions were already past.
+        dropped: of these, chunks all of whose actions were already past; the earlier chunks stay.
+        late_actions: number of single actions that arrived too late.
+        exhausted: how often the actions ran out before a new chunk arrived.
     """
 
     taken: int = 0
@@ -41,9 +41,9 @@ class ChunkCounts(NamedTuple):
 
 
 class _Curve:
-    """The actions of one chunk, joined by a cubic curve that overshoots none; at rest at its end.
+    """A cubic curve through the actions of one chunk; it overshoots none, and ends at rest.
 
-    Slopes are reckoned where they are needed: a chunk is mostly replaced before its end.
+    Slopes are computed only where they are needed: a chunk is usually replaced before its end.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class _Curve:
         self.end = begin + (len(actions) - 1) * interval
 
     def at(self, time: float) -> Config:
-        """Where it is at a time; before and after it stands."""
+        """The point of the curve at a time; outside of the curve its first or last action."""
         last = len(self._actions) - 1
         if time >= self.end:
             return self._actions[last]
@@ -86,11 +86,11 @@ class _Curve:
 
 
 class _Followed(NamedTuple):
-    """A curve, and how the way to it from what was followed before fades away."""
+    """The curve that is followed, and the blend into it from the earlier one."""
 
     curve: _Curve
     since: float
-    #: what leads from the curve to what was followed, and how fast it changes [1/s]
+    #: displacement from the curve to the earlier one, and its rate of change [1/s]
     gap: Displacement
     drift: Displacement
     blend: float
@@ -107,17 +107,17 @@ class _Followed(NamedTuple):
 
 
 class ActionTimeline:
-    """What is to be followed at each tick, from chunks that overlap. One call of `step` is a tick.
+    """The target of each tick, from overlapping chunks. One call of `advance` is a tick.
 
     Args:
         space: the space of the actions.
         period: time between two ticks [s].
         interval: time between two actions of a chunk [s].
-        blend: time in which a newer chunk takes over from an older one [s].
+        blend: time of the transition from an older chunk to a newer one [s].
 
     Attributes:
         now: time of this tick [s].
-        counts: what became of the chunks.
+        counts: counts of chunks and actions.
     """
 
     def __init__(self, space: Space, period: float, interval: float, blend: float) -> None:
@@ -126,7 +126,7 @@ class ActionTimeline:
         self._interval = interval
         self._blend = blend
         self._followed: _Followed | None = None
-        #: chunks whose time has not come, by their begin
+        #: chunks whose time has not come yet, in order of their begin
         self._coming: list[_Curve] = []
         self._place: Config = ()
         self._running = False
@@ -136,7 +136,7 @@ class ActionTimeline:
 
     @property
     def ready(self) -> bool:
-        """Whether all actions have had their time."""
+        """Whether the time of all actions is over."""
         followed = self._followed
         if self._coming:
             return False
@@ -145,13 +145,13 @@ class ActionTimeline:
         )
 
     def advance(self, clock: float, *, closing: bool = False) -> None:
-        """Go on to the next tick.
+        """Advance to the next tick.
 
-        Time goes on by one period, so that ticks that come unevenly do not make the arm go
-        unevenly. Ticks that were missed are made up for little by little.
+        The time advances by one period, so that uneven ticks do not make the motion uneven. Missed
+        ticks are made up for gradually.
 
         Args:
-            clock: what the clock says [s].
+            clock: time of the clock [s].
             closing: whether no more chunks are expected.
         """
         if not self._running:
@@ -168,18 +168,18 @@ class ActionTimeline:
             self.counts = self.counts._replace(exhausted=self.counts.exhausted + (not closing))
 
     def take(self, begin: float | None, actions: Sequence[Config]) -> Config | None:
-        """Take a chunk. From its begin on it replaces what was taken before it.
+        """Take a chunk. From its begin on it replaces all earlier chunks.
 
         Args:
             begin: when its first action is due [s]; None: now.
-            actions: its actions, an interval apart; one or more.
+            actions: one or more actions, an interval apart.
 
         Returns:
-            Where it is when it takes over; None: all of it came too late, and it was dropped.
+            The chunk's position when it takes over; None: all of it was late, so it was dropped.
         """
         counts = self.counts
         begin = self.now if begin is None else begin
-        # An action counts as late when this tick could not have sent it in time, either.
+        # An action counts as late if even this tick could not have sent it in time.
         passed = (self.now - self._period - begin) / self._interval
         late = min(len(actions), max(0, -int(-passed // 1) if passed > _ROUNDING else 0))
         dropped = late == len(actions)
@@ -205,20 +205,20 @@ class ActionTimeline:
         self.take(None, [target])
 
     def step(self) -> Config:
-        """Where the arm should be at this tick."""
+        """The desired position at this tick."""
         if self._followed is None:
             return self._place
         return self._followed.at(self._space, self.now)
 
     def rest(self, config: Config) -> None:
-        """Forget all chunks, and stand at a point."""
+        """Discard all chunks, and stay at a point."""
         self._place = config
         self._followed = None
         self._coming.clear()
         self._over = True
 
     def _follow(self, curve: _Curve) -> None:
-        """Have a curve take over at this tick, from where and as fast as what went before is."""
+        """Switch to a curve at this tick, without a step in position or velocity."""
         space, now, soon = self._space, self.now, self.now + self._period
         before = self._followed
         if before is None:
@@ -232,6 +232,6 @@ class ActionTimeline:
 
 
 def _between(before: float, after: float) -> float:
-    """Slope between two displacements: their harmonic mean, or zero where they turn back."""
+    """Slope between two displacements: their harmonic mean, or zero if the direction reverses."""
     product = before * after
     return 2 * product / (before + after) if product > 0 else 0.0

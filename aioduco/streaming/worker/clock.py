@@ -1,4 +1,4 @@
-"""An absolute schedule, and a sleep that ends close to the moment asked for."""
+"""An absolute schedule, and a sleep that ends close to the requested time."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ __all__ = ["ProcessorShare", "Schedule", "sharpen_sleep", "sleep_until"]
 
 
 class Schedule:
-    """When ticks are due: at `start + k * period`, whatever happened before. Pure.
+    """When ticks are due: at `start + k * period`, however late earlier ticks were. Pure.
 
-    A tick that cannot be served before the next one is due is missed: it is counted and
-    skipped, never made up for by a burst.
+    A tick that cannot run before the next one is due is missed: it is counted and skipped, and
+    never made up for by a burst.
 
     Args:
         period: time between two ticks [ns].
@@ -37,13 +37,13 @@ class Schedule:
         self.missed: int = 0
 
     def advance(self, now: int) -> int:
-        """Go on to the next tick, over those for which it is too late.
+        """Advance to the next tick, and skip those for which it is too late.
 
         Args:
             now: the time at which the work of the current tick ended [ns].
 
         Returns:
-            How many ticks were skipped. The new `due` lies at most one period before `now`.
+            Number of skipped ticks. The new `due` is less than one period before `now`.
         """
         self.due += self.period
         skipped = max(0, (now - self.due) // self.period)
@@ -53,7 +53,7 @@ class Schedule:
 
 
 class ProcessorShare:
-    """Whether a thread uses more than half of a processor, tenth of a second by tenth. Pure.
+    """Whether a thread uses more than half of a processor, checked per 0.1 s. Pure.
 
     Args:
         now: the time [ns].
@@ -62,7 +62,7 @@ class ProcessorShare:
 
     __slots__ = ("_since", "_used")
 
-    #: how long it is watched before it is judged [ns]
+    #: shortest time over which the use is measured [ns]
     OVER: Final = 100_000_000
 
     def __init__(self, now: int, used: int) -> None:
@@ -70,11 +70,11 @@ class ProcessorShare:
         self._used = used
 
     def exceeded(self, now: int, used: Callable[[], int]) -> bool:
-        """Whether it did in the time that ends now, if that is long enough to judge.
+        """Whether the thread did so since the last measurement; False if that was too recent.
 
         Args:
             now: the time [ns].
-            used: gives the processor time that the thread has used [ns].
+            used: returns the processor time that the thread has used [ns].
         """
         if now - self._since < self.OVER:
             return False
@@ -91,14 +91,14 @@ def sleep_until(
     clock: Callable[[], int] = time.monotonic_ns,
     sleep: Callable[[float], None] = time.sleep,
 ) -> int:
-    """Sleep until a moment of the monotonic clock.
+    """Sleep until a time of the monotonic clock.
 
     Args:
-        due: the moment [ns].
-        spin: how long before it to stop sleeping and to look at the clock instead [ns]. It
-            costs that share of a processor, and buys the wake-up time of the system.
+        due: the time [ns].
+        spin: how long before `due` to stop sleeping and poll the clock instead [ns]. It costs that
+            share of a processor, and avoids the wake-up delay of the system.
         clock: the clock.
-        sleep: the sleep.
+        sleep: the sleep function.
 
     Returns:
         The time at which it returned, never before `due` [ns].
@@ -113,14 +113,14 @@ def sleep_until(
 def sharpen_sleep(thread: int) -> bool:
     """Ask the system not to round the wake-ups of a thread of this process.
 
-    Linux delays the wake-up of ordinary threads by up to 50 µs, so that it can serve several
-    at once (timer slack). A worker cannot use that.
+    Linux delays the wake-up of ordinary threads by up to 50 µs, so that it can wake several threads
+    at once (timer slack). A worker needs exact wake-ups instead.
 
     Args:
         thread: the system's id of the thread (`threading.get_native_id()`).
 
     Returns:
-        Whether the system did it. If not, wake-ups are as late as everybody's.
+        Whether the system did it. If not, the thread wakes up as late as ordinary threads.
     """
     try:
         Path(f"/proc/{thread}/timerslack_ns").write_text("1")

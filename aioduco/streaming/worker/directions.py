@@ -1,4 +1,4 @@
-"""Directions that are turned as they are sent, by where the tool is."""
+"""Directions that are rotated when they are sent, by the tool's present orientation."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Directions"]
 
-_FRESH = 10_000_000  # ns for which a pose that was read is used
+_FRESH = 10_000_000  # ns for which a pose is used after it was read
 
 
 class Directions:
-    """Turns velocities into the frame of the wire; the pose that it takes is at most 10 ms old.
+    """Rotates velocities into the frame of the wire, by a pose that was read at most 10 ms ago.
 
     Args:
-        connection: what poses are read by.
-        turning: how directions are turned; None: not at all.
-        timeout: time for each call [s].
+        connection: connection over which poses are read.
+        turning: how directions are rotated; None: not at all.
+        timeout: time-out of each call [s].
     """
 
     def __init__(self, connection: Connection, turning: Turning | None, timeout: float) -> None:
@@ -38,7 +38,7 @@ class Directions:
         self._read_at = 0
 
     def turned(self, twist: tuple[float, ...]) -> tuple[float, ...]:
-        """A velocity as the wire takes it [m/s, rad/s]."""
+        """A velocity, rotated into the frame of the wire [m/s, rad/s]."""
         if self._turning is None:
             return twist
         now = time.monotonic_ns()
@@ -47,10 +47,10 @@ class Directions:
         return turned(twist, self._place, back=self._turning.back)
 
     def place(self, turning: Turning) -> Config:
-        """Read how the frames lie in one another.
+        """Read the pose of one frame in the other.
 
         Raises:
-            ControllerError: the controller does not say, or knows no such frame.
+            ControllerError: the controller gives no pose, or has no such frame.
         """
         poses: list[Sequence[float]] = []
         for name, *args in turning.reads:

@@ -1,4 +1,4 @@
-"""What a worker does in one tick: the protocol, and drivers with one call per tick."""
+"""The work of one tick: the interface of drivers, and drivers with one call per tick."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["CallDriver", "Driver", "ProbeDriver"]
 
 
 class Driver(Protocol):
-    """One way to bring set-points to the controller."""
+    """One way to send set-points to the controller."""
 
     @property
     def state(self) -> StreamState:
@@ -38,12 +38,12 @@ class Driver(Protocol):
         """Do the work of one tick; returns whether there is another one.
 
         Args:
-            hurry: the next tick is due before an answer can be here.
+            hurry: whether the next tick is due before an answer can arrive.
         """
         ...
 
     def close(self) -> None:
-        """The program sends nothing more."""
+        """Follow all set-points that were sent, then end: the program sends no more."""
 
     def brake(self, reason: Reason) -> None:
         """Come to rest at once, then end."""
@@ -52,7 +52,7 @@ class Driver(Protocol):
         """Send nothing more."""
 
     def publish(self) -> None:
-        """Write what the program wants to know into the shared block."""
+        """Write the status of the stream into the shared block."""
 
 
 class CallDriver:
@@ -67,7 +67,7 @@ class CallDriver:
             return (values, *calls.arguments)
 
         self._name = calls.function
-        # Steps are turned once, where they are added up; velocities as each is sent.
+        # Steps are rotated once, where they are added up; each velocity when it is sent.
         turning = None if sent.meaning == "step" else sent.turning
         self._directions = Directions(connection, turning, options.timeout)
         self._point = Point(connection, self._name, args, options.timeout)
@@ -90,8 +90,8 @@ class CallDriver:
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
 
-        In a hurry the next set-point is reckoned while the controller answers. Otherwise that is
-        left for its own tick, in which it may be fresher.
+        With `hurry` the next set-point is computed while the controller answers. Otherwise it is
+        computed in the next tick, from data that may be newer.
         """
         feed = self._feed
         values, self._ahead = self._ahead, None
@@ -115,13 +115,13 @@ class CallDriver:
         self._ahead = self._feed.step()
 
     def _finish(self, reason: Reason, text: str) -> bool:
-        # The controller does not follow any more: there is nothing left to decelerate.
+        # The controller does not follow any more, so no deceleration is possible.
         self._feed.source.end(reason)
         self._block.text = text
         return False
 
     def close(self) -> None:
-        """The program sends nothing more."""
+        """Follow all set-points that were sent, then end: the program sends no more."""
         self._feed.source.close()
 
     def brake(self, reason: Reason) -> None:
@@ -134,13 +134,13 @@ class CallDriver:
         self._feed.source.end(reason)
 
     def publish(self) -> None:
-        """Write what the program wants to know into the shared block."""
+        """Write the status of the stream into the shared block."""
         self._block.status[StatusWord.SENT] = self._sent
         self._feed.publish()
 
 
 class ProbeDriver:
-    """What a servo stream costs, without a servo: one short call per tick."""
+    """Measures the cost of a servo stream without moving the arm: one short call per tick."""
 
     def __init__(self, connection: Connection, block: Block) -> None:
         self._connection = connection
@@ -154,7 +154,7 @@ class ProbeDriver:
         self.reason: Reason = Reason.NONE
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - of the protocol
-        """Ask once; returns whether there is another tick."""
+        """Call the controller once; returns whether there is another tick."""
         if self.state is StreamState.ENDED:
             return False
         start = time.monotonic_ns()
@@ -165,18 +165,18 @@ class ProbeDriver:
         return True
 
     def close(self) -> None:
-        """Ask no more."""
+        """Make no more calls."""
         self.end(Reason.CLOSED)
 
     def brake(self, reason: Reason) -> None:
-        """Ask no more."""
+        """Make no more calls."""
         self.end(reason)
 
     def end(self, reason: Reason) -> None:
-        """Ask no more."""
+        """Make no more calls."""
         self.state, self.reason = StreamState.ENDED, self.reason or reason
 
     def publish(self) -> None:
-        """Write what the program wants to know into the shared block."""
-        # Nothing that was sent moves anything, so there is nothing to stop: SENT stays zero.
+        """Write the status of the stream into the shared block."""
+        # These calls do not move the arm, so there is nothing to stop: SENT stays zero.
         self._block.status[StatusWord.TAKEN] = self._asked

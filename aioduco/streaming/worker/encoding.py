@@ -1,8 +1,8 @@
 """Calls whose constant parts are encoded once, so that a set-point costs one `struct.pack`.
 
-Encoding a servoj by thriftpy2 takes as long as everything else that a worker does for a
-set-point. Here thriftpy2 encodes each call once, with numbers that occur nowhere else in the
-place of the set-point; what lies before and after them stays.
+Encoding a servoj with thriftpy2 takes as long as the rest of a worker's work for a set-point. Here
+thriftpy2 encodes each call once, with numbers in the place of the set-point that occur nowhere
+else; the bytes before and after them are kept.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ class Point:
     """A call that carries one set-point.
 
     Args:
-        connection: what it is sent by, always on its owner's thread.
+        connection: connection for the calls, used only on its owner's thread.
         name: the function of the wire.
         args: makes the arguments from the six numbers of a set-point.
-        timeout: time for each call [s].
+        timeout: time-out of each call [s].
     """
 
     __slots__ = ("_connection", "_function", "_head", "_pack", "_tail", "_timeout")
@@ -52,7 +52,7 @@ class Point:
         self._pack = struct.Struct(f"!{len(self._head)}s6d{len(self._tail)}s").pack
 
     def encode(self, values: Sequence[float]) -> bytes:
-        """The arguments with a set-point in them, as `codec.encode` would write them."""
+        """The arguments with a set-point, as `codec.encode` would encode them."""
         return self._pack(self._head, *values, self._tail)
 
     def send(self, values: Sequence[float], meanwhile: Callable[[], object] | None = None) -> int:
@@ -60,7 +60,7 @@ class Point:
 
         Args:
             values: the set-point.
-            meanwhile: what to do while the controller answers.
+            meanwhile: function to call while the controller answers.
         """
         arguments = self._pack(self._head, *values, self._tail)
         deadline = time.monotonic() + self._timeout
@@ -72,11 +72,11 @@ class Batch:
     """A call whose first argument is a list of set-points.
 
     Args:
-        connection: what it is sent by, always on its owner's thread.
+        connection: connection for the calls, used only on its owner's thread.
         name: the function of the wire.
         element: makes an element of the list from the six numbers of a set-point.
-        others: the arguments behind the list.
-        timeout: time for each call [s].
+        others: the arguments after the list.
+        timeout: time-out of each call [s].
     """
 
     __slots__ = ("_connection", "_function", "_kind", "_rest", "_timeout", "head", "tail")
@@ -93,17 +93,17 @@ class Batch:
         self._timeout = timeout
         self._function = idl.functions()[name]
         self._kind, encoded, self._rest = _parts(self._function, element, others)
-        #: what lies before and behind the six numbers in an element of the list
+        #: the bytes before and after the six numbers in an element of the list
         self.head: bytes
         self.tail: bytes
         self.head, self.tail = _around(encoded)
 
     def element(self, values: Sequence[float], tail: bytes = b"") -> bytes:
-        """One set-point as it stands in the list, perhaps with another tail."""
+        """One set-point as an encoded element of the list, optionally with another tail."""
         return self.head + _SIX(*values) + (tail or self.tail)
 
     def encode(self, elements: Sequence[bytes]) -> bytes:
-        """The arguments with these set-points, as `codec.encode` would write them."""
+        """The arguments with these set-points, as `codec.encode` would encode them."""
         return b"".join((self._kind, struct.pack("!i", len(elements)), *elements, self._rest))
 
     def send(self, elements: Sequence[bytes]) -> int:
@@ -116,22 +116,22 @@ class Batch:
 def element_tail(
     name: str, element: Callable[[list[float]], Any], others: tuple[Any, ...]
 ) -> bytes:
-    """What lies behind the six numbers of an element, for `Batch.element`."""
+    """The bytes after the six numbers of an element, for `Batch.element`."""
     return _around(_parts(idl.functions()[name], element, others)[1])[1]
 
 
 def _parts(
     function: idl.Function, element: Callable[[list[float]], Any], others: tuple[Any, ...]
 ) -> tuple[bytes, bytes, bytes]:
-    """A call with one element in its list: what comes before the count, the element, the rest."""
+    """The parts of a call with one element in its list: before the count, the element, the rest."""
     encoded = codec.encode(function, ([element(list(_MARKS))], *others))
-    # What an empty list leaves behind its head is the rest of the call.
+    # With an empty list, the bytes after the list's head are the rest of the call.
     rest = codec.encode(function, ([], *others))[_LIST_HEAD:]
     return encoded[: _LIST_HEAD - 4], encoded[_LIST_HEAD : len(encoded) - len(rest)], rest
 
 
 def _around(encoded: bytes) -> tuple[bytes, bytes]:
-    """What lies before and behind the set-point."""
+    """The bytes before and after the set-point."""
     head, found, tail = encoded.partition(_MARK)
     if not found or _MARK in tail:
         raise ValueError("the set-point must occur exactly once in the call")

@@ -1,4 +1,4 @@
-"""What follows the program's targets tick by tick, within the limits, and within an envelope."""
+"""Followers of the program's targets, tick by tick, within the limits and within an envelope."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckedFollower", "Follower"]
 
-#: how far axes that brake each in its own time leave the straight way: 7 % of it for two of them
+#: deviation from the straight line, as a share of its length, if each axis brakes in its own time;
+#: 7 % for two axes
 _STRAY = 0.1
-#: the same for one of the steps of a closer look; the last one ends as the cube of time does
+#: the same for one step of the closer check; larger, because the last step ends with cubic motion
 _STRAY_OF_STEP = 0.4
 _STEPS = 16
 
@@ -31,10 +32,10 @@ class Follower:
     Args:
         way: one of `REFERENCES`.
         space: the space of the set-points.
-        limits: velocity and acceleration; for "ruckig" also jerk.
+        limits: limits of velocity and acceleration; for "ruckig" also of jerk.
         period: time between two ticks of the stream [s].
-        start: where the arm is, at rest.
-        reference: what is followed instead of one of `REFERENCES`, standing at `start`.
+        start: position of the arm, at rest.
+        reference: reference to use instead of one of `REFERENCES`; it starts at `start`.
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class Follower:
 
     @property
     def velocity(self) -> Displacement:
-        """Its velocity, per second."""
+        """Velocity of the set-point, per second."""
         return self._limiter.velocity
 
     @property
@@ -67,60 +68,60 @@ class Follower:
 
     @property
     def ready(self) -> bool:
-        """Whether the last target has had its time, so that the next one may come."""
+        """Whether the time of the last target is over, so that the next one can be taken."""
         return self._reference.ready
 
     @property
     def at_rest(self) -> bool:
-        """Whether the last target is met and nothing moves."""
+        """Whether the last target is met and the set-point is at rest."""
         return self._reference.ready and self._limiter.at_rest
 
     def aim(self, target: Config, interval: float, duration: float) -> None:
-        """Take a new target, to be met if the limits allow it.
+        """Take a new target, to be reached if the limits allow it.
 
         Args:
             target: the target.
             interval: time since the target before it [s].
-            duration: time in which to meet it [s].
+            duration: time in which to reach it [s].
         """
         self._reference.aim(target, interval, duration)
 
     def step(self) -> Config:
-        """Go on by one tick and return the set-point."""
+        """Advance by one tick and return the set-point."""
         return self._limiter.follow(self._reference.step())
 
     def brake(self) -> Config:
-        """Go on by one tick of coming to rest within the limits and return the set-point."""
+        """Brake for one tick within the limits and return the set-point."""
         config = self._limiter.brake()
         self._reference.rest(config)
         return config
 
 
 class SeenInEnvelope(Protocol):
-    """How set-points are seen by the checker of an envelope."""
+    """Conversion of set-points for the checker of an envelope."""
 
     checker: EnvelopeChecker
 
     def seen(self, config: Config) -> Sequence[float]:
-        """A set-point as the configuration that is checked."""
+        """A set-point as a configuration for the checker."""
         ...
 
 
 class CheckedFollower(Follower):
-    """A follower that leads nowhere from where the arm could not stop within the envelope.
+    """A follower that sends only set-points from which the arm can stop within the envelope.
 
     From every set-point the arm can come to rest within the limits of the stream and within the
-    envelope. One that breaks this is not sent, and the one before it is braked from.
+    envelope. A set-point that breaks this is not sent; the follower brakes from the one before it.
 
     Args:
         way: one of `REFERENCES`.
         space: the space of the set-points.
-        limits: velocity and acceleration; for "ruckig" also jerk.
+        limits: limits of velocity and acceleration; for "ruckig" also of jerk.
         period: time between two ticks of the stream [s].
-        start: where the arm is, at rest.
-        place: what the envelope is checked for.
-        crossed: told what would have crossed a limit; the stream is then to end.
-        reference: what is followed instead of one of `REFERENCES`, standing at `start`.
+        start: position of the arm, at rest.
+        place: converts set-points for the checker, and has the checker.
+        crossed: callback with the limit that would have been crossed; it must end the stream.
+        reference: reference to use instead of one of `REFERENCES`; it starts at `start`.
     """
 
     def __init__(
@@ -139,17 +140,17 @@ class CheckedFollower(Follower):
         self._period = period
         self._place = place
         self._checker = place.checker
-        # With a limit of jerk each axis comes to rest in its own time, and so not straight.
+        # With a jerk limit each axis comes to rest in its own time, so the path is not straight.
         self._checker.stray = _STRAY if way == "ruckig" else 0.0
         self._crossed = crossed
         self._seen = place.seen(start)
 
     def begin(self) -> Crossing | None:
-        """Check where the arm is; what of it is beyond a limit, if anything is."""
+        """Check the arm's position, and return the limit that it is beyond, if any."""
         return self._checker.begin(self._seen)
 
     def step(self) -> Config:
-        """Go on by one tick, or brake, and return the set-point."""
+        """Advance by one tick, or brake, and return the set-point."""
         limiter = self._limiter
         mark = limiter.mark()
         config = super().step()
@@ -167,7 +168,7 @@ class CheckedFollower(Follower):
         return config
 
     def brake(self) -> Config:
-        """Go on by one tick of coming to rest within the limits and return the set-point."""
+        """Brake for one tick within the limits and return the set-point."""
         config = super().brake()
         self._braked(config)
         return config
@@ -180,7 +181,7 @@ class CheckedFollower(Follower):
         checker = self._checker
         speed = math.inf
         if checker.times:
-            # By the last place first: the checker knows it still.
+            # The last position first: the checker still has it cached.
             before, now = checker.places(self._seen)[0], checker.places(here)[0]
             speed = math.dist(before, now) / self._period
             found = checker.too_fast(speed)
@@ -198,7 +199,7 @@ class CheckedFollower(Follower):
         return self._look_closer(here, speed)
 
     def _look_closer(self, here: Sequence[float], speed: float) -> Crossing | None:
-        """The same in small steps: of a large one, how far bodies leave it is overrated."""
+        """Check the braking path in small steps: for one large step the bound is too large."""
         checker = self._checker
         near, stray = checker.near, checker.stray
         checker.stray = stray and _STRAY_OF_STEP

@@ -1,6 +1,6 @@
-"""From targets at a low rate to one place per tick: held, or on lines or cubic curves between them.
+"""Up-sampling of targets to one position per tick: held, or on lines or cubic curves between them.
 
-Nothing here reads a clock: one call is one tick.
+This module reads no clock: one call is one tick.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ _ZERO: Displacement = (0.0,) * 6
 
 
 class Reference(Protocol):
-    """What brings targets to the stream's rate."""
+    """An interpolator that up-samples targets to the stream's rate."""
 
     @property
     def ready(self) -> bool:
-        """Whether the last target has had its time, so that the next one may come."""
+        """Whether the time of the last target is over, so that the next one can be taken."""
         ...
 
     def aim(self, target: Config, interval: float, duration: float) -> None:
@@ -29,19 +29,19 @@ class Reference(Protocol):
         Args:
             target: the target.
             interval: time since the target before it [s].
-            duration: time in which to meet it [s].
+            duration: time in which to reach it [s].
         """
 
     def step(self) -> Config:
-        """Go on by one tick and return where the arm should be."""
+        """Advance by one tick and return the arm's desired position."""
         ...
 
     def rest(self, config: Config) -> None:
-        """Forget the target, and stand at a point."""
+        """Discard the target, and stay at a point."""
 
 
 class ZeroOrderHold:
-    """Targets as they come, each until the next one."""
+    """Holds each target until the next one."""
 
     ready = True
 
@@ -49,15 +49,15 @@ class ZeroOrderHold:
         self._target = start
 
     def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
-        """Take a new target, to be met at once."""
+        """Take a new target, to be reached at once."""
         self._target = target
 
     def step(self) -> Config:
-        """Go on by one tick and return where the arm should be."""
+        """Advance by one tick and return the arm's desired position."""
         return self._target
 
     def rest(self, config: Config) -> None:
-        """Forget the target, and stand at a point."""
+        """Discard the target, and stay at a point."""
         self._target = config
 
 
@@ -73,7 +73,7 @@ class Linear:
 
     @property
     def ready(self) -> bool:
-        """Whether the last target has had its time, so that the next one may come."""
+        """Whether the time of the last target is over, so that the next one can be taken."""
         return self._step >= self._steps
 
     def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
@@ -82,7 +82,7 @@ class Linear:
         Args:
             target: the target.
             interval: time since the target before it [s].
-            duration: time in which to meet it [s].
+            duration: time in which to reach it [s].
         """
         self._from = self._now
         self._target = target
@@ -90,7 +90,7 @@ class Linear:
         self._step, self._steps = 0, max(1, round(duration / self._period))
 
     def step(self) -> Config:
-        """Go on by one tick and return where the arm should be."""
+        """Advance by one tick and return the arm's desired position."""
         self._step += 1
         if self._step < self._steps:
             self._now = self._space.moved(self._from, self._at(self._step / self._steps))
@@ -99,7 +99,7 @@ class Linear:
         return self._now
 
     def rest(self, config: Config) -> None:
-        """Forget the target, and stand at a point."""
+        """Discard the target, and stay at a point."""
         self._target = self._now = config
         self._step = self._steps = 0
 
@@ -110,8 +110,8 @@ class Linear:
 class Cubic(Linear):
     """A cubic curve to each target, without a step in velocity.
 
-    The velocity at a target comes from the last two slopes of the targets. It is zero where
-    their signs differ, and small where one of them is: so a single step is not overshot.
+    The velocity at a target is computed from the last two slopes of the targets. It is zero if
+    their signs differ, and small if one of them is small, so a single step is not overshot.
     """
 
     def __init__(self, space: Space, period: float, start: Config) -> None:
@@ -126,7 +126,7 @@ class Cubic(Linear):
         Args:
             target: the target.
             interval: time since the target before it [s].
-            duration: time in which to meet it [s].
+            duration: time in which to reach it [s].
         """
         leaving = self._rate()
         step = self._space.difference(self._target, target)
@@ -137,7 +137,7 @@ class Cubic(Linear):
         self._slope = slope
 
     def rest(self, config: Config) -> None:
-        """Forget the target, and stand at a point."""
+        """Discard the target, and stay at a point."""
         super().rest(config)
         self._slope = self._arriving = _ZERO
 
@@ -149,7 +149,7 @@ class Cubic(Linear):
         return self._blend(keep, out, come)
 
     def _rate(self) -> Displacement:
-        """The velocity of the curve where it is now; zero once the arm waits at its end."""
+        """The present velocity of the curve; zero while the arm waits at its end."""
         if self._step > self._steps:
             return _ZERO
         if self._step == self._steps:
@@ -166,7 +166,7 @@ class Cubic(Linear):
         )
 
 
-#: by way of up-sampling; "ruckig" is one that the limiter makes smooth
+#: the interpolator of each up-sampling method; for "ruckig" the limiter makes the motion smooth
 REFERENCES: dict[str, type[ZeroOrderHold | Linear]] = {
     "none": ZeroOrderHold,
     "linear": Linear,
@@ -176,7 +176,7 @@ REFERENCES: dict[str, type[ZeroOrderHold | Linear]] = {
 
 
 def _slope_at_end(before: float, last: float) -> float:
-    """Velocity at the end of two segments, of second order where the motion is smooth."""
+    """Velocity at the end of two segments; of second order where the motion is smooth."""
     if before * last <= 0:
         return 0.0
     most = 2 * (before if abs(before) < abs(last) else last)

@@ -1,7 +1,7 @@
-"""Limits that no set-point of a stream exceeds, whatever it is fed.
+"""Limits that no set-point of a stream exceeds, whatever the program sends.
 
-`Limiter` keeps those of speed and acceleration, `JerkLimiter` that of jerk, too; `Rates` keeps
-those of set-points that are speeds.
+`Limiter` keeps the limits of speed and acceleration, `JerkLimiter` also that of jerk; `Rates` keeps
+the limits of set-points that are speeds.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ __all__ = ["JerkLimiter", "Limiter", "Rates"]
 
 _ZERO: Displacement = (0.0,) * 6
 _SLACK = 1 + 1e-9  # a trajectory exactly at its limits passes in spite of rounding
-_MET = 1e-9  # displacement, speed and acceleration below which nothing moves any more
-#: displacement from the target from which on it counts as kept from it by the limits [rad, m]
+_MET = 1e-9  # displacement, speed and acceleration up to which the arm counts as at rest
+#: displacement from the target above which a tick counts as limited [rad, m]
 _FAR = 1e-3
-_MARGIN = 0.98  # of the speed limit: the fastest target, so that a lag can be caught up
+_MARGIN = 0.98  # share of the speed limit for the moving frame, so that a lag can be caught up
 
 
 class Limiter:
     """Follows a moving target as closely as the limits allow. Pure: one call is one tick.
 
-    A target that moves within the limits is met exactly. Any other is approached: with the
-    acceleration limit up to the speed limit, and braking in time. Each group is limited by
-    itself, since the controller moves each joint by itself too (manual 1.3.5, servoj).
+    A target that moves within the limits is met exactly. Any other target is approached: with the
+    acceleration limit up to the speed limit, and braking in time. Each group is limited separately,
+    because the controller also moves each joint separately (manual 1.3.5, servoj).
 
     Args:
         space: the space of the set-points.
-        limits: velocity and acceleration; jerk is not kept here.
+        limits: limits of velocity and acceleration; this class ignores the jerk limit.
         period: time between two ticks [s].
-        start: where the arm is, at rest.
+        start: position of the arm, at rest.
 
     Attributes:
         config: the set-point of the last tick.
@@ -58,13 +58,13 @@ class Limiter:
         self._space = space
         self._period = period
         self._rules = tuple(zip(space.groups, limits.velocity, limits.acceleration, strict=True))
-        # The same limits as displacements in one tick, where each axis has its own.
+        # The same limits as displacements in one tick, if each axis has its own limits.
         self._axes = tuple(
             (v * period * _SLACK, a * period * period * _SLACK)
             for group, v, a in self._rules
             if group.stop - group.start == 1
         )
-        #: per displacement in one tick, the ticks that it takes to come to rest
+        #: ticks that it takes to come to rest, per displacement in one tick
         self._slowing = tuple(
             1 / (a * period * period) for _, _, a in self._rules[: len(self._axes)]
         )
@@ -75,26 +75,26 @@ class Limiter:
 
     @property
     def velocity(self) -> Displacement:
-        """Velocity of the last tick, per second."""
+        """Velocity in the last tick, per second."""
         return tuple(step / self._period for step in self._step)
 
     @property
     def at_rest(self) -> bool:
-        """Whether the last target is met, and nothing moves."""
+        """Whether the last target is met, and the set-point is at rest."""
         return self.config == self._target and self._step == _ZERO
 
     def mark(self) -> tuple[Any, ...]:
-        """What `back` needs to undo what follows."""
+        """A snapshot of the state, for `back`."""
         return self.config, self._step, self._target
 
     def back(self, mark: tuple[Any, ...]) -> None:
-        """Be again as at a mark."""
+        """Restore the state of a snapshot that `mark` returned."""
         self.config, self._step, self._target = mark
 
     def ticks_to_rest(self) -> float:
-        """How many times it would go on by the last step if it came to rest from here."""
+        """The braking distance as a multiple of the last step."""
         if self._slowing:
-            # `brake` in terms of steps: their number is the longest of the axes'
+            # `brake` in terms of steps: their number is that of the slowest axis
             a, b, c, d, e, f = self._step
             p, q, r, s, t, u = self._slowing
             return max(abs(a) * p, abs(b) * q, abs(c) * r, abs(d) * s, abs(e) * t, abs(f) * u) / 2
@@ -103,12 +103,12 @@ class Limiter:
         return rest / 2 / self._period
 
     def braking(self) -> Displacement:
-        """How far it would go on if it came to rest from here."""
+        """The displacement while braking to rest from the present state."""
         ticks = self.ticks_to_rest()
         return tuple([step * ticks for step in self._step])
 
     def stopping(self, count: int) -> list[Config]:
-        """Places on the way on which it would come to rest from here, at equal distances."""
+        """Positions on the braking path from the present state to rest, at equal distances."""
         rest = self.braking()
         moved = self._space.moved
         return [
@@ -116,7 +116,7 @@ class Limiter:
         ]
 
     def follow(self, target: Config) -> Config:
-        """One tick towards the target of this tick; returns the set-point."""
+        """Advance by one tick towards the target of this tick; returns the set-point."""
         gap = self._space.difference(self.config, target)
         moved = self._space.difference(self._target, target)
         self._target = target
@@ -133,7 +133,7 @@ class Limiter:
         return self._limit(target, gap, moved)
 
     def _limit(self, target: Config, gap: Displacement, moved: Displacement) -> Config:
-        """The tick, when the target may be beyond the limits."""
+        """Compute the tick when the target may be beyond the limits."""
         period, velocity = self._period, self.velocity
         new: list[float] = []
         met = True
@@ -165,7 +165,7 @@ class Limiter:
         return self.config
 
     def brake(self) -> Config:
-        """One tick of coming to rest, all axes at the same moment; returns the set-point."""
+        """Brake for one tick, so that all axes stop at the same time; returns the set-point."""
         velocity = self.velocity
         rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
         share = 1 - self._period / rest if rest > self._period else 0.0
@@ -178,25 +178,26 @@ class Limiter:
 class JerkLimiter:
     """Follows a moving target within limits of velocity, acceleration and jerk.
 
-    Each tick plans the fastest way to meet the target and goes the first tick of it. The plan
-    is made in a frame that moves with the target, so that a target of constant speed is
-    followed without a lag. The limits of a group of three hold for its length, so each of its
-    axes has 1/√3 of them.
+    Each tick plans the fastest path that meets the target, and executes the first tick of it. The
+    plan is made in a frame that moves with the target, so that a target of constant speed is
+    followed without a lag. The limits of a group of three apply to its length, so each of its axes
+    gets 1/√3 of them.
 
     Args:
         space: the space of the set-points.
-        limits: velocity, acceleration and jerk.
+        limits: limits of velocity, acceleration and jerk.
         period: time between two ticks [s].
-        start: where the arm is, at rest.
+        start: position of the arm, at rest.
 
     Attributes:
         config: the set-point of the last tick.
-        velocity: its velocity, per second.
-        limited: ticks in which the limits kept it 1 mrad or 1 mm from its target, or more.
+        velocity: velocity of the set-point, per second.
+        limited: ticks in which the limits kept the set-point more than 1 mrad or 1 mm from its
+            target.
     """
 
     def __init__(self, space: Space, limits: Limits, period: float, start: Config) -> None:
-        # imported here: only this way of up-sampling needs it
+        # imported here: only this up-sampling method needs it
         import ruckig  # noqa: PLC0415
 
         self._modes: Any = ruckig.ControlInterface
@@ -219,26 +220,26 @@ class JerkLimiter:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the last target is met, and nothing moves."""
+        """Whether the last target is met, and the set-point is at rest."""
         return self.config == self._target and self.velocity == _ZERO
 
     def mark(self) -> tuple[Any, ...]:
-        """What `back` needs to undo what follows."""
+        """A snapshot of the state, for `back`."""
         return self.config, self.velocity, self._acceleration, self._target
 
     def back(self, mark: tuple[Any, ...]) -> None:
-        """Be again as at a mark."""
+        """Restore the state of a snapshot that `mark` returned."""
         self.config, self.velocity, self._acceleration, self._target = mark
 
     def braking(self) -> Displacement:
-        """How far each axis would go on, at the most, if it came to rest from here."""
+        """The largest displacement of each axis while braking to rest from the present state."""
         plan = self._input
         limits = zip(plan.max_acceleration, plan.max_jerk, strict=True)
         state = zip(self.velocity, self._acceleration, limits, strict=True)
         return tuple(_braking(v, a, top, jerk) for v, a, (top, jerk) in state)
 
     def stopping(self, count: int) -> list[Config]:
-        """Places on the way on which it would come to rest from here, at equal times."""
+        """Positions on the braking path from the present state to rest, at equal times."""
         self._plan_rest()
         self._generator.calculate(self._input, self._trajectory)
         duration = self._trajectory.duration
@@ -249,7 +250,7 @@ class JerkLimiter:
         ]
 
     def follow(self, target: Config) -> Config:
-        """One tick towards the target of this tick; returns the set-point."""
+        """Advance by one tick towards the target of this tick; returns the set-point."""
         if target == self._target and self.at_rest:
             return self.config
         period, plan = self._period, self._input
@@ -258,7 +259,7 @@ class JerkLimiter:
             max(-_MARGIN * top, min(_MARGIN * top, v))
             for v, top in zip(speeds, self._top, strict=True)
         ]
-        # `target` is where to be at the end of this tick; the plan begins where it was before.
+        # `target` is the position at the end of this tick; the plan begins at its start.
         gap = self._space.difference(self.config, target)
         behind = [f * period - g for f, g in zip(frame, gap, strict=True)]
         self._target = target
@@ -284,7 +285,7 @@ class JerkLimiter:
         return self.config
 
     def brake(self) -> Config:
-        """One tick of coming to rest within the limits; returns the set-point."""
+        """Brake for one tick within the limits; returns the set-point."""
         if self.velocity == _ZERO and self._acceleration == _ZERO:
             return self.config
         self._plan_rest()
@@ -306,10 +307,10 @@ class JerkLimiter:
         plan.min_velocity = None
 
     def _one_tick(self) -> None:
-        """Go the first tick of a new plan.
+        """Execute the first tick of a new plan.
 
-        For a few states in a million ruckig finds no way to a place (its error -110). Then this
-        tick matches the target's speed instead, within the same limits; the next one finds one.
+        For a few states in a million ruckig finds no path to a position (its error -110). Then this
+        tick matches the target's speed instead, within the same limits; the next tick finds a path.
         """
         try:
             self._generator.reset()
@@ -322,16 +323,16 @@ class JerkLimiter:
 
 
 class Rates:
-    """Follows a speed within a limit of its size and of its change.
+    """Follows a speed within limits of its magnitude and of its rate of change.
 
     Args:
-        space: whose groups are limited, each by its length.
-        limits: `velocity` is the largest speed, `acceleration` its change per second.
+        space: the space whose groups are limited, each by its length.
+        limits: `velocity` is the largest speed, `acceleration` its largest change per second.
         period: time between two ticks [s].
 
     Attributes:
         config: the speed of the last tick.
-        limited: ticks in which the limits kept it from what was asked for.
+        limited: ticks in which the limits kept the speed from its target.
     """
 
     ready = True
@@ -345,15 +346,15 @@ class Rates:
 
     @property
     def at_rest(self) -> bool:
-        """Whether it is zero, and to stay so."""
+        """Whether the speed and its target are zero."""
         return self.config == self._target == _ZERO
 
     def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
-        """Take a new speed, to be met as soon as the limits allow it."""
+        """Take a new speed, to be reached as soon as the limits allow it."""
         self._target = target
 
     def step(self) -> Config:
-        """Go on by one tick and return the speed."""
+        """Advance by one tick and return the speed."""
         if self.config == self._target:
             return self.config
         new: list[float] = []
@@ -371,7 +372,7 @@ class Rates:
         return self.config
 
     def brake(self) -> Config:
-        """Go on by one tick of coming to rest, all axes at the same moment."""
+        """Brake for one tick, so that all axes stop at the same time; returns the speed."""
         self._target = _ZERO
         rest = max(_length(self.config[group]) / change for group, _, change in self._rules)
         share = 1 - self._period / rest if rest > self._period else 0.0
@@ -401,7 +402,7 @@ def _of_length(vector: list[float], length: float) -> list[float]:
 
 
 def _closing_speed(distance: float, acceleration: float, period: float) -> float:
-    """The greatest speed from which the rest of a distance suffices to stop, tick by tick.
+    """The greatest speed from which the rest of a distance is enough to stop, tick by tick.
 
     The speeds u, u - a·dt, … down to zero cover u²/2a + u·dt/2.
     """
@@ -411,10 +412,10 @@ def _closing_speed(distance: float, acceleration: float, period: float) -> float
 
 
 def _braking(speed: float, acceleration: float, top: float, jerk: float) -> float:
-    """How far an axis goes on with limits of acceleration and jerk, at the most, with its sign."""
+    """The largest braking distance of an axis under acceleration and jerk limits, with its sign."""
     sign = 1.0 if speed + acceleration * abs(acceleration) / (2 * jerk) >= 0 else -1.0
     v, a = sign * speed, max(0.0, sign * acceleration)
-    # First the acceleration is taken back; then it is as from a steady speed.
+    # First the acceleration goes to zero; then the axis brakes as from a constant speed.
     fade = a / jerk
     way = v * fade + a * fade * fade / 3
     v += a * fade / 2
@@ -423,7 +424,7 @@ def _braking(speed: float, acceleration: float, top: float, jerk: float) -> floa
 
 
 def _per_axis(space: Space, limits: Sequence[float]) -> list[float]:
-    """The limit of each of the six axes, from those of the groups."""
+    """The limit of each of the six axes, from the limits of the groups."""
     found: list[float] = []
     for group, limit in zip(space.groups, limits, strict=True):
         width = group.stop - group.start

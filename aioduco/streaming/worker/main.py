@@ -1,9 +1,8 @@
-"""The worker of a stream: it owns a connection and a schedule, and sends what the program feeds.
+"""The worker of a stream: it owns a connection and a schedule, and sends the program's set-points.
 
-The same code runs in a process of its own, which is handed
-the shared block and a socket to the program, or in a thread. The socket
-carries no data: the worker writes a byte when there is something to look at in the block, and
-the end of the stream from the other side means that the other side is gone.
+The same code runs in a separate process, which gets the shared block and a socket to the program,
+or in a thread. The socket carries no data: the worker writes a byte when there is news in the
+block, and the end of the data (EOF) from one side tells the other side that it has ended.
 
 When the program dies, the worker brings the arm to rest, stops the robot, and ends.
 """
@@ -49,7 +48,7 @@ if TYPE_CHECKING:
 
 __all__ = ["StreamWorker", "main", "run_in_thread"]
 
-#: ends after which the worker stops the robot itself: nobody else knows, or nobody else can
+#: reasons for which the worker itself stops the robot: no other part detects them, or can stop it
 _STOPS = (
     Reason.STARVED,
     Reason.PROGRAM_DIED,
@@ -60,13 +59,13 @@ _STOPS = (
     Reason.ENVELOPE,
 )
 _ANSWER = 50_000  # ns: no controller answers sooner
-_SLICE = 100_000  # ns: the shortest that the system gives
-_LATE = 1_000_000  # ns of lateness, or a quarter of a period, after which a worker goes first
-_LONGEST = 0.05  # s of work without a wait, after which it does not any more
-_LOOK = 5_000_000  # ns between two looks at whether the program lives
+_SLICE = 100_000  # ns: the shortest time slice that the system allows
+_LATE = 1_000_000  # ns of lateness, or a quarter of a period, after which a worker takes SCHED_FIFO
+_LONGEST = 0.05  # s of work without a wait, after which it loses SCHED_FIFO
+_LOOK = 5_000_000  # ns between two checks whether the program is alive
 _STANDING = 2  # answers in a row that the arm does not move
-_STAND_EVERY = 10_000_000  # ns between two questions for that
-_STAND_LIMIT = 5_000_000_000  # ns for the arm to stand
+_STAND_EVERY = 10_000_000  # ns between two queries for that
+_STAND_LIMIT = 5_000_000_000  # ns within which the arm must stand still
 _REPORT = 10_000_000  # ns between two reports of the set-point
 
 
@@ -76,7 +75,7 @@ class StreamWorker:
     Args:
         block: the shared block, with the configuration.
         link: the worker's end of the socket to the program.
-        process: whether this is a process of its own.
+        process: whether the worker runs in a separate process.
     """
 
     def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
@@ -88,18 +87,18 @@ class StreamWorker:
         self._link.setblocking(False)
         self._readable = readiness(link)
         self._looked = self._reported = 0
-        #: of a worker that went first by itself
+        #: the processor time of a worker that took SCHED_FIFO by itself
         self._share: ProcessorShare | None = None
         self._told: object = None
         self._driver: Driver | None = None
         self._terminated = False
         self._process = process
         self._parent = os.getppid()
-        #: whether a set-point was sent of which it is not known what became of it
+        #: whether the outcome of a set-point that was sent is unknown
         self._unanswered = False
 
     def run(self) -> None:
-        """Run to the end of the stream. Whatever happens is written into the block."""
+        """Run to the end of the stream. The outcome, errors included, is written into the block."""
         block = self._block
         reason, text = Reason.NONE, ""
         connection = self._connection(keeps_overdue=True)
@@ -117,7 +116,7 @@ class StreamWorker:
             reason, text = Reason.CONNECTION, str(exc)
             self._unanswered = isinstance(exc, OutcomeUnknown)
         except Exception:
-            # A worker's own error is the program's to see: it must not end without a word.
+            # The program must see an internal error of the worker, so it is reported, not raised.
             reason, text = Reason.FAILED, traceback.format_exc()[-900:]
         if self._driver is not None:
             reason = self._driver.reason or reason
@@ -140,7 +139,7 @@ class StreamWorker:
             self._link.close()
 
     def terminate(self) -> None:
-        """Come to rest and end, from a signal handler."""
+        """Come to rest and end; called by a signal handler."""
         self._terminated = True
 
     def _connection(self, *, keeps_overdue: bool = False) -> Connection:
@@ -162,7 +161,7 @@ class StreamWorker:
                 return ProbeDriver(connection, self._block)
 
     def _leave(self, connection: Connection, reason: Reason) -> None:
-        """Make what the worker was streaming end on the controller's side, too."""
+        """End the stream's mode or motion on the controller's side, too."""
         if self._unanswered:
             self._outlast(connection)
         elif self._block.status[StatusWord.SENT] == 0:
@@ -196,7 +195,7 @@ class StreamWorker:
         status[StatusWord.UNANSWERED] = 0
 
     def _stand(self, connection: Connection) -> None:
-        """Wait until the arm stands: a controller smooths what it is sent, and so lags behind."""
+        """Wait until the arm stands still: a controller smooths set-points, so the arm lags."""
         start = time.monotonic_ns()
         standing = looks = 0
         while standing < _STANDING:
@@ -204,7 +203,7 @@ class StreamWorker:
             try:
                 moving = connection.call("robotmoving", (), self._timeout)
             except ControllerError:
-                # This controller does not tell, so nothing more can be known here.
+                # This controller does not report it, so there is nothing to wait for.
                 return
             standing = 0 if moving else standing + 1
             now = sleep_until(start + looks * _STAND_EVERY)
@@ -228,7 +227,7 @@ class StreamWorker:
             due = schedule.due
             asleep = now < due
             now = sleep_until(due, spin)
-            # late by the system that woke it, and not by its own work
+            # the system woke it late; its own work did not delay it
             if may_go_first and asleep and now - due > late:
                 may_go_first = False
                 self._go_first()
@@ -244,14 +243,14 @@ class StreamWorker:
                 return
             now = clock()
             work(now - before)
-            # A tick that was skipped was as late as the time since it was due: without it the
-            # percentiles of a worker that stood still would look well.
+            # A skipped tick is late by the time since it was due. If it did not count, a worker
+            # that stood still would have good percentiles.
             for missed in range(schedule.advance(now)):
                 lateness(now - due - (missed + 1) * schedule.period)
             status[StatusWord.MISSED] = schedule.missed
 
     def _go_first(self) -> None:
-        """Run before all that have no priority, while a tick is a moment's and mostly waits."""
+        """Run before all threads without a priority, as long as ticks are short and mostly wait."""
         status = self._block.status
 
         def given_back() -> None:
@@ -262,7 +261,7 @@ class StreamWorker:
             self._share = ProcessorShare(time.monotonic_ns(), time.thread_time_ns())
 
     def _obey(self, driver: Driver, now: int) -> None:
-        """Do what the program wants, and see whether it lives."""
+        """Apply the program's commands, and check whether the program is alive."""
         control = self._block.control
         if control[StreamCommand.HALT]:
             driver.end(Reason.STOPPED)
@@ -274,27 +273,27 @@ class StreamWorker:
             return
         self._looked = now
         if self._share is not None and self._share.exceeded(now, time.thread_time_ns):
-            # Waits of moments between much work: the program, on the same processor, gets nothing.
+            # Much work with short waits: a program on the same processor would hardly run.
             self._share = None
             go_with_all()
             self._block.status[StatusWord.PRIORITY] = 0
         if self._terminated:
             driver.brake(Reason.FAILED)
             self._block.text = "the lane's process was told to end by a signal"
-        # The controller stops the arm of a hung program by its heartbeat; set-points that are
-        # still queued would set it moving again.
+        # The controller stops the arm of a hung program because the heartbeat is missing; queued
+        # set-points would start the arm again.
         if now - control[ControlWord.ALIVE] > self._stall_limit:
             driver.brake(Reason.HUNG)
         if self._gone():
             dead = self._process and os.getppid() != self._parent
-            # Where others stop the robot at once, set-points would only set it moving again.
+            # If a guard stops the robot at once, more set-points would only start it again.
             end = driver.end if dead and self._config.guarded else driver.brake
             end(Reason.PROGRAM_DIED)
 
     def _gone(self) -> bool:
-        """Whether the program is gone: its end of the socket is closed, or its process is.
+        """Whether the program has ended: its end of the socket is closed, or its process exited.
 
-        A child that the program forked keeps the socket open, so that is not enough to know.
+        A child that the program forked keeps the socket open, so the socket alone does not tell.
         """
         if self._process and os.getppid() != self._parent:
             return True
@@ -323,16 +322,16 @@ class StreamWorker:
             self._tell()
 
     def _tell(self) -> None:
-        """Wake the program; what there is to see stands in the block."""
+        """Wake the program, which then reads the block."""
         with contextlib.suppress(OSError):
             self._link.send(b"\1")
 
 
 def prepare(options: WorkerSettings) -> Unmet:
-    """Give the calling thread what is asked for of the system.
+    """Request timer slack, time slice, processors and priority for the calling thread.
 
     Returns:
-        What the system did not allow.
+        The requests that the system did not allow.
     """
     unmet = Unmet(0)
     if not sharpen_sleep(threading.get_native_id()):
@@ -347,7 +346,7 @@ def prepare(options: WorkerSettings) -> Unmet:
 
 
 def _memory() -> int:
-    """The largest size of this process so far [kB]; 0 where the system does not tell."""
+    """The peak size of this process so far [kB]; 0 if the system does not report it."""
     try:
         lines = Path("/proc/self/status").read_text().splitlines()
     except OSError:
@@ -356,7 +355,7 @@ def _memory() -> int:
 
 
 def run_in_thread(block: Block, link: socket.socket) -> None:
-    """Run a worker in the calling thread, to its end."""
+    """Run a worker in the calling thread until it ends."""
     StreamWorker(block, link, process=False).run()
 
 
@@ -364,16 +363,16 @@ def main(arguments: list[str]) -> int:
     """Run a worker in this process.
 
     Args:
-        arguments: of the socket to the program, and of the shared block.
+        arguments: the handle of the socket to the program, and that of the shared block.
     """
-    # Ctrl-C reaches every process of a terminal; the end of the stream is the program's.
+    # Ctrl-C reaches every process of a terminal; the program decides when the stream ends.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link, memory = arguments
     block = Block.open(int(memory) if memory.isdecimal() else memory)
     lane = StreamWorker(block, handed_socket(link), process=True)
     for number in ending_signals():
         signal.signal(number, lambda *_: lane.terminate())
-    # Nothing that was imported is garbage: leave it out of every collection from here on.
+    # Imported objects are never garbage: exclude them from every collection from here on.
     gc.collect()
     gc.freeze()
     lane.run()

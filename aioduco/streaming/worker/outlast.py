@@ -1,7 +1,7 @@
-"""What a worker does about a set-point that was sent and not answered: it outlasts it.
+"""How a worker outlasts a set-point that was sent but not answered.
 
-The supervision's rule for motions, `UnansweredMotion`, without an event loop: the worker has
-connections of its own and no more than one thread.
+It applies the supervision's rule for motions, `UnansweredMotion`, without an event loop: the worker
+has its own connections and only one thread.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 __all__ = ["outlast"]
 
-#: ns between two looks at the arm
+#: ns between two queries whether the arm moves
 _LOOK_EVERY = 10_000_000
 #: seconds for which each step waits for the late answer
 _LISTEN = 0.001
-#: seconds for a stop and a standstill after the last answer that was waited for
+#: seconds for a stop and a standstill after the wait for the answer has ended
 _MARGIN = 5.0
 #: ns between two attempts to reach a controller that does not answer
 _TRY_EVERY = 50_000_000
@@ -38,17 +38,17 @@ def outlast(
     limit: float,
     alive: Callable[[], None],
 ) -> None:
-    """Stop the robot, and return when an unanswered set-point cannot set it moving any more.
+    """Stop the robot, and return when an unanswered set-point cannot start it any more.
 
     Args:
         lost: the connection on which the answer did not come.
-        connect: makes another one, not open yet.
+        connect: makes a new connection that is not open yet.
         timeout: seconds for one answer of the controller.
-        limit: most seconds for which the answer is waited for.
-        alive: called at each step: the worker works.
+        limit: seconds for which to wait for the late answer.
+        alive: function called at each step, to show that the worker runs.
 
     Raises:
-        StopUnconfirmed: the set-point may still set the arm moving.
+        StopUnconfirmed: the set-point may still start the arm.
     """
     now = time.monotonic()
     motion = UnansweredMotion(now, now + limit, now + limit + _MARGIN)
@@ -74,7 +74,7 @@ def outlast(
 
 
 def _next(motion: UnansweredMotion, lost: Connection) -> NextStep:
-    """Tell what has become of the set-point; what to do now."""
+    """Report the state of the set-point to `motion`, and return the next step."""
     if lost.late_answer(time.monotonic() + _LISTEN):
         motion.answered(time.monotonic())
     elif not lost.overdue:
@@ -83,7 +83,7 @@ def _next(motion: UnansweredMotion, lost: Connection) -> NextStep:
 
 
 class _Line:
-    """Stops the arm and asks whether it moves, over new connections."""
+    """Stops the arm and queries whether it moves, over new connections."""
 
     def __init__(self, connect: Callable[[], Connection], timeout: float) -> None:
         self._connect = connect
@@ -91,7 +91,7 @@ class _Line:
         self._connection: Connection | None = None
 
     def ask(self, motion: UnansweredMotion, step: NextStep) -> bool:
-        """Do a step and tell what came of it. Returns whether the controller answered."""
+        """Do a step and report its result to `motion`. Returns whether the controller answered."""
         begin = time.monotonic()
         try:
             connection = self._open()
@@ -106,7 +106,7 @@ class _Line:
         return True
 
     def close(self) -> None:
-        """Close what is open."""
+        """Close the connection, if there is one."""
         if self._connection is not None:
             self._connection.close()
 
@@ -121,5 +121,5 @@ class _Line:
         try:
             moving: bool = connection.call("robotmoving", (), self._timeout)
         except ControllerError:
-            return False  # this controller does not tell, so nothing more can be known here
+            return False  # this controller does not report it, so it counts as standing
         return moving

@@ -1,16 +1,17 @@
-"""From what the program sends to one set-point of the wire per tick, within the limits.
+"""Conversion of the program's set-points to one set-point of the wire per tick, within the limits.
 
-`SetpointSource` decides what is followed, and when and why the stream ends; it is pure. Its states:
+`SetpointSource` decides which target is followed, and when and why the stream ends. It is pure.
+Its states:
 
 WAITING     nothing has been sent yet.
 FOLLOWING   the program sends, and the arm follows.
-HOLDING     the program is late. The arm goes to the last target and stands there; a stream of
+HOLDING     the program is late. The arm goes to the last target and stays there; a stream of
             speeds keeps its speed. A new set-point leads back to FOLLOWING.
-DECELERATING  the end is decided and its reason known. Nothing more is taken; the arm comes to
-            rest within the limits.
+DECELERATING  the end is decided and its reason known. No more set-points are taken; the arm comes
+            to rest within the limits.
 ENDED       nothing more is sent.
 
-There is no way back from DECELERATING or ENDED, and the first reason stays.
+The state never goes back from DECELERATING or ENDED, and the first reason stays.
 """
 
 from __future__ import annotations
@@ -40,16 +41,16 @@ if TYPE_CHECKING:
 
 __all__ = ["ChunkSource", "Follower", "Follows", "SetpointFeed", "SetpointSource", "within"]
 
-_LONGEST = 0.5  # seconds between two targets beyond which their slope says nothing
-_FIRST = 0.05  # taken for the interval before there is one
-_LATE = 1.2  # share of the interval in which a target is met: the next one may be a bit late
+_LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed
+_FIRST = 0.05  # seconds assumed for the interval until one is measured
+_LATE = 1.2  # share of the interval in which a target is reached: the next may be a bit late
 _DUE = 1.5  # share of the interval after which an unpaced set-point counts as late
 _ROUNDING = 1 - 1e-9
-_PER_TICK = 64  # actions that are taken in one tick, so that a long chunk delays none
+_PER_TICK = 64  # actions taken in one tick at most, so that a long chunk delays no tick
 
 
 class Follows(Protocol):
-    """What a source needs of a `Follower` or of `Rates`."""
+    """The interface of `Follower` and of `Rates` that a source uses."""
 
     @property
     def config(self) -> Config: ...  # noqa: D102
@@ -71,14 +72,14 @@ class SetpointSource:
         hold: time without a set-point after which the stream ends [s].
         interval: time between two targets of the program [s]; None: measured by their stamps.
         paced: whether each target has its whole interval before the next one is taken (first
-            in, first out); otherwise the next one is taken as soon as it is there.
-        reach: how far the first target may be from where the arm is, per group [rad, m].
-        rates: whether the set-points are speeds, which end at zero.
+            in, first out); otherwise the next one is taken as soon as it arrives.
+        reach: largest distance of the first target from the arm, per group [rad, m].
+        rates: whether the set-points are speeds; a stream of speeds ends at speed zero.
 
     Attributes:
-        state: the state.
+        state: state of the stream.
         reason: why it ends; NONE before.
-        starved: ticks in which the arm moved, a set-point was due and none was there.
+        starved: ticks in which the arm moved, a set-point was due and none had arrived.
     """
 
     def __init__(
@@ -109,11 +110,11 @@ class SetpointSource:
         self.starved: int = 0
 
     def begin(self, follower: Follows) -> None:
-        """Take what follows the targets; it stands where the arm is."""
+        """Set the follower of the targets; it starts at the arm's position."""
         self._follower = follower
 
     def close(self) -> None:
-        """The program sends nothing more: follow to the last target, then end."""
+        """Follow to the last target, then end: the program sends no more targets."""
         self._closing = True
 
     def brake(self, reason: Reason) -> None:
@@ -124,19 +125,19 @@ class SetpointSource:
             self.state, self.reason = StreamState.DECELERATING, reason
 
     def end(self, reason: Reason) -> None:
-        """Send nothing more: the arm is stopped by others, or cannot be reached."""
+        """Send nothing more: the arm is stopped by another caller, or cannot be reached."""
         if self.state < StreamState.ENDED:
             self.state = StreamState.ENDED
             self.reason = self.reason or reason
 
     def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
-        """Go on by one tick.
+        """Advance by one tick.
 
         Args:
             take: returns the program's next set-point, if there is one.
 
         Returns:
-            What to send; None: nothing.
+            The point to send; None: nothing.
         """
         follower = self._follower
         if follower is None or self.state is StreamState.ENDED:
@@ -184,14 +185,14 @@ class SetpointSource:
         follower.aim(target, self._interval, duration)
 
     def _finish(self, follower: Follows) -> None:
-        """All was taken: stay until the last target is met."""
+        """End when the arm has reached the last target: there are no more."""
         if self._rates:
             self.brake(Reason.CLOSED)
         elif follower.at_rest:
             self.end(Reason.CLOSED)
 
     def _wait(self, follower: Follows) -> None:
-        """A tick without a set-point of its own; it matters only while the arm moves."""
+        """Process a tick without a new set-point; it counts as starved only if the arm moves."""
         self._idle += 1
         idle = self._idle * self._period
         due = self._interval if self._paced else self._interval * _DUE
@@ -204,17 +205,17 @@ class SetpointSource:
 
 
 class ChunkSource(SetpointSource):
-    """Chunks of actions to one set-point per tick, until a defined end.
+    """Conversion of chunks of actions to one set-point per tick, until a defined end.
 
-    It has the states of `SetpointSource`. The program is late when its actions are at their end.
+    It has the states of `SetpointSource`. The program is late when its actions have run out.
 
     Args:
         space: the space of the actions.
         period: time between two ticks [s].
         hold: time without an action after which the stream ends [s].
-        reach: how far the first action may be from where the arm is, per group [rad, m].
-        timeline: where the chunks are joined.
-        clock: gives the monotonic time [ns].
+        reach: largest distance of the first action from the arm, per group [rad, m].
+        timeline: joins the chunks.
+        clock: returns the monotonic time [ns].
     """
 
     def __init__(
@@ -271,14 +272,14 @@ class ChunkSource(SetpointSource):
 
 
 def within(space: Space, start: Config, end: Config, reach: tuple[float, ...]) -> bool:
-    """Whether a point is no further from another one than a distance for each group."""
+    """Whether two points are no further apart than `reach`, in each group."""
     gap = space.difference(start, end)
     lengths = (sum(g * g for g in gap[group]) ** 0.5 for group in space.groups)
     return all(length <= most for length, most in zip(lengths, reach, strict=True))
 
 
 class SetpointFeed:
-    """Set-points from the shared ring through limits: what servo, speed and realtime share.
+    """Set-points from the shared ring, within the limits; used by servo, speed and realtime.
 
     Args:
         connection: the worker's connection, open.
@@ -305,7 +306,7 @@ class SetpointFeed:
 
     def _make_source(self, feeding: FeedingSettings) -> SetpointSource:
         if feeding.chunks:
-            # imported here: a stream without chunks has no need of it
+            # imported here: only a stream with chunks needs it
             from aioduco.streaming.worker.chunks import ActionTimeline  # noqa: PLC0415
 
             assert feeding.interval is not None
@@ -331,7 +332,7 @@ class SetpointFeed:
         )
 
     def begin(self) -> bool:
-        """Find out where the arm is, once there is a first set-point.
+        """Read the arm's position, as soon as there is a first set-point.
 
         Returns:
             Whether the stream has begun.
@@ -355,8 +356,8 @@ class SetpointFeed:
         return True
 
     def _checked(self, envelope: EnvelopeSettings, start: Config) -> Follower:
-        """The same, which follows nothing beyond the robot's envelope."""
-        # imported here: a stream without an envelope has no need of it
+        """A follower that checks each set-point against the robot's envelope."""
+        # imported here: only a stream with an envelope needs it
         from aioduco.streaming.worker.checked import EnvelopeSpace  # noqa: PLC0415
 
         config = self._config
@@ -378,12 +379,12 @@ class SetpointFeed:
         return follower
 
     def _crossed(self, found: Crossing) -> None:
-        """A set-point would have led beyond the envelope: come to rest, if the arm moves."""
+        """Come to rest, if the arm moves: a set-point would have crossed the envelope."""
         self._block.text = json.dumps(found)
         self.source.brake(Reason.ENVELOPE)
 
     def _actual(self) -> list[float]:
-        """Where the arm is; steps count from there, so for them that is zero."""
+        """The arm's position; zero for steps, which are relative to it."""
         if self._meaning == "step":
             turning = self._config.sent.turning
             if turning is not None:
@@ -398,7 +399,7 @@ class SetpointFeed:
         return actual
 
     def step(self) -> tuple[float, ...] | None:
-        """The next set-point for the controller; None when there is nothing to send."""
+        """The next set-point for the controller; None if there is nothing to send."""
         config = self.source.step(self._take)
         if config is None:
             return None
@@ -406,7 +407,7 @@ class SetpointFeed:
         return self._sent
 
     def resting(self) -> tuple[float, ...]:
-        """The set-point at which the arm stays as it is; only after `begin`."""
+        """The set-point at which the arm stays where it is; only after `begin`."""
         assert self._follower is not None
         return self.values(self._follower.config)
 
@@ -428,7 +429,7 @@ class SetpointFeed:
         return point
 
     def publish(self) -> None:
-        """Write what the program wants to know into the shared block."""
+        """Write the counters and the last set-point into the shared block."""
         status, ring = self._block.status, self._block.ring
         status[StatusWord.STARVED] = self.source.starved
         status[StatusWord.TAKEN] = ring.read

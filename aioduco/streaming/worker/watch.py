@@ -1,4 +1,4 @@
-"""Whether the controller still follows, by its answers and by asking it now and then."""
+"""Checks that the controller still follows, by its answers and by polling it."""
 
 from __future__ import annotations
 
@@ -18,16 +18,19 @@ _TASK_FAILED = (6, 7, 8)  # error, illegal, parameter mismatch (manual 1.2)
 
 
 def refused(answer: int) -> bool:
-    """Whether an answer says that a call was not carried out: it is no id of a task, either."""
+    """Whether an answer means that a call was not carried out; such an answer is no task id."""
     return answer < 0 or answer in _TASK_FAILED
 
 
 def ended(task: int, state: int) -> tuple[Reason, str]:
-    """Why a stream must end because of its task, and in words; NONE if it need not.
+    """Why a stream must end because of its task.
 
     Args:
-        task: its id.
-        state: the state that the controller gave for it.
+        task: id of the task.
+        state: state of the task, as the controller gave it.
+
+    Returns:
+        The reason and a text; the reason is NONE if the stream need not end.
     """
     if state == _TASK_STOPPED:
         return Reason.STOPPED, f"the controller stopped task {task}"
@@ -37,12 +40,12 @@ def ended(task: int, state: int) -> tuple[Reason, str]:
 
 
 class ControllerWatch:
-    """Looks, now and then, at whether the controller still follows.
+    """Polls the controller periodically, to check that it still follows.
 
     Args:
         connection: the worker's connection.
-        every: time between two looks [s]; 0: never.
-        timeout: time for each call [s].
+        every: time between two polls [s]; 0: never.
+        timeout: time-out of each call [s].
     """
 
     def __init__(self, connection: Connection, every: float, timeout: float) -> None:
@@ -53,13 +56,13 @@ class ControllerWatch:
         self._task_next = False
 
     def look(self, task: int) -> tuple[Reason, str]:
-        """Look, if it is time to.
+        """Poll the controller, if it is time to.
 
         Args:
-            task: the id that the controller gave for the last set-point; 0: none.
+            task: the id that the controller returned for the last set-point; 0: none.
 
         Returns:
-            Why the stream must end, and in words; NONE if it need not.
+            Why the stream must end, and a text; the reason is NONE if it need not.
         """
         now = time.monotonic_ns()
         if not self._every or now < self._due:
