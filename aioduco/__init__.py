@@ -65,7 +65,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.task import OnCancel, Task
 
-__all__ = [  # noqa: RUF022  # grouped by what they are for
+__all__ = [  # noqa: RUF022  # grouped by purpose
     "__version__",
     # the robot
     "connect",
@@ -86,7 +86,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "JointsLike",
     "Pose",
     "PoseLike",
-    # outputs set on the way of a motion
+    # outputs set along the path of a motion
     "bool_register",
     "event",
     "float_register",
@@ -136,7 +136,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
 ]
 __all__ += errors.__all__
 
-#: where each name comes from when it is first used; the imports above are for type checkers
+#: names by the module that provides them on first use; the imports above are for type checkers
 _HOMES = {
     "aioduco.frozen": ("freeze_support",),
     "aioduco.models.enums": (
@@ -186,7 +186,7 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    """Load what is used: `import aioduco` alone loads neither numpy nor anyio."""
+    """Load a name on first use: `import aioduco` alone loads neither numpy nor anyio."""
     if name == "events":
         return importlib.import_module("aioduco.events")
     if name not in _HOME:

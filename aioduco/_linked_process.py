@@ -1,4 +1,4 @@
-"""A process of this package, and the socket over which it is told things and answers."""
+"""A child process of this package, with a socket for requests and replies."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 __all__ = ["LinkedProcess", "ValueChannel"]
 
 _HEAD = struct.Struct("<Q")
-#: until a process has ended after its channel was closed [s]
+#: time for a process to exit after its channel was closed [s]
 _END = 5.0
 
 
 class ValueChannel:
-    """Values over a socket to a process that we started, or that started us: it is trusted.
+    """A socket for Python values between a parent and its child process, which trust each other.
 
     Args:
         link: the socket; the channel closes it.
@@ -33,19 +33,19 @@ class ValueChannel:
 
     @classmethod
     def of(cls, arguments: Sequence[str]) -> ValueChannel:
-        """The channel to the program, in a process whose `main` has got these arguments."""
+        """Return the channel to the program, in a process whose `main` got these arguments."""
         return cls(handed_socket(arguments[0]))
 
     def fileno(self) -> int:
-        """Its descriptor, to wait for a value or the end by a selector."""
+        """File descriptor of the socket, for a selector that waits for a value or the end."""
         return self._link.fileno()
 
     def copy(self) -> socket.socket:
-        """Another socket to the same end, for bytes of another kind."""
+        """Return a duplicate of the socket, for bytes in another format."""
         return self._link.dup()
 
     def ended(self) -> bool:
-        """Throw away what came, once there is something; whether it was the end."""
+        """Wait for bytes, discard them, and return whether the other side has closed instead."""
         try:
             return not self._link.recv(4096)
         except ConnectionError:
@@ -65,12 +65,12 @@ class ValueChannel:
         """Wait for a value.
 
         Args:
-            timeout: for its beginning [s]; None for no end.
+            timeout: seconds within which the value must begin to arrive; None for no limit.
 
         Raises:
             EOFError: the other side has closed.
             TimeoutError: nothing came in time.
-            OSError: the other side has ended before it read all.
+            OSError: the other side exited before it had read everything.
         """
         self._link.settimeout(timeout)
         head = self._read(_HEAD.size)
@@ -93,14 +93,14 @@ class ValueChannel:
 
 
 class LinkedProcess:
-    """A process with a channel. It is to end when the channel does, and so with the program.
+    """A process with a channel. It must exit when the channel closes, and so with the program.
 
     Args:
-        module: what it runs: `main` of this module, which gets `ValueChannel.of(arguments)`.
-        packages: what it imports beside what each process of this package does.
+        module: module whose `main` it runs; `main` opens the channel by `ValueChannel.of`.
+        packages: packages that it imports besides those that each process of this package imports.
         runs_program: whether it runs a program of the user: see `Process`.
         output: whether it writes to the output of this program.
-        patience: until it has ended after its channel was closed; then it is killed [s].
+        patience: seconds for it to exit after its channel was closed; then it is killed.
 
     Raises:
         Unstartable: there is no interpreter to start.
@@ -150,13 +150,13 @@ class LinkedProcess:
         """Send a request, and wait for the answer.
 
         Raises:
-            EOFError, OSError: the process has ended.
+            EOFError, OSError: the process has exited.
         """
         self.channel.send(request)
         return self.channel.receive()
 
     def close(self) -> None:
-        """End the process; returns when it has ended. Its last words stay."""
+        """Close the channel, and wait until the process has exited. `last_words` stays readable."""
         self.channel.close()
         try:
             self.popen.wait(self._patience)
@@ -166,6 +166,6 @@ class LinkedProcess:
         self._process.close()
 
     def end(self) -> str:
-        """Close it. Returns the last line of what it said, or nothing if it said nothing."""
+        """Close it. Returns the last line of its standard error; empty if it wrote nothing."""
         self.close()
         return self.last_words.rpartition("\n")[2]

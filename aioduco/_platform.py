@@ -1,10 +1,10 @@
-"""What differs between operating systems, each in one function.
+"""Differences between operating systems, one function for each.
 
-A function asks for what it needs when it is called, by the name that the standard library gives it:
-where the name is missing, so is the means. On Linux all of it is there. Windows has no `poll`, no
-`MSG_DONTWAIT`, no limits on a socket that leave it usable, no descriptors that a child inherits by
-number, no memory files, and signals for Ctrl-C and SIGTERM only. macOS lacks the memory files and
-what Linux alone tells of a connection.
+Each function checks, when it is called, whether the standard library has the name that it needs. If
+the name is missing, the system lacks the feature. Linux has all of them. Windows has no `poll`, no
+`MSG_DONTWAIT`, no time limits after which a socket is still usable, no descriptors that a child
+inherits by number, no memory files, and signals for Ctrl-C and SIGTERM only. macOS lacks the memory
+files and the details of a connection that only Linux reports.
 """
 
 from __future__ import annotations
@@ -47,49 +47,51 @@ __all__ = [
 #: flags of `os.open`: 0 where a system has none
 BINARY: Final = getattr(os, "O_BINARY", 0)
 CLOSE_ON_EXEC: Final = getattr(os, "O_CLOEXEC", 0)
-#: what a connection that is being made answers to its start
+#: error codes of a connect call whose connection is still being made
 CONNECTING: Final = (errno.EINPROGRESS, getattr(errno, "WSAEWOULDBLOCK", errno.EINPROGRESS))
-#: flags for a child that Ctrl-C in the program's console is not for, where a session does not do it
+#: flags that keep Ctrl-C in the program's console from a child, on a system without sessions
 NEW_GROUP: Final = 0x200 if sys.platform == "win32" else 0
 
-#: argument for a socket that is shared, and not inherited
+#: command-line argument that stands for a socket that is shared, and not inherited
 SHARED: Final = "shared"
 
 
 def readiness(sock: socket.socket, *, writing: bool = False) -> Callable[[float], bool]:
-    """A function that waits for a socket at most so many seconds, and says whether it is ready.
+    """Return a function that waits up to some seconds and returns whether a socket is ready.
 
     Args:
         sock: the socket.
-        writing: to be written to, or connected; else to be read from.
+        writing: whether to wait until it can be written to, or is connected; else until it can be
+            read from.
     """
     if hasattr(select, "poll"):
         poll = select.poll()
         poll.register(sock, select.POLLOUT if writing else select.POLLIN | select.POLLHUP)
-        # rounded up: a wait that ends early would be made again at once
+        # rounded up: a wait that ends early would be repeated at once
         return lambda seconds: bool(poll.poll(-(-seconds * 1000 // 1)))
     if writing:
-        # Windows tells of a connection that failed among the exceptions only.
+        # Windows reports a failed connection only in the third list, the exceptional conditions.
         return lambda seconds: any(select.select([], [sock], [sock], seconds))
     return lambda seconds: bool(select.select([sock], [], [], seconds)[0])
 
 
 def limits_sockets() -> bool:
-    """Whether a socket blocks up to a limit that the system keeps, and can be asked not to.
+    """Whether the system enforces time limits of a socket, and a single call can skip the wait.
 
-    If not, Python keeps the time: two system calls instead of one, on a socket that never blocks.
+    If not, Python enforces the limits: two system calls instead of one, on a socket that never
+    blocks.
     """
     return hasattr(socket, "MSG_DONTWAIT")
 
 
 def unacknowledged(sock: socket.socket) -> int:
-    """How many bytes the system holds that the other side has not acknowledged.
+    """Return how many sent bytes the other side has not acknowledged.
 
-    0 where the system does not tell. What was not answered is then treated as delivered: it is
-    waited for, and outlasted.
+    0 where the system does not report it. An unanswered call is then treated as delivered: its
+    answer is waited for, up to a time limit.
     """
     try:
-        import fcntl  # noqa: PLC0415 - where there is one
+        import fcntl  # noqa: PLC0415 - not on Windows
         import termios  # noqa: PLC0415
 
         return int(struct.unpack("i", fcntl.ioctl(sock, termios.TIOCOUTQ, bytes(4)))[0])
@@ -98,22 +100,22 @@ def unacknowledged(sock: socket.socket) -> int:
 
 
 def hands_over_by_number() -> bool:
-    """Whether a child gets open descriptors under their numbers; else sockets are shared."""
+    """Whether a child inherits open descriptors under their numbers; else sockets are shared."""
     return not hasattr(socket, "fromshare")
 
 
 def has_memory_files() -> bool:
-    """Whether memory without a name can be handed to a child as a descriptor."""
+    """Whether anonymous memory can be passed to a child as a descriptor."""
     return hasattr(os, "memfd_create") and hands_over_by_number()
 
 
 def has_device_files() -> bool:
-    """Whether terminals and input devices are files that are read without waiting."""
+    """Whether terminals and input devices are files that can be read without blocking."""
     return hasattr(os, "O_NONBLOCK")
 
 
 def guard_lacks() -> str:
-    """What a guard's process needs and this system lacks; empty if it has all of it."""
+    """Return the features that a guard's process needs and this system lacks; empty if none."""
     needed = {
         "packets between processes (SOCK_SEQPACKET)": hasattr(socket, "AF_UNIX")
         and hasattr(socket, "SOCK_SEQPACKET"),
@@ -124,7 +126,7 @@ def guard_lacks() -> str:
 
 
 def ending_signals() -> tuple[signal.Signals, ...]:
-    """Signals that ask a process to end, Ctrl-C aside."""
+    """Signals that ask a process to exit, other than Ctrl-C."""
     names = ("SIGTERM", "SIGHUP")
     return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
@@ -137,14 +139,14 @@ def processors() -> int:
 
 
 def set_affinity(processors: Iterable[int]) -> bool:
-    """Keep the calling thread on these processors. Returns whether the system did it."""
+    """Bind the calling thread to these processors. Returns whether the system allowed it."""
     return _allowed("sched_setaffinity", lambda: os.sched_setaffinity(0, processors))
 
 
 def set_first(priority: int) -> bool:
-    """Have the calling thread run before all others (SCHED_FIFO).
+    """Give the calling thread a real-time priority, above all ordinary threads (SCHED_FIFO).
 
-    Returns whether the system did it.
+    Returns whether the system allowed it.
     """
     return _allowed(
         "sched_setscheduler",
@@ -153,29 +155,29 @@ def set_first(priority: int) -> bool:
 
 
 def goes_first() -> int:
-    """The calling thread's priority for real time; 0: none."""
+    """Return the calling thread's real-time priority; 0 if it has none."""
     if not hasattr(os, "sched_getparam"):
         return 0
     return os.sched_getparam(0).sched_priority
 
 
-#: time for its signal to be heeded, before the system ends the process [µs]
+#: time for a process to react to the signal, before the system kills it [µs]
 _HEEDED: Final = 1_000_000
 
 
 def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> bool:
-    """Have this process's main thread run before all that have no priority, for moments at a time.
+    """Let this process's main thread run before all ordinary threads, for short periods.
 
-    Once it has used a processor for longer without a wait, it is one like all others again: what
-    does not wait would keep everything else from that processor. The system watches that, and ends
-    the process if it goes on without heeding it.
+    If it uses a processor for `longest` without waiting, it loses the priority: it would keep
+    everything else from that processor. The system measures that time, sends a signal, and kills
+    the process if it does not react.
 
     Args:
-        longest: how long [s].
-        given_back: called in the main thread when that came to pass.
+        longest: longest time on a processor without a wait [s].
+        given_back: called in the main thread after it has lost the priority.
 
     Returns:
-        Whether the system did it; False as well where the thread has a policy of its own already.
+        Whether the system allowed it; also False if the thread already has another policy.
     """
     try:
         import resource  # noqa: PLC0415  # not on Windows
@@ -202,7 +204,7 @@ def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> boo
 
 
 def go_with_all() -> None:
-    """Have the calling thread run as all others do that have no priority."""
+    """Take the priority from the calling thread: it runs as an ordinary thread again."""
     os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
@@ -217,19 +219,19 @@ def _allowed(name: str, request: Callable[[], Any]) -> bool:
 
 
 def clock_step() -> float:
-    """The steps in which the monotonic clock goes on [s]: 16 ms on Windows before Python 3.13."""
+    """Return the resolution of the monotonic clock [s]: 16 ms on Windows before Python 3.13."""
     return time.get_clock_info("monotonic").resolution
 
 
 def handed_socket(argument: str) -> socket.socket:
-    """The socket that this process was given.
+    """Return a socket that the parent passed to this process.
 
     Args:
-        argument: what its `main` got for it; each is taken once, in their order.
+        argument: the argument of `main` for it; each must be used once, in their order.
     """
     if argument != SHARED:
         handed = socket.socket(fileno=int(argument))
-        handed.set_inheritable(False)  # what this process starts is not to hold it open
+        handed.set_inheritable(False)  # children of this process must not keep it open
         return handed
     module: Any = socket
     line = sys.stdin.buffer.readline()

@@ -1,16 +1,16 @@
 """Starting the processes of this package: the guard, workers of streams, planners, simulators.
 
 Guarantees:
-- A process imports each package from where the program found it, and nothing from the current
-  folder, from PYTHONPATH, or from a folder that only the program's own modules are in. So a stray
-  file that has the name of a package never runs with a process that can stop or move an arm. Only
-  a process that tries out a program heeds PYTHONPATH, as the program would.
-- What is no Python interpreter is not started. A frozen program is, once it has shown that it
-  runs such a process instead of itself (`aioduco.freeze_support`).
-- A program that is started in place of such a process nevertheless opens no robot.
-- A process inherits no stream of the program: who reads the program's output to its end waits for
-  no other process. What a process says last is kept for the program. Only a program that is tried
-  out may write to the output of the program that tries it.
+- A process imports each package from the place where the program found it. It imports nothing from
+  the current folder, from PYTHONPATH, or from a folder that has only the program's own modules. So
+  a stray file with the name of a package never runs in a process that can stop or move an arm. Only
+  a process that tries out a user's program uses PYTHONPATH, as the program would.
+- Only a Python interpreter is started. A frozen program is started only after it has called
+  `aioduco.freeze_support`: it then runs the process instead of itself.
+- If a program is started in place of such a process by mistake, it opens no robot.
+- A process inherits no standard stream of the program: a reader of the program's output does not
+  have to wait for other processes. The end of a process's standard error is kept for the program.
+  Only a process that tries out a user's program may write to the output of the program.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ __all__ = [
     "misplaced",
 ]
 
-#: first argument of a frozen program that is to run one of the processes
+#: first argument of a frozen program that must run one of the processes
 MARK: Final = "--aioduco-process"
-#: variable in the environment of each process: which one it is
+#: environment variable of each process: its module
 _VARIABLE: Final = "AIODUCO_PROCESS"
-#: what the processes of a robot import beside the standard library: cffi where glfw finds it
+#: packages that the processes import besides the standard library; glfw uses cffi if it is there
 _PACKAGES: Final = (
     "_cffi_backend",
     "aioduco",
@@ -61,10 +61,11 @@ _PACKAGES: Final = (
     "thriftpy2",
     "typing_extensions",
 )
-#: bytes that are read of the end of a process's output
+#: number of bytes that are read from the end of a process's standard error
 _WORDS: Final = 4000
 
-#: run by an isolated interpreter, whose own path has only its standard library and its packages
+#: start code of a process. Its interpreter is isolated (`-I`): its path has only the standard
+#: library and the installed packages. One that runs a user's program has `-P` instead.
 _BEGIN: Final = """
 import importlib, json, os, sys
 from importlib.machinery import PathFinder
@@ -85,7 +86,7 @@ sys.exit(importlib.import_module(sys.argv.pop(1)).main(sys.argv[1:]))
 
 
 class Unstartable(Exception):
-    """No process can be started from this program. The text has the reason and what to do."""
+    """No process can be started from this program. The text says why, and what to do."""
 
 
 class _Children:
@@ -95,19 +96,19 @@ class _Children:
         self.told_apart = False
 
 
-#: one per process: the program calls `freeze_support` once, first of all
+#: one per process: the program calls `freeze_support` once, before anything else
 children: Final = _Children()
 
 
 def is_frozen() -> bool:
-    """Whether this program is one file or folder with its interpreter in it."""
+    """Whether this program is one file or folder that contains its interpreter."""
     return bool(getattr(sys, "frozen", False))
 
 
 def misplaced() -> str:
-    """The process in whose place this program runs by mistake; empty if it is not so.
+    """Return the module of the process in whose place this program runs by mistake; empty if none.
 
-    That is so where `sys.executable` is a program and does not say that it is frozen.
+    This happens if `sys.executable` is the program itself, and `sys.frozen` is not set.
     """
     return "" if children.told_apart else os.environ.get(_VARIABLE, "")
 
@@ -116,14 +117,15 @@ class Process:
     """A process of this package.
 
     Args:
-        module: what it runs: `main` of this module.
-        sockets: sockets that it gets, by `handed_socket` from its first arguments, in order.
-        memory: what names its shared memory, its next argument: an open descriptor, or a name.
-        packages: what it imports beside `_PACKAGES`.
+        module: module whose `main` it runs.
+        sockets: sockets for the process, which it opens by `handed_socket` from its first
+            arguments, in order.
+        memory: its shared memory, passed as the next argument: an open descriptor, or a name.
+        packages: packages that it imports besides `_PACKAGES`.
         runs_program: whether it runs a program of the user, which finds its modules by PYTHONPATH
-            and in the user's own packages too.
-        output: whether it writes to the output of this program; else what it prints is thrown away,
-            and its errors are its last words.
+            and in the user's own packages, too.
+        output: whether it writes to the output of this program; else its standard output is
+            discarded, and its standard error is kept as `last_words`.
 
     Raises:
         Unstartable: there is no interpreter to start.
@@ -157,7 +159,7 @@ class Process:
                 stdin=subprocess.DEVNULL if by_number else subprocess.PIPE,
                 stdout=None if output else subprocess.DEVNULL,
                 stderr=None if output else self._stderr.descriptor,
-                # Ctrl-C and the end of a terminal are for the program.
+                # Ctrl-C and the end of a terminal must reach only the program.
                 start_new_session=True,
                 creationflags=NEW_GROUP,
                 env=_environment(module, runs_program=runs_program),
@@ -177,23 +179,23 @@ class Process:
 
     @property
     def last_words(self) -> str:
-        """The end of its standard error, mostly why it failed; empty if it wrote nothing."""
+        """The end of its standard error, mostly the reason of a failure; empty if none."""
         if self._stderr is not None:
             self._words = self._stderr.read().decode(errors="replace").strip()
         return self._words
 
     def close(self) -> None:
-        """Close its standard error, once it has ended; `last_words` stays."""
+        """Close its standard error, once it has exited; `last_words` stays readable."""
         _ = self.last_words
         stderr, self._stderr = self._stderr, None
         if stderr is not None:
             stderr.close()
 
     def _share(self, sockets: Sequence[socket.socket]) -> None:
-        """Hand sockets over where a child inherits none: a line each on its standard input."""
-        given: Any = sockets  # `share` is there where `fromshare` is
+        """Pass sockets on a system whose children inherit none: as lines on standard input."""
+        given: Any = sockets  # they have `share` wherever `socket` has `fromshare`
         assert self.popen.stdin is not None
-        with contextlib.suppress(OSError), self.popen.stdin as lines:  # it has ended already
+        with contextlib.suppress(OSError), self.popen.stdin as lines:  # it may have exited
             for each in given:
                 lines.write(base64.b64encode(each.share(self.popen.pid)) + b"\n")
 
@@ -201,8 +203,9 @@ class Process:
 class _LastWords:
     """The standard error of a process.
 
-    In memory where the system can: so it fills no disk. Else in a file of its own, which is read by
-    another descriptor: two that share one have one position.
+    It is kept in memory if the system allows that, so that it cannot fill the disk. Else it is kept
+    in a temporary file, which is read through another descriptor: a shared descriptor has only one
+    position.
     """
 
     def __init__(self) -> None:
@@ -210,23 +213,23 @@ class _LastWords:
         if has_memory_files():
             self.descriptor = os.memfd_create("aioduco-process")
         else:
-            import tempfile  # noqa: PLC0415 - for this alone
+            import tempfile  # noqa: PLC0415 - only needed here
 
             self.descriptor, name = tempfile.mkstemp(prefix="aioduco-")
             self._file = Path(name)
 
     def read(self) -> bytes:
-        """The end of what was written."""
+        """Return the end of the output."""
         if self._file is None:
             size = os.fstat(self.descriptor).st_size
             return os.pread(self.descriptor, _WORDS, max(0, size - _WORDS))
         return self._file.read_bytes()[-_WORDS:]
 
     def close(self) -> None:
-        """Close it, and throw it away."""
+        """Close it, and delete its content."""
         os.close(self.descriptor)
         if self._file is not None:
-            # Windows keeps it while the process that writes it runs
+            # Windows does not delete it while the process that writes it runs
             with contextlib.suppress(OSError):
                 self._file.unlink()
 
@@ -235,17 +238,18 @@ def _environment(module: str, *, runs_program: bool) -> dict[str, str]:
     environment = {**os.environ, _VARIABLE: module}
     if runs_program:
         return environment
-    # NumPy's algebra starts a thread for each processor, which matrices of six have no use for:
-    # to start and end them takes longer than to import NumPy.
+    # NumPy's algebra starts one thread per processor. 6 x 6 matrices do not need them, and to start
+    # and end them takes longer than to import NumPy.
     environment.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # MuJoCo would load what draws, which starts interpreters in the current folder to look for the
-    # newest of its libraries there too. Pictures are drawn by a process that loads its own.
+    # MuJoCo would load its drawing library, which starts interpreters in the current folder, to
+    # look for the newest of its libraries there, too. Pictures are drawn by a process that loads
+    # its own.
     environment.setdefault("MUJOCO_GL", "disable")
     return environment
 
 
 def _command(module: str, packages: Sequence[str], isolation: str) -> list[str]:
-    """The command that runs a module, without its arguments."""
+    """Return the command that runs a module, without the module's arguments."""
     if misplaced():
         raise Unstartable(f"this program was itself started instead of {misplaced()}")
     if not sys.executable:
@@ -262,7 +266,7 @@ def _command(module: str, packages: Sequence[str], isolation: str) -> list[str]:
 
 
 def _places(packages: Iterable[str] = _PACKAGES) -> dict[str, str]:
-    """By package, the folder or archive in which the program has it."""
+    """Return, by package, the folder or archive from which the program imports it."""
     places = {}
     for name in packages:
         found = getattr(sys.modules.get(name), "__spec__", None) or importlib.util.find_spec(name)

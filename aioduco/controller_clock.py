@@ -1,8 +1,8 @@
-"""The controller's time: what a program measures on the arm, it measures by this.
+"""The controller's time: the clock by which a program measures what the arm does.
 
 Times of the arm (how long a jog lasts, until when a motion must have ended) and times of the
-program (how long a call may take, when the heartbeat is due) are the same on a real arm. On a
-simulated one that runs faster or slower than the wall they are not.
+program (how long a call may take, when the heartbeat is due) are the same on a real arm. They
+differ on a simulated arm that runs faster or slower than real time.
 """
 
 from __future__ import annotations
@@ -20,24 +20,24 @@ __all__ = ["Clock", "ScaledClock", "WallClock"]
 class Clock(Protocol):
     """A clock of the controller's time, given to `aioduco.connect`.
 
-    It is read on the robot's event loop, and does not block. It never goes back.
+    It is read on the robot's event loop, and must not block. It never goes back.
     """
 
     def now(self) -> float:
-        """The controller's time, from any beginning [s]."""
+        """The controller's time, from an arbitrary start [s]."""
         ...
 
     def hold(self, at: float) -> Callable[[], None]:
-        """Ask that the controller's time does not pass `at` before it is let go again.
+        """Keep the controller's time from passing `at` until it is released.
 
-        So a program ends a motion at the time at which it is due, however long it takes to do so.
-        A clock that cannot be held goes on: this then has no effect.
+        So a program can end a motion exactly when it is due, however long the program takes. On a
+        clock that cannot be held, this has no effect.
 
         Args:
-            at: time of this clock [s]; one that has passed is now.
+            at: time of this clock [s]; a time that has passed means now.
 
         Returns:
-            Lets it go on. Calling it again has no effect.
+            A function that releases the clock. Calling it again has no effect.
         """
         ...
 
@@ -59,15 +59,15 @@ class WallClock:
 
 
 class ScaledClock:
-    """The time of a simulated controller in another process, from how fast it goes.
+    """The time of a simulated controller in another process, computed from its speed.
 
-    It is right as far as that computer keeps up with the speed, and cannot be held.
+    It is right only while that process keeps up with the speed, and cannot be held.
 
     Args:
-        speed: the controller's seconds in one of the wall, above 0.
+        speed: the controller's seconds per second of real time, above 0 and finite.
 
     Raises:
-        ValueError: the speed is none: one without a limit tells nothing of the time.
+        ValueError: the speed is out of range: an unlimited speed does not determine the time.
     """
 
     def __init__(self, speed: float) -> None:
@@ -89,4 +89,4 @@ class ScaledClock:
 
 
 def _nothing() -> None:
-    """Let go of what was not held."""
+    """Do nothing: the clock was not held."""

@@ -94,8 +94,8 @@ class ParameterError(DucoError, ValueError):
 
     Attributes:
         parameter: the name of the parameter.
-        value: what was given.
-        expected: what is allowed, with the unit.
+        value: the value that was given.
+        expected: the allowed values, with the unit.
     """
 
     def __init__(self, parameter: str, value: object, expected: str) -> None:
@@ -106,9 +106,9 @@ class ParameterError(DucoError, ValueError):
 
 
 class MotionCarriedOut(DucoError, TypeError):
-    """What was to be a motion is how one ended: **the arm has moved** before this was called.
+    """An argument is the outcome of a motion, not a motion: **the arm has already moved**.
 
-    Of what was given with it, nothing was sent.
+    The motion was carried out before this call. Nothing that was given to this call was sent.
 
     Attributes:
         parameter: the name of the parameter.
@@ -125,11 +125,11 @@ class MotionCarriedOut(DucoError, TypeError):
 
 
 class NamedElsewhere(DucoError, AttributeError):
-    """A function of the manual was asked of an object that does not have it; nothing was sent.
+    """A function of the manual was looked up on an object without it; nothing was sent.
 
     Attributes:
-        function: what was asked for.
-        meant: where it is.
+        function: the name that was looked up.
+        meant: where the function is.
     """
 
     def __init__(self, function: str, meant: str) -> None:
@@ -160,7 +160,7 @@ class ConnectTimeout(ConnectError, TimeoutError):
 
 
 class NotAController(ConnectError):
-    """What listens there does not speak the controller's protocol."""
+    """The program that listens at the address does not speak the controller's protocol."""
 
 
 class ConnectionLost(DucoError, ConnectionError):
@@ -174,21 +174,21 @@ class ConnectionLost(DucoError, ConnectionError):
 class CallTimeout(ConnectionLost, TimeoutError):
     """A function that only reads was not answered within its deadline.
 
-    The connection was closed, so that the late answer can reach nobody.
+    The connection was closed, so that no later call can receive the late answer.
     """
 
 
 class NotSent(ConnectionLost, TimeoutError):
-    """The time for a call was over before anything of it could be sent. Nothing happened.
+    """The time for a call was over before any of it was sent. Nothing happened.
 
-    Every connection of its lane was taken, or a new one could not be made in time.
+    Every connection of its lane was in use, or a new one could not be opened in time.
     """
 
 
 class OutcomeUnknown(ConnectionLost):
     """A command was sent, but its reply never came: it may or may not have been carried out.
 
-    It is never sent again by itself. Look at the robot's state before you decide.
+    The package never sends it again. Read the robot's state before you decide what to do.
 
     Attributes:
         function: the function of the wire that was called.
@@ -241,7 +241,7 @@ class UnknownFunction(ControllerError):
         self._message = message
 
     def of(self, version: str) -> UnknownFunction:
-        """The same error, of a controller whose version is known."""
+        """Return the same error with the controller's version."""
         return UnknownFunction(self.function, self._message, self.code, version=version)
 
 
@@ -250,8 +250,8 @@ class Refused(DucoError):
 
     Attributes:
         function: the function of the wire that was called.
-        code: the value that it returned: a number, or what stands for nothing where something is
-            read, such as an empty text.
+        code: the value that it returned: a number, or, from a function that reads, an empty value
+            such as an empty text.
     """
 
     def __init__(self, function: str, code: object, reason: str) -> None:
@@ -275,14 +275,14 @@ class BusError(DucoError):
 
 
 class ModbusError(DucoError):
-    """A device on RS-485 did not do what a Modbus request asked for, or it is not known."""
+    """A device on RS-485 did not carry out a Modbus request, or it is not known whether it did."""
 
 
 class ModbusRefused(ModbusError):
-    """The device answered a request with a Modbus exception: it did not do it.
+    """The device answered a request with a Modbus exception: it did not carry it out.
 
     Attributes:
-        function: the Modbus function that was asked for.
+        function: the requested Modbus function.
         code: the exception's code.
     """
 
@@ -295,27 +295,28 @@ class ModbusRefused(ModbusError):
 
 
 class ModbusTimeout(ModbusError, TimeoutError):
-    """The device did not answer in time. If it was to write, it may or may not have done so.
+    """The device did not answer in time. A write may or may not have been carried out.
 
-    Look at wiring, bit rate and the number of the device. Nothing is sent again by itself.
+    Check the wiring, the bit rate and the number of the device. The package does not repeat the
+    request.
     """
 
 
 class ModbusGarbled(ModbusError):
-    """What came over the bus is no answer to the request: a wrong checksum, or another's bytes.
+    """The received bytes are no answer to the request: wrong checksum, or another device's bytes.
 
-    If the device was to write, it may or may not have done so. Nothing is sent again by itself.
+    A write may or may not have been carried out. The package does not repeat the request.
     """
 
 
 class GripperError(DucoError):
-    """A gripper did not do what it was asked for: one of the subclasses, mostly."""
+    """A gripper did not carry out a command. Mostly raised as one of the subclasses."""
 
 
 class GripperNotActivated(GripperError):
-    """The gripper has to be activated after power on before it moves; nothing moved.
+    """The gripper must be activated after power-on before it can move; nothing moved.
 
-    `await gripper.activate()` does it. The fingers may go through all of their stroke then.
+    `await gripper.activate()` activates it. The fingers may then travel their full stroke.
     """
 
 
@@ -332,7 +333,7 @@ class GripperFault(GripperError):
 
 
 class GripperTimeout(GripperError, TimeoutError):
-    """The gripper did not come to rest in time, or its sensor did not answer the output."""
+    """The gripper did not come to rest in time, or its sensor did not react to the output."""
 
 
 class ObjectLost(GripperError):
@@ -342,8 +343,8 @@ class ObjectLost(GripperError):
 class TrackPoolFull(Refused):
     """The track pool has no room for the points.
 
-    The manual does not say whether those that had room were put in: `getQueueSize` tells how many
-    it holds. Wait until the arm has taken some, or empty it (`trackClearQueue`).
+    The manual does not say whether the points that fit were added: `getQueueSize` returns how many
+    points the pool holds. Wait until the arm has taken some, or empty the pool (`trackClearQueue`).
     """
 
     def __init__(self, function: str, code: int) -> None:
@@ -351,48 +352,48 @@ class TrackPoolFull(Refused):
 
 
 class RobotStateError(DucoError):
-    """The robot is not in a state in which this can be done."""
+    """The robot's state does not allow the call."""
 
 
 class PersonNeeded(RobotStateError):
-    """Only a person can lead the robot out of its state; the message says what to do."""
+    """Only a person can bring the robot out of its state; the message says what to do."""
 
 
 class WrongLoop(RobotStateError):
     """The robot is used outside of the event loop on which it was opened. Nothing was sent.
 
-    The robot goes on undisturbed on its own loop.
+    The robot continues undisturbed on its own loop.
     """
 
 
 class WrongProcess(RobotStateError):
     """The robot is used in a child that was forked from the process that opened it.
 
-    Nothing was sent. The robot goes on undisturbed in the parent.
+    Nothing was sent. The robot continues undisturbed in the parent.
     """
 
 
 class GuardLost(DucoError):
-    """The guard's process could not be started, or is gone. The arm is stopped by other ways."""
+    """The guard's process could not be started, or has ended. The arm is stopped in other ways."""
 
 
 class HeartbeatLost(RobotStateError):
-    """The heartbeat is not beating, so no motion may be started."""
+    """The heartbeat is not running, so no motion may be started."""
 
 
 class StopUnconfirmed(DucoError):
-    """A stop was asked for, but it is not known that the arm stands.
+    """A stop was requested, but it is not known that the arm stands.
 
-    The one error that calls for a hand on the emergency stop.
+    This is the only error that requires a person at the emergency stop.
     """
 
 
 class StopsUnconfirmed(StopUnconfirmed):
-    """Several arms were told to stop, and of some it is not known that they stand.
+    """A stop of several arms was requested, but it is not known that all of them stand.
 
     Attributes:
-        errors: for each robot, in the order in which they were given, why that is not known; None
-            for one that stands.
+        errors: for each robot, in the order in which they were given, why its standstill is not
+            known; None for a robot that stands.
     """
 
     def __init__(self, message: str, errors: tuple[DucoError | None, ...]) -> None:
@@ -401,7 +402,7 @@ class StopsUnconfirmed(StopUnconfirmed):
 
     @classmethod
     def of(cls, places: Sequence[str], errors: Sequence[DucoError | None]) -> StopsUnconfirmed:
-        """Make one of what is known of each robot, and of where they are."""
+        """Make the error from the addresses of the robots and the error of each."""
         pairs = zip(places, errors, strict=True)
         said = [f"{place}: {error}" for place, error in pairs if error is not None]
         return cls(
@@ -412,7 +413,7 @@ class StopsUnconfirmed(StopUnconfirmed):
 
 
 class FeedOverflow(DucoError):
-    """A subscriber that is to have every item did not take them in time: some are missing."""
+    """A subscriber that wants every item did not take them in time: some are missing."""
 
 
 class StaleState(DucoError):
@@ -423,7 +424,7 @@ class TaskError(DucoError):
     """A task did not finish.
 
     Attributes:
-        task_id: the controller's id of the task; None if it never told one.
+        task_id: the controller's id of the task; None if it never sent one.
         name: the function that started it.
         errors: the controller's error list when the task ended.
     """
@@ -448,7 +449,7 @@ class TaskOverdue(TaskStopped, TimeoutError):
 
 
 class TaskUnknown(TaskError, ConnectionLost):
-    """The task was lost sight of: it may have ended, or may be running."""
+    """The task could not be followed any more: it may have ended, or may be running."""
 
 
 class TaskInterrupted(TaskError):
@@ -464,13 +465,13 @@ class TaskIllegal(TaskError):
 
 
 class TaskParameterMismatch(TaskError):
-    """The controller found a parameter of the task wrong."""
+    """The controller rejected a parameter of the task."""
 
 
 class Unreachable(DucoError):
-    """No configuration of the arm reaches a pose, by the kinematics that was asked.
+    """No configuration of the arm reaches a pose, according to the inverse kinematics.
 
-    That of this computer, or the controller's (`cal_ikine`). Nothing was moved.
+    It is that of this computer, or the controller's (`cal_ikine`). Nothing was moved.
     """
 
 
@@ -479,10 +480,10 @@ class EnvelopeViolated(DucoError):
 
     Attributes:
         limit: the name of the limit.
-        body: what would be beyond it: "tool", "elbow", "flange", a joint, or the arm.
-        place: where in the base frame [m]; NaN where a place says nothing.
-        margin: how far within the limit it would be, negative beyond it [m, rad, m/s, N], or
-            without a unit for a singularity.
+        body: the part that would be beyond it: "tool", "elbow", "flange", a joint, or the arm.
+        place: its position in the base frame [m]; NaN if the limit has no position.
+        margin: distance to the limit, negative beyond it [m, rad, m/s, N], or without a unit for a
+            singularity.
     """
 
     def __init__(
@@ -507,8 +508,8 @@ class PlanningError(DucoError):
     """No plan was made. Nothing was sent, and nothing moved.
 
     Attributes:
-        pair: names of the two bodies that are in the way of each other; None if it is not that.
-        joints: the configuration that it is about [rad]; None if it is about none.
+        pair: names of the two bodies that collide; None if the error is not about a collision.
+        joints: the configuration concerned [rad]; None if there is none.
     """
 
     def __init__(
@@ -536,17 +537,17 @@ class GoalOutOfReach(PlanningError, Unreachable):
 
 
 class NoPathFound(PlanningError, TimeoutError):
-    """Start and goal are free, but no way from one to the other was found in the time given.
+    """Start and goal are free, but no path between them was found in the given time.
 
-    That there is none is not shown by it.
+    This does not prove that there is none.
     """
 
 
 class PathIncomplete(PlanningError):
-    """A line or an arc of the tool is free and within reach for a part of its way only.
+    """Only a part of a line or an arc of the tool is free and within reach.
 
     Attributes:
-        fraction: how much of the way that is, 0 to 1.
+        fraction: that part of the line or arc, 0 to 1.
     """
 
     def __init__(
@@ -562,21 +563,21 @@ class PathIncomplete(PlanningError):
 
 
 class PlanObstructed(PlanningError):
-    """The arm would touch something on its planned way, in the scene as it is now.
+    """The arm would touch something on its planned path, in the scene as it is now.
 
-    Raised while a plan is carried out, the arm was brought to rest on its way before.
+    If this is raised while a plan is carried out, the arm was first brought to rest on its path.
     """
 
 
 class SetPointTooFar(ParameterError):
-    """A set-point lies further from the one before than a stream allows. It was not sent.
+    """A set-point is further from the previous one than a stream allows. It was not sent.
 
-    The stream goes on: the arm stays at the set-point before.
+    The stream continues: the arm stays at the previous set-point.
     """
 
 
 class StreamError(DucoError):
-    """A stream ended other than by its program closing it.
+    """A stream ended although its program had not closed it.
 
     Attributes:
         statistics: the stream's statistics at its end; None if it never began.
@@ -588,7 +589,7 @@ class StreamError(DucoError):
 
 
 class StreamClosed(StreamError):
-    """The stream was closed, and takes no set-points any more."""
+    """The stream was closed, and accepts no more set-points."""
 
 
 class StreamStarved(StreamError):
@@ -596,7 +597,7 @@ class StreamStarved(StreamError):
 
 
 class StreamStopped(StreamError):
-    """The robot was stopped while the stream ran. The stream sends nothing any more."""
+    """The robot was stopped while the stream ran. The stream sends nothing more."""
 
 
 class StreamRefused(StreamError):
@@ -604,7 +605,7 @@ class StreamRefused(StreamError):
 
 
 class StreamLost(StreamError, ConnectionLost):
-    """The stream's connection broke, or was not answered in time. A stop was tried."""
+    """The stream's connection broke, or an answer did not come in time. A stop was attempted."""
 
 
 class FirstPointTooFar(StreamError):
@@ -612,11 +613,11 @@ class FirstPointTooFar(StreamError):
 
 
 class LaneFailed(StreamError):
-    """The stream's lane ended by an error of its own, or its process was killed."""
+    """The stream's lane ended by an internal error, or its process was killed."""
 
 
 class PathToleranceViolated(StreamError):
-    """The arm strayed from its trajectory. It was brought to rest, and stopped."""
+    """The arm deviated from its trajectory. It was brought to rest, and stopped."""
 
 
 class GoalToleranceViolated(StreamError):
@@ -624,7 +625,7 @@ class GoalToleranceViolated(StreamError):
 
 
 class StreamLeavesEnvelope(StreamError, EnvelopeViolated):
-    """A set-point would lead beyond a limit of `robot.envelope`, or the arm could not stop before.
+    """A set-point would pass a limit of `robot.envelope`, or the arm could not stop before it.
 
     It was not sent. The arm was brought to rest before the limit, and stopped.
     """
@@ -647,35 +648,35 @@ class SceneError(DucoError, ValueError):
 
 
 class UnitWarning(UserWarning):
-    """A number that reads like another unit than the one it is taken for; it was taken as it is.
+    """A number looks as if it was given in a wrong unit; it was used as it is.
 
-    Python shows it once for each line of a program.
+    Python shows this once for each line of a program.
     """
 
 
 class RenderError(DucoError, RuntimeError):
-    """This computer can draw no picture of a simulator, or show no window. It goes on without."""
+    """This computer cannot draw a picture, or show a window. The simulator continues without it."""
 
 
 class CameraError(DucoError, OSError):
-    """A camera gives no picture: it is not there, or was unplugged. Nothing was done to the arm."""
+    """A camera gives no picture: it is missing, or was unplugged. Nothing was done to the arm."""
 
 
 class CalibrationError(DucoError, ValueError):
-    """From these views it cannot be told where a camera is: it says what is wrong with them."""
+    """The position of a camera cannot be found from these views. The message says why."""
 
 
 class RecordingError(DucoError):
-    """A recording cannot be written, read or played. What it says was done to the arm, was done."""
+    """A recording cannot be written, read or played. Motions that the message names took place."""
 
 
 class PathRefused(DucoError):
-    """Something speaks against leading the arm along a recorded path or to waypoints.
+    """A check found a reason not to move the arm along a recorded path or to waypoints.
 
     Nothing was sent.
 
     Attributes:
-        findings: what, each with its place.
+        findings: the reasons, each with its place.
     """
 
     def __init__(self, message: str, findings: tuple[str, ...]) -> None:
@@ -687,17 +688,17 @@ class PathRefused(DucoError):
 
 
 class WaypointFileError(DucoError, ValueError):
-    """A file of waypoints cannot be read or written: it says the line and the field.
+    """A file of waypoints cannot be read or written. The message has the line and the field.
 
     Nothing was sent.
     """
 
 
 class MissingExtra(DucoError, ModuleNotFoundError):
-    """A package is not installed that only an extra brings. Nothing was started or sent.
+    """A package is missing that only an extra installs. Nothing was started or sent.
 
     Attributes:
-        extra: the extra that brings it: `pip install 'aioduco[…]'`.
+        extra: the extra that installs it: `pip install 'aioduco[…]'`.
     """
 
     def __init__(self, wanted: str, package: str, extra: str) -> None:

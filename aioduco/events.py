@@ -1,4 +1,4 @@
-"""What can happen to a robot: the classes of the items that `robot.events` gives.
+"""Events of a robot: the classes of the items that `robot.events` yields.
 
 with robot.events.subscribe() as stream:
     async for event in stream:

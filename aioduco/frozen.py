@@ -22,11 +22,11 @@ def freeze_support() -> None:
             aioduco.freeze_support()
             main()
 
-    Call it as the first thing that the program does. The executable of a frozen program is the
-    program: to have a guard, it starts itself once more. There this function runs the guard, the
-    lane of a stream, a planner, a simulator or what draws its pictures, and does not return. In the
-    program, and in one that is not frozen, it returns at once. Without it, a frozen program is
-    refused each of these processes.
+    Call it before anything else in the program. The executable of a frozen program is the program
+    itself: to have a guard, it starts itself once more. In that process, this function runs the
+    guard, the lane of a stream, a planner, a simulator or the process that draws its pictures, and
+    does not return. In the program itself, and in a program that is not frozen, it returns at once.
+    A frozen program that does not call it cannot start any of these processes.
     """
     if not is_frozen():
         return
@@ -39,7 +39,7 @@ def freeze_support() -> None:
     except BaseException:
         traceback.print_exc()
     finally:
-        # Not by an exception, which the program may catch: nothing of it is to run here.
+        # Not by an exception, which the program could catch: no code of the program may run here.
         sys.stderr.flush()
         os._exit(code)
 
@@ -49,8 +49,8 @@ def _run(module: str, arguments: list[str]) -> int:
     return main(arguments)
 
 
-# Each is imported in its process alone: a program need not have the extras of the others. They are
-# written out, so that whoever freezes a program finds them.
+# Each is imported only in its own process: a program does not need the extras of the others. The
+# imports are written out, so that a tool that freezes programs finds them.
 
 
 def _guard() -> Callable[[list[str]], int]:

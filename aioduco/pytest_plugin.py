@@ -23,13 +23,13 @@
     async def test_it_is_said_who_is_asked(duco_robot):
         ...
 
-The robots' times go by the simulator's clock. Unless a test asks for one, neither MuJoCo nor
-Thrift is loaded for them. The fixture `duco_robot` is a coroutine: it needs pytest-asyncio, in any
-mode, or anyio's own plugin.
+The robots measure times by the simulator's clock. MuJoCo and Thrift are loaded only if a test asks
+for a robot. The fixture `duco_robot` is a coroutine: it needs pytest-asyncio, in any mode, or
+anyio's own plugin.
 
 `pytest --duco-host 192.168.1.10` runs the same tests on an arm, slowly. Tests that need the
-simulated controller, for its view or for a fault, are skipped there. A test that fails leaves a
-recording of its arm, its last lines and states, and a picture.
+simulated controller, to inspect it or to inject a fault, are skipped there. A test that fails
+leaves a recording of its arm, its events and log lines, last states, plots, and a picture.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ _LAST_LOOK = 1.0  #: seconds that a failed test waits for a last sample of its a
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Options for tests on an arm, and of what failed tests leave."""
+    """Add options for tests on an arm, and for the files that failed tests leave."""
     group = parser.getgroup("duco", "DUCO arms")
     group.addoption(
         "--duco-host",
@@ -100,7 +100,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the markers known; refuse an arm for several processes."""
+    """Register the markers; refuse tests on one arm from several processes."""
     for line in _MARKERS:
         config.addinivalue_line("markers", line)
     host = config.getoption("duco_host", None)
@@ -109,7 +109,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
-    """Say which arm will move."""
+    """Return a line that says which arm will move."""
     host = config.getoption("duco_host")
     speed = config.getoption("duco_host_speed")
     return f"duco: the arm at {host} will move, at {speed:g} % of its speed" if host else None
@@ -117,14 +117,14 @@ def pytest_report_header(config: pytest.Config) -> str | None:
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
-    """Note whether a test failed, for its fixtures."""
+    """Record whether a test failed, for its fixtures."""
     outcome = yield
     if outcome.get_result().failed:
         item.stash[_failed] = True
 
 
 def _async_fixture() -> Callable[[Any], Any]:
-    """pytest-asyncio does not see a plain fixture in its strict mode, which is its default."""
+    """Return a fixture decorator: pytest-asyncio ignores plain ones in strict mode, its default."""
     if importlib.util.find_spec("pytest_asyncio") is None:
         return pytest.fixture
     import pytest_asyncio  # noqa: PLC0415 - it may be missing
@@ -134,7 +134,7 @@ def _async_fixture() -> Callable[[Any], Any]:
 
 @pytest.fixture
 def duco_simulator_options() -> Mapping[str, Any]:
-    """How `duco_simulator` is made: override it to have another arm, or another clock.
+    """Arguments of `duco_simulator`: override them to have another arm, or another clock.
 
         @pytest.fixture
         def duco_simulator_options():
@@ -142,14 +142,14 @@ def duco_simulator_options() -> Mapping[str, Any]:
 
     Returns:
         Arguments of `aioduco.sim.Simulator`. By default the clock is as fast as the machine
-        allows: a motion of a second takes some hundredths. A test that interrupts a motion in
-        its middle wants one that is slower.
+        allows: a motion of one second takes some hundredths of a second. A test that interrupts
+        a motion in its middle needs a slower clock.
     """
     return {"speed": float("inf")}
 
 
 def _marked(request: pytest.FixtureRequest, name: str) -> Any:
-    """The argument of a marker of the test; None without one."""
+    """Return the argument of a marker of the test; None without such a marker."""
     marker = request.node.get_closest_marker(name)
     return None if marker is None else marker.args[0]
 
@@ -161,7 +161,7 @@ def duco_simulator(
     """A simulated controller with its arm, powered off, on a port of its own."""
     if request.config.getoption("duco_host"):
         pytest.skip("it needs the simulated arm, and --duco-host names another one")
-    from aioduco.sim import Simulator  # noqa: PLC0415 - it brings MuJoCo
+    from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
     options = dict(duco_simulator_options)
     for option, marker in (("model", "duco_model"), ("speed", "duco_speed")):
@@ -175,7 +175,7 @@ def duco_simulator(
 @pytest.fixture
 def duco_proxy(request: pytest.FixtureRequest, duco_simulator: Simulator) -> Iterator[FaultProxy]:
     """A fault proxy before the simulated controller, with the faults of the test's markers."""
-    from aioduco.testing import FaultProxy  # noqa: PLC0415 - not for who has no need of it
+    from aioduco.testing import FaultProxy  # noqa: PLC0415 - only for tests that need it
 
     with FaultProxy(duco_simulator.host, duco_simulator.port) as proxy:
         for marker in request.node.iter_markers("duco_fault"):
@@ -184,10 +184,10 @@ def duco_proxy(request: pytest.FixtureRequest, duco_simulator: Simulator) -> Ite
 
 
 class _Line:
-    """Where the robot of a test is, and what it leaves if the test fails.
+    """The address of a test's robot, and the files that are left if the test fails.
 
     Args:
-        request: of the robot's fixture.
+        request: pytest's request of the robot's fixture.
     """
 
     host: str
@@ -215,7 +215,7 @@ class _Line:
             if faults or "duco_proxy" in request.fixturenames:
                 line = request.getfixturevalue("duco_proxy")
             self.host, self.port, self.clock = line.host, line.port, simulator.clock
-        #: percent of an arm's speed; None for a simulated one, which is as fast as it is
+        #: global speed of a real arm [%]; None for a simulated arm, whose speed is not changed
         self.speed: float | None = config.getoption("duco_host_speed") if address else None
         self._folder = self._made_folder()
         self.options: dict[str, Any] = {} if self.clock is None else {"clock": self.clock}
@@ -236,12 +236,12 @@ class _Line:
 
     @property
     def keeps(self) -> bool:
-        """Whether the test failed, so that what is known of the arm is kept."""
+        """Whether the test failed, so that the files about its arm are kept."""
         node: pytest.Item = self._request.node
         return node.stash.get(_failed, False)
 
     def leave(self) -> None:
-        """Keep what is known of the arm if the test failed, and nothing if not."""
+        """Keep the files about the arm if the test failed, and delete them if not."""
         node: pytest.Item = self._request.node
         if not self.keeps:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -253,7 +253,7 @@ class _Line:
 
 
 def _later_than(moment: float) -> Callable[[Snapshot], bool]:
-    """Whether a sample shows the arm as it is after the test, and not on its way there."""
+    """Return a predicate: whether a sample was received after `moment`, the end of the test."""
     return lambda sample: sample.status.received_at > moment
 
 
@@ -266,12 +266,12 @@ def _line_of_test(request: pytest.FixtureRequest) -> Iterator[_Line]:
 
 @_async_fixture()
 async def duco_robot(_duco_line: _Line) -> AsyncIterator[Robot]:
-    """A robot connected to the simulated controller, ready to move; or to that of `--duco-host`.
+    """A robot, ready to move, connected to the simulated controller or to that of `--duco-host`.
 
-    It is connected by way of `duco_proxy` if the test asks for that, or has a fault. After the test
-    its arm is stopped, and the connections closed.
+    It connects through `duco_proxy` if the test uses that fixture, or has a fault. After the test
+    its arm is stopped, and the connections are closed.
     """
-    from aioduco import connect  # noqa: PLC0415 - not for who has no need of it
+    from aioduco import connect  # noqa: PLC0415 - only for tests that need it
     from aioduco.errors import DucoError  # noqa: PLC0415 - as above
 
     line = _duco_line
@@ -293,8 +293,8 @@ async def duco_robot(_duco_line: _Line) -> AsyncIterator[Robot]:
 
 @pytest.fixture
 def duco_sync_robot(_duco_line: _Line) -> Iterator[SyncRobot]:
-    """The same for programs that wait: a robot of `aioduco.sync`, ready to move."""
-    from aioduco.errors import DucoError  # noqa: PLC0415 - not for who has no need of it
+    """The same for blocking programs: a robot of `aioduco.sync`, ready to move."""
+    from aioduco.errors import DucoError  # noqa: PLC0415 - only for tests that need it
     from aioduco.sync import connect  # noqa: PLC0415 - as above
 
     line = _duco_line
@@ -318,10 +318,10 @@ def duco_sync_robot(_duco_line: _Line) -> Iterator[SyncRobot]:
 def duco_preflight() -> Callable[..., PreflightReport]:
     """`aioduco.preflight.preflight`, with settings as keywords: `duco_preflight(file, scene=cell)`.
 
-    It takes the program's file, then its arguments as a list; the report's `ok` and `findings` tell
+    It takes the program's file, then its arguments as a list; the report's `ok` and `findings` say
     what would go wrong.
     """
-    from aioduco.preflight import PreflightSettings, preflight  # noqa: PLC0415 - brings MuJoCo
+    from aioduco.preflight import PreflightSettings, preflight  # noqa: PLC0415 - loads MuJoCo
 
     def run(program: str, arguments: tuple[str, ...] = (), **settings: Any) -> PreflightReport:
         return preflight(program, arguments, PreflightSettings(**settings), quiet=True)

@@ -1,17 +1,18 @@
-"""Log messages and trace events, handed to the program's own code by a thread of their own.
+"""Log messages and trace events, passed to the program's own code on a separate thread.
 
 Log handlers, filters, formatters and trace hooks belong to the program: they may raise, block, or
-end their thread. Code that stops an arm must not run them. So a message is only queued here, with
-its time, its place and its thread, and one daemon thread of the process gives it to `logging`.
+end their thread. Code that stops an arm must not run them. So this module only queues a message,
+with its time, its place and its thread, and one daemon thread of the process passes it to
+`logging`.
 
 Guarantees:
-- Reporting raises nothing, and waits for nothing that belongs to the program.
-- Messages and events come to the program in the order in which they were reported. Those that
-  do not fit, since a handler is too slow, are counted, and their number is logged.
-- What a handler raises is printed to stderr, as `logging` does; the next message follows.
-- The thread begins with the first message, in a forked child as well, and ends when there is
-  nothing to do. What is waiting is written when a robot is closed and when the interpreter ends,
-  within a limit of time.
+- Reporting never raises, and never waits for code of the program.
+- The program gets messages and events in the order in which they were reported. If a handler is
+  too slow and the queue is full, messages are dropped and counted, and their number is logged.
+- An exception of a handler is printed to stderr, as `logging` does; the next message follows.
+- The thread starts with the first message, in a forked child as well, and ends when the queue
+  stays empty. Queued messages are written when a robot is closed and when the interpreter exits,
+  within a time limit.
 """
 
 from __future__ import annotations
@@ -33,13 +34,13 @@ if TYPE_CHECKING:
 
 __all__ = ["FLUSH_LIMIT", "BackgroundLogger", "Reporter", "reporter"]
 
-#: seconds for what is waiting to be written, at the end of a robot or of the interpreter
+#: seconds to write the queued messages, when a robot is closed or the interpreter exits
 FLUSH_LIMIT: Final = 1.0
-#: messages and events that wait at most
+#: maximum number of queued messages and events
 _MOST: Final = 10_000
-#: seconds without anything to do after which the thread ends
+#: seconds with an empty queue after which the thread ends
 _IDLE: Final = 0.25
-#: the attributes of a record about the moment and the thread in which it was made
+#: attributes of a log record about its time and its thread
 _MOMENT: Final = (
     *("created", "msecs", "relativeCreated"),
     *("thread", "threadName", "process", "processName", "taskName"),
@@ -47,10 +48,10 @@ _MOMENT: Final = (
 
 
 class _Flush:
-    """A mark in the queue, behind everything that was reported before it.
+    """A marker in the queue, behind all reports before it.
 
     Args:
-        written: called when that has been written.
+        written: called when those reports have been written.
     """
 
     def __init__(self, written: Callable[[], object]) -> None:
@@ -58,7 +59,7 @@ class _Flush:
 
 
 class Reporter:
-    """Calls the program's code on a thread of its own, one piece after another."""
+    """Calls the program's code on a separate thread, one call after another."""
 
     def __init__(self) -> None:
         self._renew()
@@ -66,20 +67,20 @@ class Reporter:
     def _renew(self) -> None:
         self._process = os.getpid()
         self._queue: SimpleQueue[Callable[[], object] | _Flush] = SimpleQueue()
-        # Reentrant: the garbage collector or a signal handler may report in the middle of this.
+        # Reentrant: the garbage collector or a signal handler may report while this is held.
         self._lock = threading.RLock()
         self._thread: threading.Thread | None = None
         self._dropped = 0
         self._at_exit = False
 
     def put(self, work: Callable[[], object]) -> None:
-        """Have something called, in the caller's context; from any thread, at once.
+        """Queue a function to be called in the caller's context; from any thread, without waiting.
 
         Args:
-            work: what is called; what it raises is printed.
+            work: the function; an exception that it raises is printed.
         """
         if self._process != os.getpid():
-            # In a forked child the thread, and the holders of the locks, belong to the parent.
+            # A forked child has neither this thread nor the threads that hold the locks.
             self._renew()
         if self._queue.qsize() >= _MOST:
             self._dropped += 1
@@ -92,10 +93,10 @@ class Reporter:
         """Have a function called when everything reported so far has been written.
 
         Args:
-            callback: called on the thread.
+            callback: the function; it is called on the reporting thread.
 
         Returns:
-            Whether there is something to write; if not, nothing is called.
+            Whether there is something to write; if not, the function is not called.
         """
         if self._process != os.getpid() or (self._thread is None and self._queue.empty()):
             return False
@@ -110,7 +111,7 @@ class Reporter:
             timeout: seconds to wait.
 
         Returns:
-            Whether it was.
+            Whether it was written in time.
         """
         over = threading.Event()
         return not self.written(over.set) or over.wait(timeout)
@@ -120,7 +121,7 @@ class Reporter:
             if self._thread is not None and self._thread.is_alive():
                 return
             if sys.is_finalizing():
-                return  # no thread would ever run, and starting one would wait for it
+                return  # a new thread would never run, and `start` would wait for it
             if not self._at_exit:
                 self._at_exit = True
                 atexit.register(self.flush)
@@ -149,7 +150,7 @@ class Reporter:
                     self._say_dropped()
                 work()
             except BaseException:
-                # Whatever it is, it is the program's, and ends nothing here.
+                # The error comes from the program's code: this thread continues.
                 _show()
             del work
 
@@ -175,15 +176,15 @@ def _show() -> None:
             traceback.print_exc()
 
 
-#: one per process: so there is one order, and one thread
+#: one per process, so that there is one order and one thread
 reporter: Final = Reporter()
 
 
 class BackgroundLogger:
-    """A logger that neither raises nor waits. A level that is off costs nothing.
+    """A logger that neither raises nor waits. A message below the log level costs nothing.
 
     Args:
-        name: name of the logger of `logging` that is given the messages.
+        name: name of the logger of `logging` that gets the messages.
     """
 
     def __init__(self, name: str) -> None:
@@ -194,23 +195,23 @@ class BackgroundLogger:
         self._put(logging.DEBUG, message, args)
 
     def info(self, message: str, *args: object) -> None:
-        """Report what goes as it should."""
+        """Report normal operation."""
         self._put(logging.INFO, message, args)
 
     def warning(self, message: str, *args: object, exc_info: BaseException | None = None) -> None:
-        """Report what does not, and was dealt with."""
+        """Report a problem that was handled."""
         self._put(logging.WARNING, message, args, exc_info)
 
     def error(self, message: str, *args: object, exc_info: BaseException | None = None) -> None:
-        """Report what failed."""
+        """Report a failure."""
         self._put(logging.ERROR, message, args, exc_info)
 
     def exception(self, message: str, *args: object) -> None:
-        """Report what failed, with the exception that is being handled."""
+        """Report a failure, with the exception that is being handled."""
         self._put(logging.ERROR, message, args, sys.exc_info()[1])
 
     def critical(self, message: str, *args: object) -> None:
-        """Report what a person has to look at."""
+        """Report a problem that needs a person's attention."""
         self._put(logging.CRITICAL, message, args)
 
     def log(self, level: int, message: str, *args: object) -> None:
@@ -241,13 +242,13 @@ class BackgroundLogger:
 
 
 def _place() -> tuple[CodeType, int]:
-    """Where the message comes from: what called the logger's method."""
+    """Return the code and the line that called the logger's method."""
     frame = sys._getframe(3)
     return frame.f_code, frame.f_lineno
 
 
 def _write(logger: logging.Logger, made: logging.LogRecord) -> None:
-    # By the program's own factory of records, which is called here and not before.
+    # Made by the program's own factory of records, which must run only on this thread.
     record = logger.makeRecord(
         made.name,
         made.levelno,

@@ -1,4 +1,4 @@
-"""The robot: `connect` opens one, `Robot` is what a program works with."""
+"""The robot: `connect` creates a `Robot`, the object that a program works with."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Robot", "connect", "stop_all"]
 
-#: where the class of each section lies; `Robot` declares their types
+#: full name of the class of each section; `Robot` declares their types
 _SECTIONS = {
     "system": "aioduco.api.system.System",
     "program": "aioduco.api.program.Program",
@@ -95,7 +95,7 @@ _STREAMS = {
 
 
 def _load(place: str) -> Callable[..., object]:
-    """The class of a section, given its full name."""
+    """Import the class of a section, given its full name."""
     module, _, name = place.rpartition(".")
     kind: Callable[..., object] = getattr(import_module(module), name)
     return kind
@@ -122,46 +122,47 @@ def connect(
     record: str | PathLike[str] | None = None,
     clock: Clock | None = None,
 ) -> Robot:
-    """Name a robot; `async with` connects to it, and leaves it standing.
+    """Create a robot; `async with` connects to it, and leaves the arm standing at the end.
 
         async with aioduco.connect("192.168.1.10") as robot:
             await robot.bring_up()
             await robot.motion.movej2(home, v=1.0, a=1.0)
 
     Args:
-        host: name or address of the controller; 192.168.1.10 as it comes from the factory.
+        host: name or address of the controller; 192.168.1.10 by the factory setting.
         port: its TCP port.
-        call_timeout: most seconds that a call takes, the wait for a connection included.
-        connect_timeout: most seconds that opening a connection takes.
-        pool_size: most connections for calls other than motions and supervision, 1 to 64.
+        call_timeout: maximum seconds for a call, the wait for a connection included.
+        connect_timeout: maximum seconds for opening a connection.
+        pool_size: maximum number of connections for calls other than motions and supervision, 1 to
+            64.
         heartbeat: seconds without a sign of life of this program after which the controller
             stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops
             nothing.
-        loop_stall_limit: seconds without the event loop running after which the program counts
-            as hung, and the heartbeat is withheld.
+        loop_stall_limit: seconds for which the event loop may fail to run. After that the program
+            counts as hung, and the heartbeat is withheld.
         on_cancel: what happens to the arm when the await of a motion is cancelled: "stop",
             "pause", or "detach" (it moves on).
-        stop_timeout: seconds in which a stop must be accepted by the controller.
-        standstill_timeout: seconds in which the arm must stand after that.
-        unanswered_timeout: most seconds for which a motion that was sent and not answered is
-            waited for after its call_timeout. The arm is stopped at once, but the motion may reach
-            the controller late, and no await of it returns before that is ruled out.
-        exit_ladder: what is done on the way out, and the time for each of it; None for all of it,
-            with the times above.
-        guard: "process" to have stop and heartbeat in a small process of their own, one for all
+        stop_timeout: seconds within which the controller must accept a stop.
+        standstill_timeout: seconds within which the arm must stand after that.
+        unanswered_timeout: maximum seconds, after its call_timeout, to wait for the answer to a
+            motion. The arm is stopped at once, but the motion may reach the controller late, and
+            an await of it returns only when that is ruled out.
+        exit_ladder: the steps when the robot is closed, with a time limit for each; None for all
+            steps, with the times above.
+        guard: "process" to run stop and heartbeat in a small separate process, one for all
             robots of the program: the arm is stopped at once when the program dies, and a busy
             program cannot delay a stop. None: on threads of the program.
-        state_rate: samples of the state a second, once `robot.feed` is used, up to 1000 [Hz].
-        lag_limit: seconds for which the event loop may be blocked without a warning that says
-            where; None for no warnings.
-        trace: a hook that sees each call and each connection, see `aioduco.trace`.
+        state_rate: samples of the state per second, once `robot.feed` is used, up to 1000 [Hz].
+        lag_limit: seconds for which the event loop may be blocked before a warning names the
+            blocking line; None for no warnings.
+        trace: a hook that is called for each call and each connection, see `aioduco.trace`.
         record: a file, such as "run.mcap", to which the robot is recorded from its opening to its
-            closing; `Robot.recording` is that recording. A file that exists is kept: a number is
+            closing; `Robot.recording` is that recording. An existing file is kept: a number is
             added to the name. None for no recording; `Robot.record` makes one at any time.
-        clock: the controller's time, by which times of the arm are measured: how long a jog
-            lasts, deadlines of motions, how long they have run. None for the time of this
-            computer, which is right for every real arm; a simulated one that goes faster has its
-            own, `Simulator.clock`. Time-outs, heartbeat and stops go by this computer's.
+        clock: the controller's clock, by which times of the arm are measured: how long a jog
+            lasts, deadlines of motions, how long they have run. None for the clock of this
+            computer, which is right for every real arm; a simulated arm that runs faster has its
+            own, `Simulator.clock`. Time-outs, heartbeat and stops use this computer's clock.
 
     Returns:
         The robot, not connected yet.
@@ -198,15 +199,15 @@ def connect(
 async def stop_all(robots: Iterable[Robot]) -> None:
     """Stop several arms (停止所有机械臂), and wait until all stand.
 
-    Each robot is told before anything else of the event loop runs, however busy that is, and each
-    stop goes on to its end, as `Robot.stop`, whatever becomes of the others.
+    All stops are sent before anything else runs on the event loop, however busy it is. Each stop
+    then continues to its end, as `Robot.stop`, whatever happens to the others.
 
     Args:
         robots: the robots, all of this event loop.
 
     Raises:
-        StopsUnconfirmed: of some it is not known that they stand, or they were not open; the
-            others stand. Press their emergency stops.
+        StopsUnconfirmed: it is not known that some of the arms stand, or their robots were not
+            open: press their emergency stops. The other arms stand.
 
     Manual section 1.3.3.
     """
@@ -238,12 +239,12 @@ async def stop_all(robots: Iterable[Robot]) -> None:
 
 
 class Robot(ManualNames):
-    """A robot arm and its controller. Made by `connect`, used in `async with`.
+    """A robot arm and its controller. Created by `connect`, used in `async with`.
 
-    Entering connects, asks the controller one question and starts the heartbeat. Leaving goes
-    down a ladder, each rung with a deadline, whatever happened inside (`ExitLadder`): what this
-    program moves is stopped, and seen to stand; modes that it entered are left; the heartbeat
-    ends; the connections close.
+    Entering the block connects, reads the controller's state and version, and starts the
+    heartbeat. Leaving it runs the steps of `ExitLadder`, each with a deadline, whatever happened
+    inside: the robot stops what this program moves and waits until the arm stands, leaves the modes
+    that the program entered, ends the heartbeat, and closes the connections.
 
     Attributes:
         host: name or address of the controller.
@@ -254,7 +255,7 @@ class Robot(ManualNames):
         speed: streams of speeds.
         program: programs and files of the controller.
         track: the track pool, and streams into it.
-        compound: the weave laid over motions.
+        compound: the weave that is superimposed on motions.
         external_axes: external axes.
         realtime: streams through the realtime queue, and the queue call by call.
         state: state of the arm and of the controller.
@@ -268,7 +269,7 @@ class Robot(ManualNames):
         force: force control.
         modbus: signals over Modbus.
         log: the controller's log and its pendant.
-        service: functions of the factory: only with its instructions.
+        service: functions for the factory: only to be used by its instructions.
         version: type of the arm, version of the software.
     """
 
@@ -309,7 +310,7 @@ class Robot(ManualNames):
         self._supervisor = Supervisor(host, port, settings)
         self._record = settings.record
         if self._record is not None:
-            import_module("aioduco.recording.recorder")  # here it holds up no event loop
+            import_module("aioduco.recording.recorder")  # here it blocks no event loop
         self._recording: Recording | None = None
         self._observers: list[RobotObserver] = []
         endpoint = StreamEndpoint.of(self._supervisor)
@@ -329,24 +330,24 @@ class Robot(ManualNames):
         if supervisor is not None and supervisor.state == "open":
             unclosed = f"unclosed {self!r}"
             supervisor.forget()
-            # Last: where warnings are errors, or are shown by the program, it may raise or block.
+            # Last: it may raise or block if the program makes warnings errors, or shows them.
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
     async def open(self) -> None:
-        """Connect, see that a controller answers, and start the heartbeat.
+        """Connect, check that a controller answers, and start the heartbeat.
 
         For fixtures, and for applications that call `aclose` in a `finally`; programs use `async
-        with`, which closes whatever happens. Not for notebooks: a cell that computes, or waits
-        for a person, holds up the event loop, and with it the heartbeat, so that the controller
-        stops the arm. They use `aioduco.sync`.
-        From now on the robot belongs to the event loop that runs: on any other, what is awaited
-        of it raises `WrongLoop` before anything is sent.
+        with`, which always closes the robot. Not for notebooks, which use `aioduco.sync`: a cell
+        that computes, or waits for a person, blocks the event loop, and with it the heartbeat, so
+        that the controller stops the arm.
+        From now on the robot belongs to the event loop that runs: on any other loop, an await of it
+        raises `WrongLoop` before anything is sent.
 
         Raises:
-            WrongLoop: no event loop of asyncio runs here; trio's is none.
+            WrongLoop: no event loop of asyncio runs here; a loop of trio does not count.
             ConnectError: the host is unknown, the port is closed, or nothing answers.
-            NotAController: something else than a controller answers.
-            ConnectTimeout: something accepts connections, but answers nothing.
+            NotAController: something other than a controller answers.
+            ConnectTimeout: something accepts connections, but does not answer.
             RecordingError: the file of `connect(record=)` cannot be written.
         """
         await self._supervisor.open()
@@ -358,24 +359,24 @@ class Robot(ManualNames):
                 raise
 
     async def aclose(self) -> None:
-        """Stop what this program moves, see it stand, end the heartbeat, close.
+        """Stop what this program moves, wait until it stands, end the heartbeat, and close.
 
-        It is gone through to its end even if it is cancelled. If the robot's own event loop has
-        been closed, any other one will do. In a forked child it does nothing.
+        It runs to its end even if it is cancelled. If the robot's own event loop has been closed,
+        it may run on any other one. In a forked child it does nothing.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
-            WrongLoop: the robot belongs to another event loop, which is to close it.
+            WrongLoop: the robot belongs to another event loop, which must close it.
         """
         try:
             await self._supervisor.aclose()
         finally:
-            # After it: what leaving the robot takes is recorded, too.
+            # Last, so that the closing of the robot is recorded, too.
             observers, self._observers = self._observers, []
             for observer in observers:
                 await observer.stop()
 
-    if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
+    if not TYPE_CHECKING:  # hidden from type checkers, which then report their use
 
         def __enter__(self) -> None:
             raise TypeError(
@@ -385,7 +386,7 @@ class Robot(ManualNames):
             )
 
         def __exit__(self, *_: object) -> None:
-            """Python asks for it before it enters."""
+            """Do nothing: Python needs this method before it calls `__enter__`."""
 
         def __await__(self) -> None:
             raise TypeError(
@@ -407,25 +408,25 @@ class Robot(ManualNames):
 
     @property
     def tasks(self) -> tuple[Task, ...]:
-        """The tasks of this program that live, in the order of their acceptance."""
+        """The live tasks of this program, in the order of their acceptance."""
         return self._supervisor.stop_coordinator.follower.tasks
 
     @property
     def heartbeat(self) -> HeartbeatStatistics | None:
-        """State and figures of the heartbeat; None without one."""
+        """State and statistics of the heartbeat; None without a heartbeat."""
         heartbeat = self._supervisor.heartbeat
         return heartbeat.statistics() if heartbeat is not None else None
 
     def statistics(self) -> SupervisorStatistics:
-        """Figures of lanes, tasks, stops and heartbeat since the robot was opened."""
+        """Return statistics of lanes, tasks, stops and heartbeat since the robot was opened."""
         return self._supervisor.statistics()
 
     async def bring_up(self, *, timeout: float = 30.0) -> RobotStates:
         """Bring the arm into a state in which it can move: power on, enable, clear.
 
         A safety stop is cleared by powering off and on, a collision by its reset, a paused
-        program by a stop. Each step is taken when the controller's states call for it, and its
-        end is seen in them.
+        program by a stop. Each step is taken when the controller's states require it, and has
+        ended when they show its effect.
 
         Args:
             timeout: seconds in which the arm must be ready.
@@ -435,7 +436,7 @@ class Robot(ManualNames):
 
         Raises:
             RobotStateError: a person has to do something first, such as to release the emergency
-                stop; or the arm is not ready in time. It says what.
+                stop; or the arm is not ready in time. The message says which.
         """
         from aioduco.supervision.bringup import bring_up  # noqa: PLC0415  # loaded with Thrift
 
@@ -443,10 +444,10 @@ class Robot(ManualNames):
             return await bring_up(self._supervisor, timeout)
 
     async def recover(self, *, timeout: float = 30.0) -> RobotStates:
-        """Lead the arm out of a stop: clear, power off and on where that is needed, enable.
+        """Bring the arm out of a stop: clear, power off and on if needed, enable.
 
-        As `bring_up`; besides, a program that runs in the controller is ended, and a heartbeat
-        that was withheld beats again. Nothing moves by this.
+        It works as `bring_up`. In addition, it ends a program that runs in the controller, and
+        restarts a heartbeat that was withheld. It moves nothing.
 
         Args:
             timeout: seconds in which the arm must be ready.
@@ -455,7 +456,7 @@ class Robot(ManualNames):
             The states: enabled, with no program running.
 
         Raises:
-            PersonNeeded: a person has to do something first: it says what.
+            PersonNeeded: a person has to do something first: the message says what.
             RobotStateError: the arm is not ready in time.
             HeartbeatLost: no heartbeat was answered.
         """
@@ -468,7 +469,7 @@ class Robot(ManualNames):
 
     @contextmanager
     def _traced(self, name: str) -> Iterator[None]:
-        """Have the trace hook see how a procedure ends."""
+        """Report the end of a procedure to the trace hook."""
         trace = self._supervisor.settings.trace
         if trace is None:
             yield
@@ -486,31 +487,32 @@ class Robot(ManualNames):
 
     @property
     def feed(self) -> StateFeed:
-        """Samples of the robot's state at a steady rate; it begins when it is first used."""
+        """Samples of the robot's state at a steady rate; it starts on first use."""
         return self._supervisor.feed
 
     @property
     def events(self) -> Events:
-        """What happens to the robot, as it is seen."""
+        """Events of the robot, reported when they are detected."""
         return self._supervisor.events
 
     def record(self, path: str | PathLike[str], *, forces: bool = True) -> Recording:
         """Record the robot to an MCAP file: `async with robot.record("run.mcap"):`.
 
-        Recorded are the samples of the feed at its rate, commands with their answers, tasks,
-        events, figures and set-points of streams, and this package's log lines. Nothing waits for
-        the file; if it cannot be written any more, the recording ends, and the program goes on.
+        It records the samples of the feed at its rate, commands with their answers, tasks,
+        events, statistics and set-points of streams, and this package's log lines. Nothing waits
+        for the file; if it cannot be written any more, the recording ends, and the program
+        continues.
 
         Args:
-            path: the file. One that exists is kept: a number is added to the name.
-            forces: whether samples have forces, too: two more questions to the controller for
-                each, see `StateFeed.forces`.
+            path: the file. An existing file is kept: a number is added to the name.
+            forces: whether samples have forces, too: two more reads from the controller for each,
+                see `StateFeed.forces`.
 
         Returns:
             The recording, not started yet. Closing the robot ends it.
 
         Raises:
-            ParameterError: the path is no name of a file.
+            ParameterError: the path is not the name of a file.
         """
         from aioduco.recording.recorder import Recording  # noqa: PLC0415  # with its extra
 
@@ -523,16 +525,16 @@ class Robot(ManualNames):
     ) -> Publication:
         """Publish the robot live on a WebSocket: `async with robot.publish():`.
 
-        What `record` writes to a file is sent to every watcher that connects, on the same
-        channels: Foxglove and Lichtblick show it, and any program that speaks Foxglove's protocol
-        reads it. Watchers only watch. Nothing waits for them: one that is too slow loses messages.
+        Every client that connects gets what `record` writes to a file, on the same channels:
+        Foxglove and Lichtblick show it, and any program that speaks Foxglove's protocol can read
+        it. Clients can only read. Nothing waits for them: a client that is too slow loses messages.
 
         Args:
-            port: port to listen on; 0 for a free one, which `Publication.port` tells.
-            host: address of this computer to listen on. Anything but loopback lets everybody in
-                that network watch: there is no password.
-            forces: whether samples have forces, too: two more questions to the controller for
-                each, see `StateFeed.forces`.
+            port: port to listen on; 0 for a free one, which is then in `Publication.port`.
+            host: address of this computer to listen on. With anything but loopback, everybody in
+                that network can read: there is no password.
+            forces: whether samples have forces, too: two more reads from the controller for each,
+                see `StateFeed.forces`.
 
         Returns:
             The publication, not started yet. Closing the robot ends it.
@@ -547,7 +549,7 @@ class Robot(ManualNames):
         return publication
 
     def _observed(self, observer: RobotObserver) -> None:
-        """Have a recording or publication ended with the robot."""
+        """Register a recording or publication, which ends when the robot is closed."""
         self._observers = [other for other in self._observers if not other.over] + [observer]
 
     @property
@@ -561,12 +563,12 @@ class Robot(ManualNames):
 
             robot.envelope = Envelope("gcr5_910", Zone.plane((0, 0, 0.02), (0, 0, 1)))
 
-        Motions are checked before they are sent, set-points of streams before each is sent, and
-        the rest, such as jogs and hand guiding, in the state, where the arm is stopped. It may be
-        set at any time; a stream keeps the one with which it was opened.
+        Each motion, and each set-point of a stream, is checked before it is sent. During all other
+        movement, such as jogs and hand guiding, the state is watched, and the arm is stopped. The
+        envelope may be set at any time; a stream keeps the one with which it was opened.
 
         Raises:
-            ParameterError: what is set is no Envelope, nor None.
+            ParameterError: the value is neither an Envelope nor None.
         """
         return self._supervisor.envelope.envelope
 
@@ -577,16 +579,16 @@ class Robot(ManualNames):
     async def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
     ) -> Snapshot:
-        """Wait for a sample of the state that the predicate holds for, and return it.
+        """Wait for a sample of the state for which the predicate is true, and return it.
 
             await robot.wait_for(lambda s: s.io.input(3), timeout=5.0)
 
         Args:
             predicate: called with each new sample.
-            timeout: seconds for which to wait; None for as long as it takes.
+            timeout: seconds for which to wait; None for no limit.
 
         Raises:
-            TimeoutError: none came in time.
+            TimeoutError: no such sample came in time.
             RobotStateError: the robot was closed meanwhile.
         """
         self._supervisor.check_open("wait_for")
@@ -595,9 +597,10 @@ class Robot(ManualNames):
     async def stop(self) -> None:
         """Stop the arm, all tasks included (停止所有任务), and wait until it stands.
 
-        The stop waits behind nothing, is repeated over fresh connections until it is accepted,
-        and goes on to its end even if this is cancelled. It holds also for a motion that is on
-        its way to the controller. Motions that were running raise `TaskStopped`.
+        The stop never waits behind another call. It is repeated over fresh connections until the
+        controller accepts it, and continues to its end even if this is cancelled. It also applies
+        to a motion that is on its way to the controller. The awaits of running motions raise
+        `TaskStopped`.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands: press the emergency stop.
@@ -613,12 +616,12 @@ class Robot(ManualNames):
         It returns when the controller has accepted the stop; the arm is then slowing down.
 
         Args:
-            timeout: seconds in which a stop must be accepted.
+            timeout: seconds within which the controller must accept a stop.
 
         Raises:
             ParameterError: the time is not above 0; nothing was sent.
             WrongProcess: this is a forked child; nothing was sent.
-            StopUnconfirmed: none was: press the emergency stop.
+            StopUnconfirmed: it accepted none: press the emergency stop.
 
         Manual section 1.3.3.
         """
@@ -651,7 +654,7 @@ class Robot(ManualNames):
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.
 
-        It is not in manual 3.8, but on its wire; manual 4.3 describes it.
+        Manual 3.8 does not have it, but its wire does; manual 4.3 describes it.
 
         Raises:
             TaskError: the controller did not abort.
@@ -661,16 +664,16 @@ class Robot(ManualNames):
         await self._supervisor.stop_coordinator.abort()
 
     async def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
-        """Go on after the event loop hung and the heartbeat was withheld.
+        """Resume the heartbeat after the event loop hung and the heartbeat was withheld.
 
-        The controller has stopped the arm by then. Nothing moves by this; motions may be started
-        again.
+        The controller has stopped the arm by then. This moves nothing; afterwards motions may be
+        started again.
 
         Args:
-            timeout: seconds in which a beat must be answered.
+            timeout: seconds within which a beat must be answered.
 
         Raises:
             ParameterError: the time is not above 0.
-            HeartbeatLost: none was.
+            HeartbeatLost: no beat was answered in time.
         """
         await self._supervisor.rearm_heartbeat(timeout)

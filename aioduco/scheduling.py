@@ -15,21 +15,21 @@ _ATTRIBUTES = struct.Struct("=IIQiIQQQ")
 
 
 def shorten_slice(nanoseconds: int) -> bool:
-    """Ask the system to give the calling thread short slices of a processor, but soon.
+    """Ask the system to give the calling thread short time slices, but soon.
 
-    A thread that wakes up to work for a moment then goes before one that has been working for
-    milliseconds, such as the program's own loop, instead of waiting for the end of its slice. It
-    gets no more of the processor by this, so no permission is needed. Linux does it since 6.12;
-    earlier versions ignore it. A thread that runs under another policy keeps it: one for real time,
-    such as under `chrt`, goes before others anyway, and has no slices of such a length.
+    A thread that wakes up for a short piece of work then runs before a thread that has been working
+    for milliseconds, such as the program's own loop, instead of waiting for the end of its slice.
+    It gets no larger share of the processor, so it needs no permission. Linux does this since 6.12;
+    earlier versions ignore it. A thread under another policy keeps that policy: a real-time thread,
+    such as one under `chrt`, runs before others anyway, and has no slices of such a length.
 
     Args:
-        nanoseconds: the length of a slice, 100 µs to 100 ms.
+        nanoseconds: length of a slice [ns], 100 µs to 100 ms.
 
     Returns:
-        Whether the system took it, or the thread runs under a policy for real time.
+        Whether the system accepted it, or the thread runs under a real-time policy.
     """
-    # imported here: only a worker needs it
+    # imported here: only the processes of this package need it
     import ctypes  # noqa: PLC0415
 
     if sys.platform != "linux" or not hasattr(os, "SCHED_OTHER"):

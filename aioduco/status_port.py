@@ -1,11 +1,11 @@
-"""The controller's status port: about ten frames a second, without being asked (TCP 2001).
+"""The controller's status port (TCP 2001): about ten frames a second, sent without a request.
 
     async with StatusPort("192.168.1.10") as port:
         async for frame in port:
             print(frame.joint_position[:6])
 
-It needs no call and no connection of the robot's, so a monitor can run beside any program. It is
-not documented by the vendor: what is known of it is in `aioduco.models.status_frame`.
+It needs no call and no connection of the robot, so a monitor can run beside any program. The vendor
+does not document it: `aioduco.models.status_frame` describes what is known.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ __all__ = ["StatusFrame", "StatusPort"]
 
 
 class StatusPort:
-    """A connection to the status port; iterating gives each frame as it comes.
+    """A connection to the status port; iterating yields each frame as it arrives.
 
-    A program that takes frames more slowly than they come gets them late, and a controller may
+    A program that takes frames more slowly than they arrive gets them late, and the controller may
     close its connection.
 
     Args:
@@ -81,8 +81,8 @@ class StatusPort:
             The frame.
 
         Raises:
-            ConnectionLost: The connection ended or was not open; or nothing came in time, and it
-                is no longer known how old what comes next is. Open a new one.
+            ConnectionLost: the connection ended or was not open; or no frame came in time, and the
+                age of the next one would be unknown. Open a new connection.
         """
         if self._frames is None:
             raise ConnectionLost(f"{self!r}: open it by `async with`")

@@ -1,11 +1,11 @@
-"""One hook that sees what happens on the wire: for loggers, recorders and benchmarks.
+"""A hook that observes the calls on the wire: for loggers, recorders and benchmarks.
 
-A hook is any callable that takes a `TraceEvent`. It runs on a thread of its own and gets the events
-one after another, in their order, a little later than they happened: `TraceEvent.at` has the time.
-What a hook raises is logged. A hook that blocks delays the next events and the log messages of this
-package, and never a call or a stop. Events that wait for too slow a hook are dropped beyond 10,000,
-and the log says how many. When a robot has been closed, its events have been given to the hook,
-unless that takes longer than a second. Nothing is made or called while no hook is set.
+A hook is any callable that takes a `TraceEvent`. It runs on a separate thread and gets the events
+one after another, in their order, shortly after they happened: `TraceEvent.at` has the time. An
+exception of a hook is logged. A hook that blocks delays the next events and the log messages of
+this package, but never a call or a stop. If a hook is too slow, up to 10,000 events wait; further
+ones are dropped, and the log says how many. When a robot has been closed, the hook has got all of
+its events, unless that takes longer than a second. While no hook is set, no events are made.
 """
 
 from __future__ import annotations
@@ -48,14 +48,14 @@ class TraceEvent:
 
 @dataclass(frozen=True, slots=True)
 class CallFinished(TraceEvent):
-    """A call is over: it has its answer, or an error, or was cancelled.
+    """A call has ended: with an answer, with an error, or by a cancellation.
 
     Attributes:
         function: the function of the wire.
-        arguments: what was given, in the order of the wire.
-        result: what was answered; None after an error.
-        error: what was raised, the cancellation included; None after an answer.
-        duration: seconds from the begin of the call, waiting for a connection included.
+        arguments: its arguments, in the order of the wire.
+        result: the answer; None after an error.
+        error: the exception, also a cancellation; None after an answer.
+        duration: seconds from the start of the call, the wait for a connection included.
     """
 
     function: str
@@ -84,7 +84,7 @@ class ConnectionEnded(TraceEvent):
 
     Attributes:
         peer: address and port of the controller.
-        reason: why.
+        reason: why it ended.
     """
 
     peer: tuple[str, int]
@@ -93,11 +93,11 @@ class ConnectionEnded(TraceEvent):
 
 @dataclass(frozen=True, slots=True)
 class ProcedureFinished(TraceEvent):
-    """A procedure of several calls is over: the arm is ready, or there is an error.
+    """A procedure of several calls has ended: the arm is ready, or there is an error.
 
     Attributes:
         name: `bring_up` or `recover`.
-        error: what was raised; None if the arm is ready.
+        error: the exception; None if the arm is ready.
         duration: seconds that it took.
     """
 
@@ -113,12 +113,12 @@ Trace = Callable[[TraceEvent], None]
 
 
 def emit(trace: Trace, event: TraceEvent) -> None:
-    """Have the hook called with an event; neither what it raises nor how long it takes matters."""
+    """Queue a call of the hook with an event; its exceptions and its duration do no harm."""
     reporter.put(lambda: _call(trace, event))
 
 
 def tell(observers: Iterable[Callable[[T], object]], what: T) -> None:
-    """Call the package's own observers here and now; what one raises is logged, and no more."""
+    """Call the package's own observers at once; an exception of an observer is only logged."""
     for observer in observers:
         try:
             observer(what)
@@ -130,5 +130,5 @@ def _call(trace: Trace, event: TraceEvent) -> None:
     try:
         trace(event)
     except BaseException:
-        # A hook may even try to end its thread, which is not its own.
+        # A hook may even try to end the thread, which others need.
         _log.exception("the trace hook failed at %r", event)

@@ -1,6 +1,6 @@
-"""From whatever state the robot is in to one in which it can move.
+"""Brings the robot from any state into one in which it can move.
 
-`BringUp` decides, without a clock or a connection; `bring_up` carries out.
+`BringUp` decides on the steps, without a clock or a connection; `bring_up` carries them out.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStates
     from aioduco.supervision.supervisor import Supervisor
 
-#: seconds between two looks at the states
+#: seconds between two reads of the states
 LOOK_EVERY = 0.02
 
 _STOPS = {SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2}
@@ -43,7 +43,7 @@ _HANDS: dict[SafetyState, str] = {
 
 
 class BringUpStep(Enum):
-    """What is to be done next."""
+    """The next step."""
 
     DONE = auto()
     WAIT = auto()
@@ -57,12 +57,12 @@ class BringUpStep(Enum):
 class BringUp:
     """Decides the next step from the states that were read.
 
-    After a safety stop the arm is powered off and on, once. A step is asked for once; until the
-    states follow, it is waited for.
+    After a safety stop the arm is powered off and on, once. Each step is returned once; after that
+    the step is `WAIT`, until the states show its effect.
 
     Args:
-        end_programs: whether a program that runs is ended, instead of being left to a person.
-        call: what a person calls again afterwards, for messages.
+        end_programs: whether to end a running program; if not, a person has to end it.
+        call: name of the method that a person calls again afterwards, for messages.
     """
 
     def __init__(self, *, end_programs: bool = False, call: str = "bring_up") -> None:
@@ -71,7 +71,7 @@ class BringUp:
         self._call = call
 
     def next(self, states: RobotStates, *, emergency_stop: bool, collision: bool) -> BringUpStep:
-        """Return what is to be done now.
+        """Return the next step.
 
         Args:
             states: the controller's states.
@@ -79,8 +79,8 @@ class BringUp:
             collision: whether a collision is reported.
 
         Raises:
-            PersonNeeded: a person has to do something first; it says what.
-            RobotStateError: a program runs that is not to be ended.
+            PersonNeeded: a person has to do something first; the message says what.
+            RobotStateError: a program runs that this must not end.
         """
         self._refuse_what_needs_hands(states, emergency_stop)
         stopped = states.safety in _STOPS
@@ -135,7 +135,7 @@ async def bring_up(supervisor: Supervisor, timeout: float) -> RobotStates:
 
 
 async def recover(supervisor: Supervisor, timeout: float) -> RobotStates:
-    """Lead the robot out of a stop; `Robot.recover` describes it."""
+    """Bring the robot out of a stop; `Robot.recover` describes it."""
     supervisor.check_open("recover")
     return await _go(supervisor, BringUp(end_programs=True, call="recover"), timeout)
 
@@ -182,7 +182,7 @@ async def _carry_out(
             case BringUpStep.POWER_OFF | BringUpStep.POWER_ON | BringUpStep.ENABLE:
                 await dispatcher.perform(step.name.lower(), (False,), max(left, 0.1))
     except TaskError as exc:
-        # What was in the list before this step may be why it was not carried out.
+        # The whole error list: an entry from before this step may be the reason of the failure.
         raise RobotStateError(
             f"the controller did not {step.name.lower()} ({states}): {exc}; "
             f"{await _errors(supervisor)}. Is an emergency stop or a protective stop active? "

@@ -1,4 +1,4 @@
-"""Commands that become tasks: what is sent, apart from sending it."""
+"""Commands that become tasks: their content, separate from how they are sent."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Command:
         name: the function of the wire.
         args: its arguments, checked and converted, with block false.
         motion: whether it moves the arm.
-        blends: whether it asks to be blended into the motion after it, or to be taken over by it.
-        continuous: how it comes to its end, if it goes on until something ends it.
-        eta: where it leads, if that is known in joint angles.
+        blends: whether it asks to blend into the next motion, or to be replaced by it.
+        continuous: how it ends, if it is a continuous motion.
+        eta: its target and speed, if they are known for the joints.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Command:
 
 
 class CommandDispatcher(Protocol):
-    """What sends a command, as a motion sees it."""
+    """Interface that a motion uses to send a command."""
 
     async def launch(
         self,
@@ -58,7 +58,7 @@ class CommandDispatcher(Protocol):
 
 
 class Aim(Protocol):
-    """What turns a motion into the frame of the wire, by where the tool is when it is sent."""
+    """Converts a motion into the frame of the wire, by the tool's pose when it is sent."""
 
     @property
     def frame(self) -> str:
@@ -66,7 +66,7 @@ class Aim(Protocol):
         ...
 
     async def arguments(self, command: Command) -> tuple[Any, ...]:
-        """Read where the tool is, and return the arguments in the frame of the wire."""
+        """Read the tool's pose, and return the arguments in the frame of the wire."""
         ...
 
 
@@ -75,18 +75,18 @@ class MotionCommand:
 
     - `await motion` sends it and waits for its end; it raises unless it finished.
     - `task = await motion.start()` returns as soon as the controller has accepted it.
-    - `async with motion as task:` ties it to a block: it has ended when the block is left, by
-      itself, or by a stop if the block raised or was cancelled.
+    - `async with motion as task:` ties it to a block: when the block is left, the motion has
+      ended, by itself, or by a stop if the block raised or was cancelled.
 
-    It is no coroutine, so `asyncio.create_task` does not take it: `start` returns a task.
+    It is no coroutine, so `asyncio.create_task` does not accept it: `start` returns a task.
 
-    It may be used again: each time moves the arm anew. One that was never used warns, as a
-    coroutine does.
+    It may be used again: each use moves the arm again. A motion that was never used gives a
+    warning, as a coroutine does.
     """
 
     __slots__ = ("__weakref__", "_aim", "_dispatcher", "_open", "_used", "command")
 
-    #: how one that was not sent is sent
+    #: how to send a motion that was not sent
     _HINT = "await it, or `task = await motion.start()` to go on beside it"
 
     def __init__(
@@ -116,11 +116,11 @@ class MotionCommand:
 
     @property
     def aimed(self) -> bool:
-        """Whether it depends on where the tool is when it is sent, so that it is not sent ahead."""
+        """Whether it depends on the tool's pose when it is sent, so that it is not sent ahead."""
         return self._aim is not None
 
     def hand_over(self) -> None:
-        """Say that somebody else sees to this motion: it will not warn that it was not used."""
+        """Mark this motion as used, so that it does not warn that it was never used."""
         self._used = True
 
     async def start(
@@ -128,18 +128,18 @@ class MotionCommand:
     ) -> Task:
         """Send the motion and return its task as soon as the controller has accepted it.
 
-        If this is cancelled, a motion that was sent is stopped; one that was not is not sent.
+        If this is cancelled, a motion that was sent is stopped; otherwise it is not sent at all.
 
         Args:
             deadline: seconds after which the arm is stopped if the motion has not ended; None
                 for no such limit.
             on_cancel: what happens to the arm if the await of the task is cancelled: "stop",
-                "pause", or "detach" (it moves on); None for what the robot was opened with.
+                "pause", or "detach" (it moves on); None for the `on_cancel` of the robot.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             Refused: the controller refused it.
-            RobotStateError: the robot is being closed, or its heartbeat does not beat.
+            RobotStateError: the robot is being closed, or its heartbeat is not running.
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
@@ -154,7 +154,7 @@ class MotionCommand:
         return await self._dispatcher.launch(command, deadline=deadline, on_cancel=on_cancel)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
-        # Here and not in the coroutine: one that is never awaited gives its own warning.
+        # Here and not in the coroutine: a coroutine that is never awaited gives its own warning.
         self.hand_over()
         return self._run().__await__()
 
@@ -183,14 +183,14 @@ class MotionCommand:
 
 
 class HeldMotion(MotionCommand):
-    """A motion that goes on: at a velocity, a jog, hand guiding. It is best tied to a block.
+    """A continuous motion: at a velocity, a jog, hand guiding. It is best tied to a block.
 
     - `async with motion as task:` ends it when the block is left, and returns when the arm stands.
-    - `await motion` waits until its time is over, or until it was told to end from elsewhere.
+    - `await motion` waits until its time is over, or until other code ends it.
     - `task = await motion.start()` returns as soon as the controller has accepted it;
       `await task.end()` ends it.
 
-    Its end is when the arm stands. If it goes on for two seconds after its time, the arm is
+    It has ended when the arm stands. If it continues for two seconds after its time, the arm is
     stopped.
     """
 
@@ -213,16 +213,16 @@ class HeldMotion(MotionCommand):
 
 
 def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
-    """See that everything that is to be run is a motion.
+    """Check that all objects to run are motions.
 
     Args:
-        given: what is to be run.
+        given: the objects to run.
         kind: the class of motions.
-        meant: what to write if a motion was carried out in the place of being made.
+        meant: the correct code, for a caller that carried out a motion instead of passing it.
 
     Raises:
-        MotionCarriedOut: something is how a motion ended.
-        ParameterError: something else is no motion.
+        MotionCarriedOut: an object is the outcome of a motion.
+        ParameterError: an object is no motion for another reason.
     """
     for number, each in enumerate(given):
         if isinstance(each, kind):
@@ -233,7 +233,7 @@ def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
                 raise MotionCarriedOut(f"motions[{number}]", one, meant)
         for one in listed:
             if isinstance(one, MotionCommand):
-                one.hand_over()  # the error says it
+                one.hand_over()  # the error replaces the warning
         hint = ""
         if listed and all(isinstance(one, kind) for one in listed):
             hint = " by itself, not a list of them: write run(first, second) or run(*motions)"
@@ -241,9 +241,9 @@ def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
 
 
 def shown(command: Command) -> str:
-    """A command as a call: its first argument, and the others that are not zero or empty.
+    """Format a command as a call: its first argument, and the others that are not zero or empty.
 
-    The wire's names stand before the others.
+    The others have their names of the wire.
     """
     from aioduco._wire.rpc import AsyncRpc  # noqa: PLC0415  # only when it is shown
 
@@ -257,7 +257,7 @@ def shown(command: Command) -> str:
 
 
 def _empty(value: Any) -> bool:
-    """Whether it is what the wire counts as absent: zero, false, or nothing."""
+    """Whether a value counts as absent on the wire: zero, false, or empty."""
     if is_dataclass(value):
         return all(_empty(getattr(value, field.name)) for field in fields(value))
     return not value

@@ -1,25 +1,26 @@
 """How the supervision runs code: to its end, on a thread, in the background, on a schedule.
 
-`run_to_completion`: anyio's shield keeps cancel scopes away, but not `asyncio.Task.cancel`, which
-`asyncio.timeout`, task groups and Ctrl-C use; a second Ctrl-C cancels once more, while the first
-is being served. A stop of the arm must survive all of them, so it is repeated until it is done.
-What runs this way must therefore be safe to do twice, and must end by itself: it has a deadline.
+`run_to_completion`: anyio's shield protects against cancel scopes, but not against
+`asyncio.Task.cancel`, which `asyncio.timeout`, task groups and Ctrl-C use; a second Ctrl-C cancels
+once more, while the first is being handled. A stop of the arm must survive all of them, so it is
+repeated until it is done. A function that runs this way must therefore be safe to repeat, and must
+end by itself: it has a deadline.
 
 `DaemonThread`, and not `anyio.to_thread`: a program whose event loop was broken, by the third
-Ctrl-C for instance, waits at its end for anyio's threads, and never ends. What was begun can be
-waited for again after a cancellation, so that no result is lost.
+Ctrl-C for instance, waits at exit for anyio's threads, and never exits. After a cancellation, a
+caller can wait again for a call that has begun, so that no result is lost.
 
-`BackgroundTasks`, and no task group: that must be left in the task that entered it. A robot may be
-opened in one task and closed in another: by the set-up and the tear-down of a test fixture, or in
-two cells of a notebook.
+`BackgroundTasks`, and no task group: a task group must be left in the task that entered it. A robot
+may be opened in one task and closed in another: by the set-up and the tear-down of a test fixture,
+or in two cells of a notebook.
 
-`every`: an absolute schedule. A turn that comes late does not move the later ones.
+`every`: an absolute schedule. A late cycle does not delay the later ones.
 
-`Alarm`: a wait that ends at a time, or before. A cancel scope with a deadline costs half as much
-again, and tasks are asked about thirty times a second for each robot.
+`Alarm`: a wait that ends at a given time, or earlier. A cancel scope with a deadline costs half as
+much again, and the tasks of each robot are polled about thirty times a second.
 
-`on_grid`: what waits for many robots of one loop is due at the same moments, where it need not be
-exact. Most of what a wait costs is the turn of the loop, which then serves several.
+`on_grid`: waits of many robots on one loop are due at the same moments, where they need not be
+exact. Most of the cost of a wait is the iteration of the loop, which then serves several waits.
 """
 
 from __future__ import annotations
@@ -60,15 +61,15 @@ _log = BackgroundLogger(__name__)
 
 
 class Ticker:
-    """Turns of a loop on an absolute schedule; `every` makes one.
+    """Cycles of a loop on an absolute schedule; `every` makes one.
 
     Args:
-        period: seconds between two turns.
-        first: when the first turn is due [s of `time.monotonic`]; it comes without a wait.
+        period: seconds between two cycles.
+        first: when the first cycle is due [s of `time.monotonic`]; it starts without a wait.
 
     Attributes:
-        period: seconds until the next turn; may be changed at any time.
-        due: when this turn was due [s of `time.monotonic`].
+        period: seconds until the next cycle; may be changed at any time.
+        due: when this cycle was due [s of `time.monotonic`].
     """
 
     __slots__ = ("_begun", "due", "period")
@@ -88,44 +89,44 @@ class Ticker:
         return self.due
 
     async def wait(self) -> None:
-        """Wait for the next turn; one whose time has passed is due now, others are left out."""
+        """Wait for the next cycle, or not at all if it is late. Missed cycles are skipped."""
         now = time.monotonic()
         self.due = max(self.due + self.period, now)
         await anyio.sleep(self.due - now)
 
     def postpone(self, seconds: float) -> None:
-        """Let the next turn come a period after `seconds` from now, or later."""
+        """Delay the next cycle until a period after `seconds` from now, or later."""
         self.due = max(self.due, time.monotonic() + seconds)
 
     def restart(self) -> None:
-        """Let the next turn come at once, and the schedule begin anew with it."""
+        """Start the next cycle at once, and a new schedule with it."""
         self.due = time.monotonic()
         self._begun = False
 
 
 def every(period: float, first: float | None = None) -> Ticker:
-    """The turns of a loop, a period apart: `async for due in every(0.01):`.
+    """Return the cycles of a loop, a period apart: `async for due in every(0.01):`.
 
-    The first turn comes at once. A turn that comes late does not move the later ones, and what was
-    missed is left out.
+    The first cycle starts at once. A late cycle does not delay the later ones, and missed cycles
+    are skipped.
 
     Args:
-        period: seconds between two turns.
-        first: when the first turn was due [s of `time.monotonic`]; None for now.
+        period: seconds between two cycles.
+        first: when the first cycle was due [s of `time.monotonic`]; None for now.
 
     Returns:
-        An iterator over the times when the turns were due [s of `time.monotonic`].
+        An iterator over the times when the cycles were due [s of `time.monotonic`].
     """
     return Ticker(period, time.monotonic() if first is None else first)
 
 
 def on_grid(at: float) -> float:
-    """The last moment of the grid before a time, or the time itself [s of `time.monotonic`]."""
+    """Round a time down to the grid [s of `time.monotonic`]."""
     return at - at % GRID
 
 
 class Alarm:
-    """Wakes the task that waits for it when its time has come, or when it is rung before."""
+    """Wakes the task that waits for it at a given time, or earlier when it is rung."""
 
     __slots__ = ("_rung", "_waiter")
 
@@ -134,13 +135,13 @@ class Alarm:
         self._waiter: asyncio.Future[None] | None = None
 
     def ring(self) -> None:
-        """Wake the task that waits, or the next one that comes to wait; on the event loop."""
+        """Wake the task that waits, or the next one that will wait; on the event loop."""
         self._rung = True
         if self._waiter is not None:
             _wake(self._waiter)
 
     async def wait(self, due: float | None = None) -> None:
-        """Wait until it is rung, or until the time has come.
+        """Wait until it is rung, or until the given time.
 
         Args:
             due: the time [s of `time.monotonic`]; None: until it is rung.
@@ -167,13 +168,13 @@ def _wake(waiter: asyncio.Future[None]) -> None:
 
 
 async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseException | None]:
-    """Await `step()`, again whenever it is cancelled, until it returns or raises.
+    """Await `step()`, again after each cancellation, until it returns or raises.
 
-    An interrupt from the keyboard, or an exit from a signal handler, that lands in the middle of
-    it is treated like a cancellation.
+    A keyboard interrupt, or an exit from a signal handler, during `step()` is treated like a
+    cancellation.
 
     Args:
-        step: makes what is awaited; called once, and once more for each cancellation.
+        step: returns the awaitable; called once, and once more for each cancellation.
 
     Returns:
         The result, and the last cancellation that came meanwhile: the caller must raise it.
@@ -204,7 +205,7 @@ class _Job(Generic[T]):
         try:
             self._results.append(self._work())
         except BaseException as exc:
-            # belongs to whoever waits
+            # raised in the task that waits
             self._error = exc
         self._ring()
 
@@ -217,7 +218,7 @@ class _Job(Generic[T]):
 
 
 class DaemonThread:
-    """A daemon thread for blocking calls. It starts at once: later the system may have none left.
+    """A daemon thread for blocking calls. It starts at once: later there may be no threads left.
 
     Raises:
         RuntimeError: the system has no more threads.
@@ -234,10 +235,10 @@ class DaemonThread:
             inbox.put(None)
 
     async def run(self, work: Callable[[], T]) -> tuple[T, BaseException | None]:
-        """Call a function that blocks, to its end even if this is cancelled.
+        """Call a blocking function on the thread, to its end even if this is cancelled.
 
         Args:
-            work: called on the thread; it must end by itself.
+            work: the function; it must end by itself.
 
         Returns:
             Its result, and the last cancellation that came meanwhile: the caller must raise it.
@@ -247,7 +248,7 @@ class DaemonThread:
         return await run_to_completion(job.wait)
 
     def end(self) -> None:
-        """Let the thread end after the calls that it was given; no call may follow."""
+        """End the thread after the calls that are queued; no call may follow."""
         self._inbox.put(None)
 
 
@@ -257,11 +258,11 @@ def _serve(inbox: SimpleQueue[Callable[[], None] | None]) -> None:
 
 
 class BackgroundTasks:
-    """Runs coroutines beside the program, and knows which still run.
+    """Runs coroutines beside the program, and keeps those that still run.
 
     Args:
-        crashed: called with what a coroutine raised, other than its cancellation.
-        cut_off: called when somebody else cancelled one: its event loop ends, mostly.
+        crashed: called with the exception of a coroutine, other than its cancellation.
+        cut_off: called when other code cancelled a coroutine, mostly because its event loop ends.
     """
 
     def __init__(
@@ -288,10 +289,10 @@ class BackgroundTasks:
         """Begin to run `work`.
 
         Args:
-            work: what runs.
+            work: the coroutine.
             name: the name of its task.
-            then: called when it is over, also if it was cancelled before it began: then not even
-                its `finally` runs, and whoever waits for it would wait for ever.
+            then: called when it has ended, also if it was cancelled before it began. In that case
+                not even its `finally` runs, and a task that waits for it would wait for ever.
         """
         task = asyncio.get_running_loop().create_task(work, name=name)
         self._tasks.add(task)
@@ -300,22 +301,22 @@ class BackgroundTasks:
         task.add_done_callback(self._ended)
 
     def forked(self) -> None:
-        """This is a forked child: what ends here goes on in the parent."""
+        """Note that this is a forked child: coroutines that end here continue in the parent."""
         self._forked_off = True
 
     async def aclose(self) -> None:
-        """Cancel what still runs, and wait until it has ended."""
+        """Cancel the coroutines that still run, and wait until they have ended."""
         self._closing = True
-        # what belongs to a loop that was closed can neither run nor be cancelled any more
+        # tasks of a closed loop can neither run nor be cancelled any more
         self._tasks = {task for task in self._tasks if not task.get_loop().is_closed()}
         while self._tasks:
             for task in self._tasks:
                 task.cancel()
             done, _ = await asyncio.wait(self._tasks)
-            self._tasks -= done  # also those of which an interrupt kept `_ended` from knowing
+            self._tasks -= done  # also those whose `_ended` was not called, due to an interrupt
 
     async def ended(self) -> None:
-        """Wait until nothing runs any more."""
+        """Wait until no coroutine runs any more."""
         while self._tasks:
             done, _ = await asyncio.wait(self._tasks)
             self._tasks -= done
@@ -324,7 +325,7 @@ class BackgroundTasks:
         self._tasks.discard(task)
         if self._forked_off:
             if not task.cancelled():
-                task.exception()  # it is looked at, so that asyncio says nothing of it
+                task.exception()  # it is retrieved, so that asyncio does not log it
             return
         if task.cancelled():
             if not self._closing:

@@ -1,12 +1,12 @@
 """Sending commands that become tasks.
 
 Guarantees:
-- A motion whose acceptance is not known for certain is stopped. A motion is sent by a background
-  task, so that a cancellation of the caller cannot cut off the answer that says whether it was
-  accepted: the stop would then overtake the motion.
-- A stop that is asked for while a motion is on its way holds for that motion too.
+- A motion is stopped if it is not certain whether the controller accepted it. A background task
+  sends the motion, so that a cancellation of the caller cannot lose the answer that says whether it
+  was accepted: the stop would then overtake the motion.
+- A stop that is requested while a motion is on its way also applies to that motion.
 - Motions reach the controller in the order in which they were started, over a lane of their
-  own: the start of a motion waits behind no blocking call.
+  own: the start of a motion never waits behind a blocking call.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import OnCancel
 
 
-#: seconds between two looks at whether anything is left of what was started
+#: seconds between two checks whether the claim on the arm can be dropped
 _CLAIM_EVERY = 0.1
 
 
@@ -54,16 +54,16 @@ class Dispatcher:
     """Sends commands, one at a time, and makes tasks of them.
 
     Args:
-        lane: where commands are sent.
-        coordinator: follows the tasks, and stops what went wrong.
-        background: sends, beside the caller.
-        heartbeat: without its beating no motion is started; None if there is none.
+        lane: lane on which commands are sent.
+        coordinator: follows the tasks, and stops motions that went wrong.
+        background: runs the tasks that send commands, beside the caller.
+        heartbeat: no motion is started unless it is beating; None for no heartbeat.
         settings: times and limits.
 
     Attributes:
-        closed: why nothing is started any more; empty while something is.
-        accepted: commands that the controller accepted.
-        check: looks at each motion before it is sent; it may raise, or slow the motion down.
+        closed: why no command is sent any more; empty while commands can be sent.
+        accepted: number of commands that the controller accepted.
+        check: checks each motion before it is sent; it may raise, or slow the motion down.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Dispatcher:
         """Drop the claim on the arm whenever it stands and nothing that was started still runs."""
         coordinator = self._coordinator
         async for _ in every(_CLAIM_EVERY):
-            # Nothing is awaited between the last look at what is on its way, and the word.
+            # No await between the last check for commands on their way, and `drop`.
             stands = (
                 coordinator.claim.made and not coordinator.moving and await coordinator.stands()
             )
@@ -104,14 +104,14 @@ class Dispatcher:
                 coordinator.claim.drop()
 
     async def admit_stream(self, name: str) -> None:
-        """See that a stream of set-points may begin.
+        """Check that a stream of set-points may begin.
 
         Args:
-            name: what it is called.
+            name: name of the stream, for messages.
 
         Raises:
             RobotStateError: the robot is not open, or something moves the arm.
-            HeartbeatLost: the heartbeat does not beat.
+            HeartbeatLost: the heartbeat is not running.
         """
         async with self._order:
             await self._coordinator.follower.lost_stopped()
@@ -130,7 +130,7 @@ class Dispatcher:
         Args:
             name: the function of the wire.
             args: its arguments, with block false.
-            timeout: seconds in which it must end.
+            timeout: seconds within which it must end.
 
         Raises:
             TaskError: it did not succeed.
@@ -147,7 +147,7 @@ class Dispatcher:
     ) -> Task:
         """Send a command and return its task; `MotionCommand.start` describes it."""
         self._admit(command)
-        # Locked until it is certain what became of the command: while one that went astray is being
+        # Locked until the result of the command is certain: while a command that was lost is being
         # stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
             await self._coordinator.follower.lost_stopped()
@@ -162,7 +162,7 @@ class Dispatcher:
 
     @contextlib.contextmanager
     def _held(self, command: Command) -> Iterator[None]:
-        """The clock held until it is known when a motion began that this program is to end."""
+        """Hold the clock until the start time of a motion that this program must end is known."""
         motion = command.continuous
         if motion is None or not motion.timed_here or motion.time is None:
             yield
@@ -210,14 +210,14 @@ class Dispatcher:
                 command, pending.answer, pending.at, stops, errors, deadline, on_cancel
             )
         if command.motion and self._coordinator.stops != stops:
-            # Somebody asked for a stop in the meantime, and it may have been served first.
+            # A stop was requested meanwhile, and the controller may have served it first.
             _, again = await run_to_completion(self._coordinator.halt)
             cancelled = cancelled or again
         await self._hand_over(task, cancelled)
         return task
 
     async def _sent(self, command: Command) -> tuple[PendingCommand, BaseException | None]:
-        """Send a command and wait until it is known what became of it."""
+        """Send a command, and wait until its result is certain."""
         timeout = self._settings.call_timeout
         if command.motion:
             return await self._coordinator.answered(
@@ -232,12 +232,12 @@ class Dispatcher:
     async def conduct(self, command: Command, lane: WireLane, timeout: float | None) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
-        Cancelling this stops the arm. So does the loss of the answer.
+        The arm is stopped if this is cancelled, or if the answer is lost.
 
         Args:
-            command: what is sent.
-            lane: where: it is taken until the answer comes.
-            timeout: seconds for the answer; None for as long as it takes.
+            command: the command.
+            lane: lane on which it is sent; it is in use until the answer comes.
+            timeout: seconds for the answer; None for no limit.
 
         Returns:
             The answer.
@@ -256,7 +256,7 @@ class Dispatcher:
         return pending.answer
 
     def adopt(self, command: Command, task_id: int) -> Task:
-        """Follow a task that the controller started for a call that is no task by the manual."""
+        """Follow a task of a call that, according to the manual, starts no task."""
         return self._accept(
             command, task_id, time.monotonic(), self._coordinator.stops, (), None, None
         )
@@ -309,7 +309,7 @@ class Dispatcher:
         if not command.motion:
             on_cancel = "detach"
         elif command.continuous is not None and (on_cancel or self._settings.on_cancel) == "pause":
-            on_cancel = "stop"  # what was paused would go on, with nobody to end it
+            on_cancel = "stop"  # a paused motion would continue later, and nothing would end it
         since = self._clock.now()
         if deadline is None and command.continuous is not None:
             deadline = command.continuous.limit

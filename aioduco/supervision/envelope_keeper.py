@@ -1,11 +1,11 @@
-"""Keeps the arm within its operating envelope: checks motions, tells streams, watches the state.
+"""Keeps the arm within its operating envelope: checks motions, sets up streams, watches the state.
 
-A motion whose way is known is checked before it is sent. A stream's worker checks each set-point
-itself (`streaming/worker/checked.py`). Whatever else moves the arm is seen in the samples of the
-state: a stop is sent before the arm, at its present speed, would come beyond a limit.
+A motion whose path is known is checked before it is sent. A stream's worker checks each set-point
+itself (`streaming/worker/checked.py`). All other movement is detected in the samples of the state:
+a stop is sent before the arm, at its present speed, would pass a limit.
 
-Where nothing is watched by the state alone, an arm beyond a limit is stopped, too, once it is
-further beyond than it may lag behind its set-points.
+During checked motions and streams, too, an arm beyond a limit is stopped, once it is further beyond
+the limit than it may lag behind its set-points.
 """
 
 from __future__ import annotations
@@ -43,29 +43,29 @@ __all__ = ["EnvelopeKeeper"]
 _log = BackgroundLogger(__name__)
 
 _NOWHERE = (math.nan, math.nan, math.nan)
-#: shortest time in which a sample is reckoned to come [s]: a simulated controller's may go faster
+#: shortest period that is assumed for the samples [s]: a simulated controller's may be shorter
 _LEAST_PERIOD = 0.02
-#: periods of the feed within which a stop is on its way, after the sample that calls for it
+#: periods of the feed within which a stop is on its way, after the sample that requires it
 _PERIODS = 3.0
-#: joint acceleration with which an arm surely stops [rad/s²]
+#: joint deceleration that a stopping arm reaches for certain [rad/s²]
 _STOPPING = 5.0
 #: joint speed below which the arm stands [rad/s]
 _STILL = 1e-3
-#: how far beyond a limit a motion that was checked may be seen, by its lag [m, rad]
+#: distance beyond a limit at which a checked motion may be seen, due to its lag [m, rad]
 _LAG = 3e-3
-#: share of a tool speed by which a controller may exceed what it was asked for
+#: factor by which a controller may exceed the requested tool speed
 _OVERSHOOT = 1.05
-#: slowest joint and tool speed that the wire takes [rad/s, m/s], and percent
+#: slowest joint and tool speed that the wire accepts [rad/s, m/s], and percent
 _SLOWEST = {"movej2": 0.000175, "movej_pose2": 0.000175, "movej": 0.01, "movej_pose": 0.01}
 _SLOWEST_LINE = 0.01
 
 
 class SendsMotions(Protocol):
-    """What sends motions, as the keeper sees it."""
+    """Interface of the dispatcher that the keeper uses."""
 
-    #: looks at each motion before it is sent
+    #: checks each motion before it is sent
     check: Callable[[Command], Awaitable[Command]] | None
-    #: commands that the controller accepted
+    #: number of commands that the controller accepted
     accepted: int
 
 
@@ -75,9 +75,9 @@ class EnvelopeKeeper:
     Args:
         dispatcher: sends motions.
         coordinator: brings the arm to rest.
-        reads: asks where the arm is, and for its tool and work object.
+        reads: reads the position of the arm, its tool and its work object.
         feed: samples of the state.
-        events: told when the arm is stopped.
+        events: gets an event when the arm is stopped.
         background: runs the watch of the state.
         settings: times and limits, the clock.
 
@@ -106,7 +106,7 @@ class EnvelopeKeeper:
         self.envelope: Envelope | None = None
         self._open = False
         self._watching = False
-        #: whether something moves the arm on a way that was not checked
+        #: whether something moves the arm on a path that was not checked
         self._unchecked = False
         #: the last motion that was checked, and its checker
         self._last: tuple[Way, EnvelopeChecker] | None = None
@@ -114,9 +114,9 @@ class EnvelopeKeeper:
         self._named: dict[tuple[str, str], tuple[Pose, Pose]] = {}
         self._too_strong = False
         self._stopping = False
-        #: commands that were accepted when the last motion was checked
+        #: number of commands that were accepted when the last motion was checked
         self._accepted = 0
-        #: controller's time in which a sample comes [s]
+        #: period of the samples in the controller's time [s]
         self._period = max(1.0 / feed.rate, _LEAST_PERIOD)
         self._let_go: Callable[[], None] = _nothing
 
@@ -135,7 +135,7 @@ class EnvelopeKeeper:
         self.begin(opened=self._open)
 
     def begin(self, *, opened: bool = True) -> None:
-        """Watch the state from when the robot is open, and there is something to watch."""
+        """Start to watch the state, once the robot is open and has an envelope."""
         self._open = opened
         if opened and self.envelope is not None and not self._watching:
             self._watching = True
@@ -144,8 +144,8 @@ class EnvelopeKeeper:
     # -- motions -------------------------------------------------------------------------------
 
     async def _check(self, command: Command) -> Command:
-        """See that a motion stays within the envelope; it comes back, slowed down if need be."""
-        from aioduco.envelope import ways  # noqa: PLC0415  # with numpy: only where it is used
+        """Check that a motion stays within the envelope; return it, slowed down if necessary."""
+        from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy: only on use
 
         envelope = self.envelope
         if envelope is None:
@@ -155,7 +155,7 @@ class EnvelopeKeeper:
             self._unchecked, self._last = False, None
         before, self._last = self._last, None
         if self._dispatcher.accepted != self._accepted + 1:
-            before = None  # the controller refused the last one, or something came after it
+            before = None  # the controller refused the last motion, or accepted another command
         self._accepted = self._dispatcher.accepted
         if command.name not in ways.WAYS or (live and before is None):
             self._moves_unchecked()
@@ -206,10 +206,10 @@ class EnvelopeKeeper:
         return tuple(joints_of(await self._reads.rpc.get_actual_joints_position()))
 
     async def _frames(self, tool: str, wobj: str, *, standing: bool) -> tuple[Pose, Pose] | None:
-        """The tip of a tool in the flange's frame, and a work object in the base frame, by name.
+        """Return the tip of a tool in the flange's frame, and a work object in the base frame.
 
-        The wire tells both only of those in use. Of others it tells where the one is in the other,
-        which tells the rest while the arm stands.
+        The wire has these poses only for the tool and work object in use. For others it has the
+        pose of a tool in a work object, from which both are computed while the arm stands.
 
         Args:
             tool: name of the tool; empty for the one in use.
@@ -217,7 +217,7 @@ class EnvelopeKeeper:
             standing: whether the arm stands.
 
         Returns:
-            Both; None if they cannot be known now.
+            Both poses; None if they cannot be known now.
         """
         rpc = self._reads.rpc
         used = pose_of(await rpc.get_tcp_offset())
@@ -230,7 +230,7 @@ class EnvelopeKeeper:
         if wobj:
             seen = await rpc.get_tcp_pose_coord("", wobj)
             if not seen:
-                return None  # there is none of this name: the controller refuses the motion
+                return None  # no work object has this name: the controller refuses the motion
             other = flange @ used @ pose_of(seen).inverse()
         else:
             other = base
@@ -247,12 +247,12 @@ class EnvelopeKeeper:
     async def of_stream(
         self, tool: str, wobj: str, *, checked: bool
     ) -> tuple[dict[str, Any], list[float]] | None:
-        """What a stream's worker checks its set-points against.
+        """Return the limits against which a stream's worker checks its set-points.
 
         Args:
-            tool: name of the tool that its set-points are of; empty for the one in use.
-            wobj: name of the work object that they are in; empty for the one in use.
-            checked: whether the worker can check them; speeds are watched in the state.
+            tool: name of the tool of the set-points; empty for the one in use.
+            wobj: name of the work object of the set-points; empty for the one in use.
+            checked: whether the worker can check the set-points; for speeds, the state is watched.
 
         Returns:
             The packed envelope, and the pose of the work object; None if nothing is checked.
@@ -269,18 +269,18 @@ class EnvelopeKeeper:
     # -- the state -----------------------------------------------------------------------------
 
     def _hold(self) -> None:
-        """Have the controller's time wait for the next sample, where it can be held."""
+        """Hold the controller's time at the next sample, if the clock can be held."""
         held = self._let_go
         self._let_go = self._clock.hold(self._clock.now() + self._period)
         held()
 
     def _moves_unchecked(self) -> None:
-        """Something is about to move the arm on a way that is not known."""
+        """Note that something is about to move the arm on an unknown path."""
         self._unchecked = True
         self._hold()
 
     async def _watch(self) -> None:
-        """Look at each sample, and stop the arm where that is called for."""
+        """Check each sample, and stop the arm if necessary."""
         try:
             with self._feed.subscribe("latest") as samples:
                 async for sample in samples:
@@ -298,7 +298,7 @@ class EnvelopeKeeper:
             self._watching = False
 
     def _force(self, envelope: Envelope, sample: Snapshot) -> Crossing | None:
-        """The force that has just become too large, if one has."""
+        """Return the limit of a force that has just become too large; None if there is none."""
         if sample.read_forces is None:
             return None
         force = math.hypot(*sample.read_forces.tool[:3].tolist())
@@ -312,7 +312,7 @@ class EnvelopeKeeper:
         return strong[0] if strong and not was else None
 
     async def _place(self, envelope: Envelope, sample: Snapshot) -> Crossing | None:
-        """What the arm is, or is about to come, beyond, if it moves."""
+        """Return the limit that a moving arm has passed or is about to pass; None if none."""
         status = sample.status
         q, speeds = tuple(status.joints), status.joint_speeds.tolist()
         fastest = max(map(abs, speeds))
@@ -321,14 +321,14 @@ class EnvelopeKeeper:
         try:
             tool = pose_of(await self._reads.rpc.get_tcp_offset())
         except DucoError:
-            return None  # the connection is watched elsewhere
+            return None  # a lost connection is handled elsewhere
         checker = EnvelopeChecker(envelope.packed(tool))
         speed = math.hypot(*status.tool_speed[:3].tolist()) / _OVERSHOOT
         if found := checker.too_fast(speed):
             return found
         now = {each.limit: each for each in checker.margins(q)}
         coordinator = self._coordinator
-        # What was checked may be on its way, and not be followed yet.
+        # A checked motion may be on its way, and not be followed yet.
         ours = bool(coordinator.pending) or bool(coordinator.streams)
         ours = ours or any(task.motion for task in coordinator.follower.tasks)
         if ours and not self._unchecked:
@@ -339,7 +339,7 @@ class EnvelopeKeeper:
         checker.begin(q)
         found = checker.sweep(q, there, speed)
         if found is not None and now[found.limit].margin < 0.0:
-            # What is beyond a limit already may come back.
+            # An arm that is already beyond a limit may move back.
             then = next(each for each in checker.margins(there) if each.limit == found.limit)
             found = found if then.margin < now[found.limit].margin else None
         return found
@@ -358,7 +358,7 @@ class EnvelopeKeeper:
         await accepted.wait()
 
     async def _rest(self, accepted: anyio.Event) -> None:
-        """Stop the arm and see it stand. The controller's time is held until a stop is accepted."""
+        """Stop the arm, and wait until it stands. The clock is held until a stop is accepted."""
         settings = self._settings
         try:
             await self._coordinator.send_stop(settings.stop_timeout)
@@ -371,4 +371,4 @@ class EnvelopeKeeper:
 
 
 def _nothing() -> None:
-    """Let go of what was not held."""
+    """Do nothing: the clock was not held."""

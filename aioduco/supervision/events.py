@@ -1,4 +1,4 @@
-"""What happens to the robot, as its samples show it, and who is told."""
+"""Events of the robot: their detection in the samples, and their delivery to subscribers."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class Event:
     """Something that happened to the robot.
 
     Attributes:
-        at: when it was seen, on the clock of `time.monotonic` [s].
+        at: when it was detected [s of `time.monotonic`].
     """
 
     at: float
 
     def line(self) -> str:
-        """Say it in a line: its name in words, and what it tells."""
+        """Format it as one line: its name in words, and its values."""
         name = "".join(
             f" {letter.lower()}" if letter.isupper() else letter for letter in type(self).__name__
         )
@@ -70,7 +70,7 @@ class ConnectionGone(Event):
     """The controller does not answer any more.
 
     Attributes:
-        reason: the error of the last question.
+        reason: the error of the last request.
     """
 
     reason: str
@@ -81,7 +81,7 @@ class ConnectionBack(Event):
     """The controller answers again.
 
     Attributes:
-        seconds: how long it did not.
+        seconds: how long it did not answer.
     """
 
     seconds: float
@@ -160,7 +160,7 @@ class EmergencyStopReleased(Event):
 
 @dataclass(frozen=True, slots=True)
 class EnvelopeLeft(Event):
-    """The arm came, or was about to come, beyond a limit of the envelope, and is stopped.
+    """The arm passed, or was about to pass, a limit of the envelope, and is being stopped.
 
     Attributes:
         crossing: the limit, the body, the place and the margin.
@@ -183,7 +183,7 @@ class LoopBlocked(Event):
 
     Attributes:
         seconds: for how long.
-        where: the program's line that ran meanwhile, with its callers; empty if it was not seen.
+        where: the line of the program that ran meanwhile, with its callers; empty if unknown.
     """
 
     seconds: float
@@ -191,7 +191,7 @@ class LoopBlocked(Event):
 
 
 def changes(before: Snapshot, after: Snapshot) -> Iterator[Event]:
-    """Every event between two samples, the gravest first."""
+    """Yield every event between two samples, the most serious first."""
     at = after.received_at
     old, new = before.status, after.status
     if new.emergency_stop != old.emergency_stop:
@@ -220,22 +220,22 @@ def suspicious(before: Snapshot, after: Snapshot) -> bool:
     )
 
 
-#: seconds without a sample after which the connection counts as gone
+#: seconds without a sample after which the connection counts as lost
 _GONE_AFTER = 0.5
-#: seconds between two looks at the error list while nothing else points to it
+#: seconds between two reads of the error list while no sample suggests that it changed
 _ERRORS_EVERY = 1.0
-#: seconds between two looks at the heartbeat and at the age of the newest sample
+#: seconds between two checks of the heartbeat and of the age of the newest sample
 _LOOK_EVERY = 0.02
 
 
 class Events:
-    """Sees what happens to one robot, and tells every subscriber.
+    """Detects the events of one robot, and delivers them to every subscriber.
 
     Args:
-        feed: where samples come from.
-        lane: where to ask for the error list.
-        background: what runs this.
-        heartbeat: the heartbeat's state.
+        feed: source of the samples.
+        lane: lane on which the error list is read.
+        background: runs the tasks of this object.
+        heartbeat: returns the heartbeat's state.
     """
 
     def __init__(
@@ -263,11 +263,11 @@ class Events:
     def subscribe(
         self, policy: Policy = "every", *, size: int = 1024
     ) -> Iterator[Subscription[Event]]:
-        """Hear of every event from now on.
+        """Subscribe to every event from now on.
 
         Args:
             policy: what happens to events that are not taken in time; as for samples.
-            size: most events that wait.
+            size: maximum number of waiting events.
 
         Yields:
             The subscription, for `async for`. It raises `RobotStateError` when the robot closes.
@@ -287,7 +287,7 @@ class Events:
             self._subscriptions.remove(subscription)
 
     def close(self) -> None:
-        """End: no more events come."""
+        """End all subscriptions: no more events come."""
         self._closed = True
         for subscription in self._subscriptions:
             subscription.end(RobotStateError("the robot is closed: no more events come"))
@@ -311,7 +311,7 @@ class Events:
         try:
             errors = tuple(await self._lane.rpc.get_last_error())
         except DucoError:
-            # The connection is watched elsewhere; the list is asked for again.
+            # A lost connection is handled elsewhere; the list is read again later.
             return
         before, self._errors = self._errors, errors
         if before is not None and errors != before:

@@ -1,27 +1,28 @@
-"""The heartbeat: a thread and a connection of its own (manual 1.3.1, rpc_heartbeat).
+"""The heartbeat, on a thread and a connection of its own (manual 1.3.1, rpc_heartbeat).
 
-It runs beside the event loop so that a short stall of the loop does not stop the arm, and asks
-the loop for a sign of life before each beat so that a hung one does.
+It runs beside the event loop, so that a short stall of the loop does not stop the arm. It checks
+the loop's sign of life before each beat, so that a loop that hangs does stop the arm.
 
-The controller stops the arm when no heartbeat came for the heartbeat time. So a beat is a
-statement: "the program that moves the arm is alive". Two things end it:
+The controller stops the arm when no heartbeat came for the heartbeat time. So each beat states:
+"the program that moves the arm is alive". The beats end in two cases:
 
 - The event loop shows no sign of life for longer than the stall limit. The program hangs, and
-  would neither see an end of a motion nor react to anything. No further beat is sent, so the
-  controller stops the arm. This state is latched: a program that wakes up again finds a standing
-  arm and has to say that it goes on (`rearm`).
+  would neither detect the end of a motion nor react to anything. No further beat is sent, so the
+  controller stops the arm. This state is latched: a program that runs again finds a standing arm,
+  and must resume the heartbeat explicitly (`rearm`).
 - No beat was answered for the heartbeat time: the connection is lost, and the controller has
-  stopped the arm. Beats are tried on, and the first one answered ends this state.
+  stopped the arm. Further beats are tried, and the first answered one ends this state.
 
-A process that beats for another may itself be held up, and the other may end meanwhile. So it
-beats again only after a sign of life that was given since.
+A process that sends beats for another process may itself be suspended, and the other process may
+exit meanwhile. So after a suspension it sends beats again only after a new sign of life.
 
 Guarantees:
-- The thread is a daemon: a program that ends without closing the robot does not go on beating.
-- Each beat has a deadline, a third of the heartbeat time; a late one is given up, and the next
-  goes over a fresh connection.
-- Nothing waits for this thread but its end, which comes at once: `end` wakes it and cuts the
-  call that it is in.
+- The thread is a daemon: a program that exits without closing the robot does not send further
+  beats.
+- Each beat has a deadline, a third of the heartbeat time; a late beat is given up, and the next
+  one uses a fresh connection.
+- Other code waits for this thread only when it ends, which is immediate: `end` wakes the thread
+  and interrupts its call.
 """
 
 from __future__ import annotations
@@ -78,11 +79,12 @@ class HeartbeatMachine:
     Attributes:
         state: the state of the heartbeat.
         beats: beats that were answered.
-        missed: beats that were not.
+        missed: beats that were not answered.
         losses: how often the heartbeat was lost.
         stalls: how often the event loop stalled.
         longest_gap: longest time between two answered beats in a row [s].
-        held_up_at: when who beats was last seen to have been held up; minus infinity: never.
+        held_up_at: when the sender of the beats was last found to have been suspended; minus
+            infinity: never.
     """
 
     __slots__ = (
@@ -126,12 +128,12 @@ class HeartbeatMachine:
         return alive > self.held_up_at
 
     def held_up(self, now: float) -> None:
-        """The sender of the beats did not run for longer than the heartbeat time, until now."""
+        """Note that the sender of the beats was suspended longer than the heartbeat time."""
         self.held_up_at = now
         self._note_loss(now)
 
     def beaten(self, now: float) -> None:
-        """A beat was answered."""
+        """Note that a beat was answered."""
         if self.beats:
             self.longest_gap = max(self.longest_gap, now - self._beaten)
         self.beats += 1
@@ -140,7 +142,7 @@ class HeartbeatMachine:
             self.state = HeartbeatState.BEATING
 
     def not_heard(self, now: float) -> None:
-        """A beat was not answered."""
+        """Note that a beat was not answered."""
         self.missed += 1
         self._note_loss(now)
 
@@ -150,23 +152,23 @@ class HeartbeatMachine:
             self.losses += 1
 
     def rearm(self) -> None:
-        """The program says that it goes on after a stall."""
+        """Resume after a stall, on request of the program."""
         if self.state is HeartbeatState.STALLED:
             self.state = HeartbeatState.STARTING
 
 
 #: beats per heartbeat time: two may be lost before the controller stops the arm
 BEATS_PER_TIME = 3
-#: part of the time between beats after which one that was not answered is repeated
+#: part of the time between beats after which an unanswered beat is repeated
 _AGAIN = 0.25
-#: seconds after the stall limit at which it is looked whether it has passed
+#: seconds after the stall limit at which the thread checks whether it has passed
 _LATER = 0.001
 #: heartbeat times without a beat after which the controller has stopped the arm for certain
 _CERTAIN = 2
 
 
 class HeartbeatConnection(Protocol):
-    """What the heartbeat needs of a connection."""
+    """Interface of a connection that the heartbeat uses."""
 
     def open(self, deadline: float | None = None) -> None:
         """Connect; the calling thread becomes the owner."""
@@ -177,7 +179,7 @@ class HeartbeatConnection(Protocol):
         ...
 
     def abandon(self, reason: str = ...) -> None:
-        """Wake a call that is under way, from any thread."""
+        """Interrupt a call that is in progress, from any thread."""
         ...
 
     def close(self) -> None:
@@ -186,7 +188,7 @@ class HeartbeatConnection(Protocol):
 
 
 class HeartbeatStatistics(NamedTuple):
-    """Figures of the heartbeat.
+    """Statistics of the heartbeat.
 
     Attributes:
         state: state of the heartbeat.
@@ -206,7 +208,7 @@ class HeartbeatStatistics(NamedTuple):
 
 
 class HeartbeatLike(Protocol):
-    """A heartbeat as the supervisor sees it: this program's, or its guard's."""
+    """Interface of a heartbeat that the supervisor uses: this program's, or its guard's."""
 
     @property
     def state(self) -> HeartbeatState:
@@ -220,9 +222,9 @@ class HeartbeatLike(Protocol):
 
     @property
     def lapsed(self) -> bool:
-        """Whether no beat was given for so long that the controller has stopped the arm by itself.
+        """Whether no beat was sent for so long that the controller has stopped the arm by itself.
 
-        Whatever moves the arm after that is not what it moved before.
+        Any movement of the arm after that is a new motion, not one from before.
         """
         ...
 
@@ -232,37 +234,37 @@ class HeartbeatLike(Protocol):
         ...
 
     def start(self) -> None:
-        """Begin to beat."""
+        """Start to send beats."""
         ...
 
     def statistics(self) -> HeartbeatStatistics:
-        """Figures since the heartbeat began."""
+        """Return statistics since the heartbeat began."""
         ...
 
     def rearm(self) -> None:
-        """Go on beating after a stall of the event loop."""
+        """Resume the beats after a stall of the event loop."""
         ...
 
     def end(self) -> None:
-        """Beat no more."""
+        """Stop sending beats."""
         ...
 
     def join(self, timeout: float) -> bool:
-        """Wait until nothing of it runs any more. Returns whether that is so."""
+        """Wait until its thread has ended. Returns whether it ended."""
         ...
 
 
 class Heartbeat:
-    """Beats from a thread of its own until it is ended.
+    """Sends beats from a thread of its own until it is ended.
 
     Args:
         connect: makes a connection that is not open yet.
-        seconds: without a beat for this long, the controller stops the arm.
+        seconds: seconds without a beat after which the controller stops the arm.
         life: the event loop's sign of life.
         stall_limit: seconds without a sign of life after which no beat is sent.
         changed: called on the thread after each beat, answered or not, and each change of state.
-        remote: whether the signs of life come from another process. Those that came while this
-            one was held up say nothing, and so a new one is waited for before the next beat.
+        remote: whether the signs of life come from another process. If this process was suspended,
+            signs from before prove nothing, so the next beat waits for a new one.
     """
 
     def __init__(
@@ -298,7 +300,7 @@ class Heartbeat:
         return self._machine.state
 
     def statistics(self) -> HeartbeatStatistics:
-        """Figures since the heartbeat began."""
+        """Return statistics since the heartbeat began."""
         machine = self._machine
         return HeartbeatStatistics(
             machine.state,
@@ -311,15 +313,15 @@ class Heartbeat:
 
     @property
     def lapsed(self) -> bool:
-        """Whether no beat was given for so long that the controller has stopped the arm by itself.
+        """Whether no beat was sent for so long that the controller has stopped the arm by itself.
 
-        Whatever moves the arm after that is not what it moved before.
+        Any movement of the arm after that is a new motion, not one from before.
         """
         silent = time.monotonic() - self._given
         return self._machine.beats > 0 and silent > _CERTAIN * self._seconds
 
     def start(self) -> None:
-        """Begin to beat."""
+        """Start to send beats."""
         self._life.touch(time.monotonic())
         self._thread.start()
 
@@ -334,13 +336,13 @@ class Heartbeat:
         return self._error
 
     def rearm(self) -> None:
-        """Go on beating after a stall of the event loop: the next beat goes at once."""
+        """Resume the beats after a stall of the event loop: the next beat is sent at once."""
         self._life.touch(time.monotonic())
         self._machine.rearm()
         self._nudge.set()
 
     def end(self) -> None:
-        """Beat no more; a beat that is under way is cut."""
+        """Stop sending beats; a beat that is in progress is interrupted."""
         self._ended = True
         self._nudge.set()
         line = self._line
@@ -376,7 +378,7 @@ class Heartbeat:
                 elif not nudged and now < due:
                     continue
                 else:
-                    # An absolute schedule; beats whose time has passed are left out.
+                    # An absolute schedule; beats whose time has passed are skipped.
                     due = max(due + every, now)
                     if may and not self._beat(every):
                         due = min(due, time.monotonic() + every * _AGAIN)
@@ -388,14 +390,14 @@ class Heartbeat:
             self._drop()
 
     def _wake(self, due: float) -> float:
-        """When to look again: for the next beat, or for a sign of life that does not come."""
+        """Return when to wake up: for the next beat, or because a sign of life is overdue."""
         if self._machine.state is HeartbeatState.STALLED:
             return due
         since = max(self._life.stamp, self._machine.held_up_at)
         return min(due, since + self._stall_limit + _LATER)
 
     def _stop_stalled(self, deadline: float) -> None:
-        """The event loop hangs: stop the arm at once; the heartbeat's end would do it later."""
+        """Stop the arm at once if the event loop hangs; the missing beats would stop it later."""
         if not self._life.moves or self.lapsed:
             return
         try:
@@ -413,7 +415,7 @@ class Heartbeat:
         try:
             if self._line is None:
                 self._line = self._connect()
-                if self._ended:  # `end` came before it could see the line
+                if self._ended:  # `end` was called before `_line` was set
                     return False
                 self._line.open(until)
             left = max(until - time.monotonic(), 0.001)

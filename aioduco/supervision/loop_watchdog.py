@@ -1,8 +1,8 @@
-"""Finds out when the event loop is blocked, and by which line.
+"""Detects when the event loop is blocked, and by which line.
 
 A program that computes, or sleeps, on the event loop keeps it from noticing the end of a motion,
-and from sending set-points in time. Asyncio's debug mode finds that afterwards; this looks at the
-loop's thread while it is blocked.
+and from sending set-points in time. Asyncio's debug mode reports that afterwards; this module
+inspects the loop's thread while it is blocked.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _DEPTH = 12
 
 
 class SignOfLife:
-    """When the event loop was last seen to run, and whether its program moves the arm.
+    """When the event loop last ran, and whether its program moves the arm.
 
     Written by the loop, read by any thread.
     """
@@ -39,30 +39,30 @@ class SignOfLife:
 
     def __init__(self) -> None:
         self.stamp: float = time.monotonic()
-        #: how late the latest sign of life came [s]
+        #: longest delay of a sign of life [s]
         self.longest_stall: float = 0.0
-        #: whether the program may be moving the arm: only then is it stopped for the program
+        #: whether the program may be moving the arm: only then the arm is stopped for the program
         self.moves: bool = False
 
     def touch(self, due: float) -> None:
-        """The loop runs; `due` is when this sign of life was to be given."""
+        """Note that the loop runs; `due` is when this sign of life was due."""
         self.stamp = time.monotonic()
         self.longest_stall = max(self.longest_stall, self.stamp - due)
 
     def say(self, moves: bool) -> bool:
-        """Whether the program may move the arm from now on. Returns whether that is known."""
+        """Set whether the program may move the arm from now on. Returns whether that worked."""
         self.moves = moves
         return True
 
 
 class WatchedLoop:
-    """An event loop's sign of life, as one robot gives it, and who wants to hear of a stall.
+    """An event loop's sign of life from one robot, and a callback for blocks of the loop.
 
     Args:
         life: the sign of life.
-        limit: seconds without one after which the loop counts as blocked.
-        blocked: called on the monitor's thread when the loop runs again, with how long it did
-            not [s], and where it was.
+        limit: seconds without a sign of life after which the loop counts as blocked.
+        blocked: called on the watchdog's thread when the loop runs again, with the duration of
+            the block [s] and the call stack that blocked.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class WatchedLoop:
 
 
 class LoopWatchdog:
-    """Watches the loop of one thread, for all robots on it: it is blocked for all of them alike.
+    """Watches the loop of one thread for all robots on it: a block affects all of them.
 
     Args:
         loop_thread: identifier of the loop's thread.
@@ -87,7 +87,7 @@ class LoopWatchdog:
         self._thread = threading.Thread(target=self._run, name="aioduco-loop-watchdog", daemon=True)
 
     def add(self, watched: WatchedLoop) -> None:
-        """Watch for one more robot."""
+        """Add a robot."""
         first = not self._watched
         self._watched += (watched,)
         if first:
@@ -98,7 +98,7 @@ class LoopWatchdog:
                 raise
 
     def remove(self, watched: WatchedLoop) -> bool:
-        """Watch for one robot less. Returns whether none is left, and the thread ends."""
+        """Remove a robot. Returns whether none is left, so that the thread ends."""
         self._watched = tuple(other for other in self._watched if other is not watched)
         if self._watched:
             return False
@@ -118,7 +118,7 @@ class LoopWatchdog:
                 return
             if self._latest() != stamp:
                 continue
-            # Now, while it is blocked: afterwards nobody knows where it was.
+            # Now, while it is blocked: afterwards the blocking line cannot be found.
             where = culprit(sys._current_frames().get(self._loop_thread))
             while self._latest() == stamp:
                 if self._changed.wait(limit / 4):
@@ -147,7 +147,7 @@ class _Watchdogs:
         fork_hooks.add(self)
 
     def forked(self) -> None:
-        """In a forked child no watchdog runs, and nobody would free the lock."""
+        """Start anew in a forked child: no watchdog runs there, and no thread frees the lock."""
         self._lock = threading.Lock()
         self._by_thread = {}
 
@@ -171,17 +171,17 @@ class _Watchdogs:
         watchdog.join(timeout)
 
 
-#: one per process: a loop's thread is blocked for all robots on it, and is looked at once
+#: one per process: a loop's thread is inspected once for all robots on it
 watchdogs: Final = _Watchdogs()
 
 
 def culprit(frame: FrameType | None) -> str:
-    """The call stack of a thread, its innermost calls, as Python prints it; "" if it is idle."""
+    """Return the innermost calls of a thread's stack, as Python prints them; "" if it is idle."""
     if frame is None:
         return ""
     try:
         stack = traceback.extract_stack(frame)[-_DEPTH:]
-    except Exception as exc:  # the lines come from the program's own loaders of modules
+    except Exception as exc:  # the program's own module loaders give the lines, and may fail
         return f"(its call stack cannot be read: {type(exc).__name__})\n"
     # A loop that waits in its selector is not blocked, but starved: by the GIL or by the machine.
     if stack and stack[-1].name in {"select", "poll"}:

@@ -1,8 +1,8 @@
-"""Motions one behind the other, each sent while the one before it still moves the arm.
+"""A sequence of motions, each sent while the previous one still moves the arm.
 
 Guarantees:
-- When the block is left, every motion of it has ended, or what `on_cancel` says has been done.
-- No motion is sent after one before it has failed, or after the arm was stopped.
+- When the block is left, every motion of it has ended, or the action of `on_cancel` has been done.
+- No motion is sent after an earlier one has failed, or after the arm was stopped.
 - Each motion is followed to its end, also one whose successor was sent long ago.
 """
 
@@ -26,14 +26,14 @@ __all__ = ["MotionPath"]
 
 
 class MotionPath:
-    """A path made of motions, which blend; tied to a block. `robot.motion.path` makes it.
+    """A path of motions that blend, tied to a block. `robot.motion.path` makes it.
 
-    The controller has a few motions ahead, so that each is known before the one before it comes to
-    its blend. When the block is left, the arm has come to the end of the last one. If the block
-    raises or is cancelled, the arm is stopped, or what `on_cancel` says.
+    The controller gets a few motions ahead, so that it has each one before the previous one comes
+    to its blend. When the block is left, the arm has reached the end of the last motion. If the
+    block raises or is cancelled, the arm is stopped, or the action of `on_cancel` is done.
 
     Attributes:
-        ahead: how many motions the controller has at most, the running one included.
+        ahead: maximum number of motions in the controller, the running one included.
     """
 
     def __init__(self, ahead: int, stops: Callable[[], int]) -> None:
@@ -55,24 +55,25 @@ class MotionPath:
 
     @property
     def outcomes(self) -> tuple[Outcome, ...]:
-        """How those before them ended: finished or blended."""
+        """How the motions before those of `tasks` ended: finished or blended."""
         return tuple(self._outcomes)
 
     async def add(self, motion: MotionCommand) -> Task:
-        """Send a motion behind the others, and return its task when it is accepted.
+        """Send a motion after the others, and return its task when it is accepted.
 
-        While the controller has `ahead` motions, it waits before that until one of them has ended.
-        So the program is ahead of the arm: what is to happen at a place belongs into an `op` of
-        the motion, or behind the block. To be called by one task at a time.
+        While the controller has `ahead` motions, this first waits until one of them has ended. So
+        the program is ahead of the arm: an action at a place of the path belongs into an `op` of
+        the motion, or after the block. Only one task at a time may call this.
 
         Args:
             motion: the motion, such as `robot.motion.movel(..., r=0.03)`.
 
         Raises:
             ParameterError: it is no motion; nothing was sent.
-            TaskError: one before it did not succeed; nothing was sent.
+            TaskError: an earlier motion did not succeed; nothing was sent.
             Refused: the controller refused it.
-            RobotStateError: the block was left, or the arm was stopped since; nothing was sent.
+            RobotStateError: the block was left, or the arm was stopped; the motion was not sent,
+                or was stopped, too.
             HeartbeatLost, OutcomeUnknown, ConnectionLost: as `MotionCommand.start` says.
         """
         if not isinstance(motion, MotionCommand):
@@ -83,7 +84,7 @@ class MotionPath:
                 f"{motion!r} was not sent: a path takes motions within its block, "
                 "async with robot.motion.path() as path"
             )
-        # Where the tool will be is not known before those in front of it have ended.
+        # The tool's pose is known only after the earlier motions have ended.
         await self._until(0 if motion.aimed else self.ahead - 1)
         for earlier in self._live:
             if earlier.done:
@@ -94,14 +95,14 @@ class MotionPath:
         task = await motion.start()
         self._live.append(task)
         if self._stops() != self._began:
-            # The stop came before the motion was sent, so it did not hold for it.
+            # The stop came before the motion was sent, so it did not apply to the motion.
             await task.cancel()
             await self._until(0)
             raise RobotStateError("the arm was stopped on this path")
         return task
 
     async def _until(self, most: int) -> None:
-        """Wait until no more than so many motions are under way."""
+        """Wait until at most `most` motions are in progress."""
         while len(self._live) > most:
             self._outcomes.append(await self._live[0])
             self._live.popleft()
@@ -134,7 +135,7 @@ class MotionPath:
                     break
 
     async def _stop_rest(self) -> None:
-        """One was refused, or failed: those that were sent must not go on without it."""
+        """Stop the other motions after one was refused or failed: they must not run without it."""
         for task in self._live:
             if not task.done:
                 await task.cancel()

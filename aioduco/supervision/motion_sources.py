@@ -1,20 +1,21 @@
-"""What may move the arm beside its tasks, and the claim that says so to the guard.
+"""Modes and streams, which may move the arm besides its tasks, and the claim that the guard gets.
 
-Modes are of two kinds, and the function `stop` ends neither. In hand guiding and in realtime mode
-the arm gives way or follows: they count as motion, and are left along with a stop. Force control
-changes only what motions do: it goes on through a stop, and is left on the way out of the robot,
-while the arm stands (manual 1.3.10).
+There are two kinds of modes, and the function `stop` ends neither. In hand guiding and in realtime
+mode the arm yields or follows: these modes count as motion, and are left along with a stop. Force
+control only changes how motions are carried out: it stays on during a stop, and is left when the
+robot is closed, while the arm stands (manual 1.3.10).
 
-The guard, and the heartbeat's thread, stop the arm of a program that is gone or hangs. They must
-not stop the arm of another program when one dies that only looked on. So a program makes a claim
-before it sends anything that may move the arm, and drops it when the arm was seen to stand and
-nothing of it is left.
+The guard, and the heartbeat's thread, stop the arm of a program that has exited or hangs. If a
+program dies that only observed the arm, they must not stop the motions of another program. So a
+program makes a claim before it sends anything that may move the arm, and drops the claim when the
+arm was seen to stand and nothing that the program started still runs.
 
 Guarantees:
 - `Streams.halt` is synchronous and waits for nothing. After it, a stream sends at most the
   set-point that is on its way.
-- That one may reach the controller behind a stop, and set the arm moving again. So whoever stops
-  the arm calls `halt`, sends the stop, waits for `settled` or `quiet`, and sends it once more.
+- That set-point may reach the controller after a stop, and make the arm move again. So the caller
+  that stops the arm calls `halt`, sends the stop, waits for `settled` or `quiet`, and sends the
+  stop once more.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ __all__ = ["Claim", "Modes", "OpenStream", "Streams"]
 
 _log = BackgroundLogger(__name__)
 
-#: seconds for a mode to be left after a stop
+#: seconds within which a mode must be left after a stop
 _LEAVE_LIMIT = 0.5
 
 
@@ -45,7 +46,7 @@ class Modes:
     """The modes of one robot, each named by the function of the wire that ends it.
 
     Args:
-        channel: sends what ends them.
+        channel: sends the functions that end them.
 
     Attributes:
         standing: modes that may be left only while the arm stands.
@@ -64,16 +65,16 @@ class Modes:
 
     @property
     def moving(self) -> bool:
-        """Whether the arm may move because of one, with nobody following it."""
+        """Whether the arm may move because of a mode, without a task that is followed."""
         return bool(self._moving)
 
     @property
     def any(self) -> bool:
-        """Whether there is one of either kind."""
+        """Whether a mode of either kind is on."""
         return bool(self._moving or self.standing)
 
     def enter(self, ending: str, args: tuple[bool, ...] = ()) -> bool:
-        """Note a mode in which the arm gives way or follows, before it is entered.
+        """Note a mode in which the arm yields or follows, before it is entered.
 
         Args:
             ending: the function that ends it.
@@ -87,11 +88,11 @@ class Modes:
         return was_on
 
     def over(self, ending: str) -> None:
-        """Note that a mode in which the arm gives way or follows is off."""
+        """Note that a mode in which the arm yields or follows is off."""
         self._moving.pop(ending, None)
 
     async def leave(self) -> None:
-        """Leave the modes in which the arm gives way or follows; what fails is logged."""
+        """Leave the modes in which the arm yields or follows; failures are logged."""
         modes, self._moving = self._moving, {}
         for name, args in modes.items():
             try:
@@ -102,11 +103,11 @@ class Modes:
     async def leave_standing(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]
     ) -> None:
-        """Leave the modes that may be left only while the arm stands; what fails is logged.
+        """Leave the modes that may be left only while the arm stands; failures are logged.
 
         Args:
-            timeout: seconds for each of what it takes.
-            follow: waits for the end of a task, given its name, its id and the time for it.
+            timeout: seconds for each step.
+            follow: waits for the end of a task, given its name, its id and a time limit.
         """
         if not self.standing:
             return
@@ -128,11 +129,11 @@ class Modes:
                 _log.warning("%s was not carried out: the mode may still be on: %s", name, exc)
 
 
-_LOOK = 0.001  # seconds between two looks at whether a lane is quiet
+_LOOK = 0.001  # seconds between two checks whether a lane is quiet
 
 
 class OpenStream(Protocol):
-    """A stream as the supervision sees it."""
+    """Interface of a stream that the supervision uses."""
 
     @property
     def quiet(self) -> bool:
@@ -141,17 +142,17 @@ class OpenStream(Protocol):
 
     @property
     def unanswered(self) -> bool:
-        """Whether its lane stops the arm until its last set-point cannot move it any more."""
+        """Whether its lane is stopping the arm until an unanswered set-point cannot move it."""
         ...
 
     def halt(self) -> None:
-        """Send nothing more, at once; from any thread or signal handler."""
+        """Stop sending at once; from any thread or signal handler."""
 
     def kill(self) -> None:
         """End a lane that does not end by itself."""
 
     async def ended(self) -> None:
-        """Wait until its lane is gone."""
+        """Wait until its lane has ended."""
 
 
 class Streams:
@@ -170,7 +171,7 @@ class Streams:
         return f"<Streams {self._open}>"
 
     def add(self, stream: OpenStream) -> None:
-        """Take a stream that is being opened.
+        """Add a stream that is being opened.
 
         Raises:
             RobotStateError: another one is open.
@@ -183,12 +184,12 @@ class Streams:
         self._open.append(stream)
 
     def remove(self, stream: OpenStream) -> None:
-        """Forget a stream that is over."""
+        """Remove a stream that has ended."""
         if stream in self._open:
             self._open.remove(stream)
 
     def halt(self) -> bool:
-        """Have no stream send anything more; from any thread or signal handler.
+        """Stop all streams from sending; from any thread or signal handler.
 
         Returns:
             Whether there was a stream.
@@ -199,14 +200,14 @@ class Streams:
         return bool(streams)
 
     async def settled(self, timeout: float) -> bool:
-        """Wait until no lane can send anything more; one that goes on after that is ended.
+        """Wait until no lane can send anything more; a lane that takes longer is killed.
 
         Args:
-            timeout: seconds for that. A lane that looks after an unanswered set-point has more:
+            timeout: seconds for that. A lane that handles an unanswered set-point may take longer:
                 it ends by itself.
 
         Returns:
-            Whether each ended by itself; one that was ended may have sent a last set-point.
+            Whether each ended by itself; a killed lane may have sent a last set-point.
         """
         by_itself = True
         for stream in self:
@@ -220,7 +221,7 @@ class Streams:
         return by_itself
 
     def quiet(self, timeout: float) -> None:
-        """As `settled`, from any thread, without ending anything.
+        """As `settled`, from any thread, without killing a lane.
 
         Args:
             timeout: seconds to wait.
@@ -236,11 +237,11 @@ class Streams:
 
 
 class Claim:
-    """Says to those who stop the arm for a program whether that program may be moving it.
+    """Reports to the guard and the heartbeat whether this program may be moving the arm.
 
     Args:
-        say: passes on whether the program may move the arm, before it returns; it returns whether
-            that was possible.
+        say: sends whether the program may move the arm, before it returns; it returns whether that
+            was possible.
 
     Attributes:
         made: whether the program may be moving the arm.
@@ -256,13 +257,13 @@ class Claim:
     def make(self, name: str) -> None:
         """Claim the arm, before a command is sent that may move it.
 
-        It is said each time: the guard may be another one than at the last time.
+        The claim is sent each time, because the guard may be a new one.
 
         Args:
-            name: what is about to be sent.
+            name: name of the command.
 
         Raises:
-            GuardLost: nobody would stop the arm in the program's place; it must not be sent.
+            GuardLost: no guard would stop the arm for the program; the command must not be sent.
         """
         self.made = True
         if not self._say(True):

@@ -1,9 +1,9 @@
-"""Reads that are sent again while the connection is lost.
+"""Reads that are retried while the connection is lost.
 
-A function that only reads is asked again, after a growing and scattered pause, until its deadline:
-a controller that restarts, or a switch that reboots, costs the program a moment instead of an
-error. A command is never sent again: one that was not sent raises that, one whose answer was lost
-raises `OutcomeUnknown`.
+A function that only reads is called again, after a growing random pause, until its deadline: a
+controller that restarts, or a switch that reboots, causes a short delay instead of an error. A
+command is never sent again: if it was not sent, it raises an error that says so; if its answer was
+lost, it raises `OutcomeUnknown`.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ _DEFAULT: Final = -1.0
 class Backoff:
     """Pauses between attempts: each up to twice as long as the one before, drawn at random.
 
-    Many programs that lose the same controller must not come back all at once.
+    Many programs that lose the same controller must not reconnect all at once.
 
     Args:
-        draw: a number from 0 to 1, at random.
+        draw: the random number generator.
     """
 
     def __init__(self, draw: random.Random) -> None:
@@ -49,14 +49,14 @@ class Backoff:
 
 
 class RetryingReads:
-    """The calls of a lane; those that only read are sent again while the connection is lost.
+    """The calls of a lane; those that only read are retried while the connection is lost.
 
     Args:
-        lane: where calls go.
+        lane: lane on which calls are sent.
 
     Attributes:
         rpc: the functions of the wire with the lane's time limit.
-        retries: reads that were asked again.
+        retries: number of retried reads.
     """
 
     def __init__(self, lane: WireLane) -> None:
@@ -66,17 +66,17 @@ class RetryingReads:
         self.retries: int = 0
 
     def within(self, timeout: float | None) -> AsyncRpc:
-        """The functions of the wire with another time limit; None: none."""
+        """Return the functions of the wire with another time limit; None for no limit."""
         return AsyncRpc(lambda name, args: self.call(name, args, timeout))
 
     async def call(self, name: str, args: tuple[Any, ...], timeout: float | None = _DEFAULT) -> Any:
-        """Call a function of the wire, as `WireLane.call`; a read is sent again.
+        """Call a function of the wire, as `WireLane.call`; a read is retried.
 
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: most seconds for the whole call; None: no limit; by default the lane's. A
-                lost connection is waited for no longer than the lane's limit.
+            timeout: maximum seconds for the whole call, with its retries; by default the lane's
+                limit. None for no limit; reads are then retried within the lane's limit.
         """
         if timeout == _DEFAULT:
             timeout = self._lane.call_timeout

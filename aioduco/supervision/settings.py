@@ -1,4 +1,4 @@
-"""How a robot is supervised: the times and limits given when it is opened."""
+"""Settings of the supervision: the times and limits given when a robot is opened."""
 
 from __future__ import annotations
 
@@ -32,24 +32,26 @@ _HEARTBEAT.expected += ", or None for no heartbeat"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExitLadder:
-    """The rungs on the way out of `async with robot`, the first one first.
+    """The steps when `async with robot` is left, in their order.
 
         aioduco.connect(host, exit_ladder=aioduco.ExitLadder(stop=2.0, standstill=10.0))
 
-    Each has the seconds in which it must be done. None leaves it out: then what it is for is not
-    guaranteed. Only what this program moves is stopped, and only modes that it has entered are
-    ended. The last rung has no time of its own and is never left out: the heartbeat ends, the guard
-    lets go of the robot, connections and threads end.
+    Each step has a time limit [s]. None skips the step: its effect is then not guaranteed. Only
+    motions of this program are stopped, and only modes that it has entered are ended. The last step
+    has no time limit of its own and is never skipped: the heartbeat ends, the guard releases the
+    robot, connections and threads end.
 
     Attributes:
-        settle: commands on their way are answered. Without it, one may be accepted after the stop.
-        stop: a stop is accepted. Without it, what moves goes on, until the controller misses the
-            heartbeat, if there is one; it has the time of `standstill` to end by itself.
-        standstill: the arm is seen to stand; a stop that has no effect is repeated. Without it,
-            the arm may still move when the block has been left.
-        modes: modes that a stop leaves on are ended: hand guiding, realtime mode, and, if the arm
-            is seen to stand, force control. Without it, force control stays on after the program,
-            and so do the others if nothing was stopped.
+        settle: time to wait for the answers of commands on their way [s]. Without it, a command
+            may be accepted after the stop.
+        stop: time for a stop to be accepted [s]. Without it, a motion continues until the
+            controller misses the heartbeat, if there is one; the motion has the time of
+            `standstill` to end by itself.
+        standstill: time for the arm to stand [s]; a stop that has no effect is repeated. Without
+            it, the arm may still move when the block has been left.
+        modes: time to end modes that a stop leaves on [s]: hand guiding, realtime mode, and, if
+            the arm stands, force control. Without it, force control stays on after the program,
+            and so do the other modes if nothing was stopped.
 
     Raises:
         ParameterError: a time is not above 0 s.
@@ -118,7 +120,7 @@ class RobotSettings:
 
     @property
     def ladder(self) -> ExitLadder:
-        """The way out: as it was given, or with the times that hold for every stop."""
+        """The exit ladder: as it was given, or with the time limits of every stop."""
         if self.exit_ladder is not None:
             return self.exit_ladder
         stop, standstill = self.stop_timeout, self.standstill_timeout

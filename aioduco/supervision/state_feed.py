@@ -1,11 +1,11 @@
 """The feed of the robot's state: samples at a steady rate, for any number of readers.
 
 Guarantees:
-- It asks over a lane of its own, so neither a stop nor the following of tasks waits for it.
-- A sample tells when it was received. One that is older than a reader allows is never returned:
-  `StaleState` is raised instead.
-- A slow reader holds up nobody: what happens to samples that it does not take is its own choice,
-  and how many went is counted.
+- It reads over a separate lane, so neither a stop nor the following of tasks waits for it.
+- Each sample has the time when it was received. A sample that is older than a reader allows is
+  never returned: `StaleState` is raised instead.
+- A slow reader delays no other code: the reader chooses what happens to samples that it does not
+  take in time, and dropped samples are counted.
 """
 
 from __future__ import annotations
@@ -46,17 +46,17 @@ Policy: TypeAlias = Literal["latest", "drop_oldest", "every"]
 
 
 class Buffer(Generic[T]):
-    """Items between one who gives and one who takes.
+    """Items that wait between a producer and a consumer.
 
     Args:
-        policy: what happens to items that are not taken in time. "latest": a new one takes the
-            place of the one before. "drop_oldest": the oldest goes when `size` are waiting.
-            "every": none goes; when `size` are waiting, taking raises `FeedOverflow` after the
-            last of them, so that a gap is never passed off as a whole.
-        size: most items that wait; with "latest" it is one.
+        policy: what happens to items that are not taken in time. "latest": a new item replaces
+            the previous one. "drop_oldest": the oldest item is dropped when `size` are waiting.
+            "every": no waiting item is dropped; when `size` are waiting, new items are dropped, and
+            `take` raises `FeedOverflow` after the last waiting one, so that no gap is hidden.
+        size: maximum number of waiting items; 1 with "latest".
 
     Attributes:
-        dropped: items that were never taken and went.
+        dropped: number of items that were dropped.
     """
 
     def __init__(self, policy: Policy, size: int) -> None:
@@ -75,11 +75,11 @@ class Buffer(Generic[T]):
 
     @property
     def ready(self) -> bool:
-        """Whether taking gives something, or raises."""
+        """Whether `take` returns an item, or raises `FeedOverflow`."""
         return bool(self._items) or self._overflown
 
     def put(self, item: T) -> None:
-        """Give an item."""
+        """Add an item."""
         if len(self._items) == self.size:
             self.dropped += 1
             if self.policy == "every":
@@ -87,7 +87,7 @@ class Buffer(Generic[T]):
                 return
             self._items.popleft()
         elif self._overflown:
-            # after a gap nothing is taken up again until the subscriber has heard of it
+            # after a gap no item is added until `take` has raised `FeedOverflow`
             self.dropped += 1
             return
         self._items.append(item)
@@ -96,8 +96,8 @@ class Buffer(Generic[T]):
         """Take the oldest item.
 
         Raises:
-            FeedOverflow: items went missing here. Taking goes on behind the gap afterwards.
-            IndexError: nothing waits.
+            FeedOverflow: items were dropped here. The next call continues after the gap.
+            IndexError: no item waits.
         """
         if self._items:
             return self._items.popleft()
@@ -110,14 +110,14 @@ class Buffer(Generic[T]):
         raise IndexError("nothing waits")
 
 
-#: part of the interval that a new one has in the measured rate
+#: weight of a new interval in the measured rate
 _SMOOTHING = 0.1
-#: what is asked for each sample, and what more if forces are wanted
+#: functions that are called for each sample, and further ones if forces are wanted
 _STATE = ("get_robot_state", "getRobotStatus", "getRobotIOStatus")
 _FORCES = ("get_tcp_force", "get_ext_torque")
-#: seconds between two attempts while nobody answers
+#: seconds between two attempts while the controller does not answer
 _RETRY_EVERY = 0.1
-#: seconds by which a wait is late if the loop did not get to run meanwhile
+#: seconds by which a wait is late if the loop was blocked meanwhile
 _HELD_UP = 0.05
 
 
@@ -144,7 +144,7 @@ class Snapshot(Sample):
         """Force at the tool and external torques of the joints.
 
         Raises:
-            RobotStateError: the feed was not told to read them.
+            RobotStateError: the feed was not set to read them.
         """
         if self.read_forces is None:
             raise RobotStateError(
@@ -154,15 +154,15 @@ class Snapshot(Sample):
 
 
 class FeedStatistics(NamedTuple):
-    """Figures of a feed.
+    """Statistics of a feed.
 
     Attributes:
-        rate: samples a second that were asked for [Hz].
-        measured_rate: samples a second that came of late [Hz]; 0.0 before the second one.
-        samples: samples that came.
-        failures: times that nobody answered.
-        subscribers: subscribers that there are now.
-        dropped: samples that subscribers there are now did not take in time.
+        rate: requested samples per second [Hz].
+        measured_rate: recent samples per second [Hz]; 0.0 before the second sample.
+        samples: number of samples.
+        failures: number of reads that the controller did not answer.
+        subscribers: number of present subscribers.
+        dropped: number of samples that the present subscribers did not take in time.
     """
 
     rate: float
@@ -177,7 +177,7 @@ class Subscription(Generic[T]):
     """Items for one reader: `async for item in subscription`.
 
     Args:
-        buffer: what waits.
+        buffer: holds the waiting items.
         owner_loop: the event loop to which the robot belongs.
     """
 
@@ -196,21 +196,21 @@ class Subscription(Generic[T]):
 
     @property
     def dropped(self) -> int:
-        """Items that were not taken in time, and went."""
+        """Number of items that were dropped because they were not taken in time."""
         return self._buffer.dropped
 
     def give(self, item: T) -> None:
-        """Give an item; on the event loop."""
+        """Add an item; on the event loop."""
         self._buffer.put(item)
         self._there.set()
 
     def end(self, error: DucoError) -> None:
-        """No more items come: the reader is told so after what waits."""
+        """End the subscription: the reader gets the error after the waiting items."""
         self._over = error
         try:
             self._there.set()
         except RuntimeError:
-            # the loop of whoever waits was closed: nobody waits any more
+            # the reader's event loop was closed: no reader waits any more
             return
 
     def __aiter__(self) -> Self:
@@ -219,7 +219,7 @@ class Subscription(Generic[T]):
     async def __anext__(self) -> T:
         self._owner_loop.require("the next item")
         if self._buffer.ready:
-            # else the wait is one
+            # else the wait below is a checkpoint
             await anyio.lowlevel.checkpoint()
         while not self._buffer.ready:
             if self._over is not None:
@@ -230,13 +230,13 @@ class Subscription(Generic[T]):
 
 
 class StateFeed:
-    """Samples of the robot's state. It begins when it is first used.
+    """Samples of the robot's state. It starts on first use.
 
     Args:
-        lane: where to ask; nothing else uses it.
+        lane: lane on which it reads; apart from the feed, only `Events` uses it.
         samples: makes samples.
-        background: what runs the feed.
-        rate: samples a second [Hz].
+        background: runs the feed.
+        rate: samples per second [Hz].
     """
 
     def __init__(
@@ -254,11 +254,11 @@ class StateFeed:
         self._begun = time.monotonic()
         self._count = 0
         self._failures = 0
-        #: samples a second that are asked for [Hz]
+        #: requested samples per second [Hz]
         self.rate = rate
-        #: whether samples have forces, too: two more questions to the controller for each
+        #: whether samples have forces, too: two more reads from the controller for each
         self.forces = False
-        #: recordings and publications that want forces as well, whatever the program wants
+        #: number of recordings and publications that want forces, whatever the program wants
         self.force_readers = 0
 
     def __repr__(self) -> str:
@@ -267,16 +267,16 @@ class StateFeed:
 
     @property
     def error(self) -> DucoError | None:
-        """Why the last question was not answered; None if it was."""
+        """Error of the last read; None if it was answered."""
         return self._error
 
     @property
     def heard_at(self) -> float:
-        """When a sample last came, or, before the first, when the feed began [s]."""
+        """When the last sample came, or, before the first, when the feed began [s]."""
         return self._begun if self._latest is None else self._latest.received_at
 
     def statistics(self) -> FeedStatistics:
-        """Figures since the feed began."""
+        """Return statistics since the feed began."""
         return FeedStatistics(
             rate=self.rate,
             measured_rate=1.0 / self._interval if self._interval else 0.0,
@@ -287,28 +287,28 @@ class StateFeed:
         )
 
     async def latest(self, *, max_age: float = 0.5) -> Snapshot:
-        """Return the newest sample; the first one is waited for.
+        """Return the newest sample; wait for the first one.
 
         Args:
-            max_age: seconds that it may be old.
+            max_age: maximum age of the sample [s].
 
         Raises:
-            StaleState: it is older, since the controller does not answer.
+            StaleState: it is older, because the controller does not answer.
         """
         self._begin()
         for _ in range(2):
             if self._fresh(max_age):
                 break
-            # One that is due, or the first: it may come within the time that is allowed.
+            # The next sample, or the first: it may come within the allowed time.
             until = time.monotonic() + max_age
             with anyio.move_on_after(max_age), self.subscribe() as subscription:
                 while True:
                     sample = await anext(subscription)
-                    # One on its way when forces were asked for has none.
+                    # A sample that was on its way when forces were switched on has none.
                     if sample.read_forces is not None or not self.forces:
                         return sample
-            # A loop that was held up meanwhile could not take what came, which says nothing of the
-            # controller: once more.
+            # If the loop was blocked meanwhile, it could not take a sample, although the controller
+            # may have answered: try once more.
             if time.monotonic() < until + _HELD_UP:
                 break
         snapshot = self._latest
@@ -320,7 +320,7 @@ class StateFeed:
         ) from self._error
 
     def _fresh(self, max_age: float) -> bool:
-        """Whether the newest sample has all that is asked for, and is no older [s]."""
+        """Whether the newest sample has all requested parts, and is at most `max_age` [s] old."""
         newest = self._latest
         return newest is not None and newest.age <= max_age and not self._lacks_forces
 
@@ -333,7 +333,7 @@ class StateFeed:
         Args:
             policy: what happens to samples that are not taken in time: "latest" keeps the newest
                 one, "drop_oldest" the newest `size`, "every" raises when `size` are waiting.
-            size: most samples that wait.
+            size: maximum number of waiting samples.
 
         Yields:
             The subscription, for `async for`. It raises `RobotStateError` when the robot closes.
@@ -349,17 +349,17 @@ class StateFeed:
     async def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
     ) -> Snapshot:
-        """Wait for a sample that the predicate holds for, and return it.
+        """Wait for a sample for which the predicate is true, and return it.
 
         Samples that were received before this was called do not count.
 
         Args:
             predicate: called with each sample, on the event loop.
-            timeout: seconds for which to wait; None for as long as it takes.
+            timeout: seconds for which to wait; None for no limit.
 
         Raises:
             ParameterError: the time is not above 0.
-            TimeoutError: none came in time.
+            TimeoutError: no such sample came in time.
         """
         if timeout is not None:
             timeout = SECONDS("timeout", timeout)
@@ -367,7 +367,7 @@ class StateFeed:
         with anyio.move_on_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:
                 if self.forces and snapshot.read_forces is None:
-                    continue  # it was on its way when forces were asked for
+                    continue  # it was on its way when forces were switched on
                 if predicate(snapshot):
                     return snapshot
                 seen, newest = seen + 1, snapshot
@@ -380,7 +380,7 @@ class StateFeed:
         seen: int,
         newest: Snapshot | None,
     ) -> str:
-        """What was waited for, and what was seen in its place."""
+        """Describe what was waited for, and what came instead."""
         code = getattr(predicate, "__code__", None)
         name = getattr(predicate, "__qualname__", None) or repr(predicate)
         where = f" ({code.co_filename}:{code.co_firstlineno})" if code is not None else ""
@@ -395,7 +395,7 @@ class StateFeed:
         )
 
     def close(self) -> None:
-        """End: no more samples come."""
+        """End all subscriptions: no more samples come."""
         self._closed = True
         for subscription in self._subscriptions:
             subscription.end(RobotStateError("the robot is closed: no more samples come"))
@@ -430,14 +430,14 @@ class StateFeed:
         io = self._samples.io(io_.get(), io_.at)
         forces = None
         if wanted:
-            # What a controller does not have, or does not tell, is not a number.
+            # A value that a controller does not have, or does not report, is NaN.
             tool, external = (() if each.error else each.value for each in rest)
             forces = self._samples.forces(tool, external, rest[-1].at)
         return Snapshot(self._count, states.received_at, states, status, io, forces)
 
     @property
     def _lacks_forces(self) -> bool:
-        """Whether forces were asked for since the newest sample came."""
+        """Whether forces are wanted, but the newest sample has none."""
         return self.forces and self._latest is not None and self._latest.read_forces is None
 
     def _note(self, snapshot: Snapshot) -> None:

@@ -1,13 +1,12 @@
 """Stop, pause, resume, abort: on connections that nothing else uses.
 
 Guarantees:
-- A stop waits behind nothing but another stop. It has a connection of its own, opened with the
-  robot; pause, resume and abort use a second one.
-- A stop that is not answered is repeated over a fresh connection until its deadline: it is the
-  one command that is safe to repeat. A deadline without an answer is an error of its own,
-  `StopUnconfirmed`.
-- A stop that was asked for while a motion was on its way to the controller may be served before
-  that motion. `epoch` lets the sender of the motion see this, and stop once more.
+- A stop waits only behind another stop. It has a connection of its own, opened with the robot;
+  pause, resume and abort use a second one.
+- An unanswered stop is repeated over a fresh connection until its deadline: it is the only
+  command that is safe to repeat. If no answer comes by the deadline, `StopUnconfirmed` is raised.
+- If a stop is requested while a motion is on its way, the controller may serve the stop first.
+  The sender of the motion detects this by `epoch`, and stops once more.
 """
 
 from __future__ import annotations
@@ -28,10 +27,10 @@ if TYPE_CHECKING:
 
 #: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
 FIRST_ATTEMPT = 0.25
-#: the most that this becomes: a connection that is made while nothing passes learns late that
-#: something does again
+#: the maximum of that: a connection that is made while the network is down detects late that it is
+#: up again
 _LONGEST_ATTEMPT = 1.0
-#: seconds between two questions whether the arm moves
+#: seconds between two polls whether the arm moves
 STANDSTILL_EVERY = 0.01
 #: seconds after which an arm that still moves is stopped once more
 STOP_AGAIN = 0.5
@@ -39,11 +38,11 @@ STOP_AGAIN = 0.5
 STANDSTILL_COUNT = 2
 #: seconds of `robotmoving` without an answer after which a fresh connection is used
 _ASK_LIMIT = 0.5
-#: the same once the time is over
+#: the same after the deadline
 _LAST_LIMIT = 0.25
 
 
-#: awaits the guard's answer, once: whether it had a stop accepted
+#: awaits the guard's answer, once; returns whether the controller accepted the guard's stop
 ByGuard: TypeAlias = "Callable[[], Coroutine[Any, Any, bool]]"
 
 
@@ -51,11 +50,11 @@ class _BegunStop:
     """A stop that was sent, by the guard or on the lane for stops.
 
     Args:
-        at: when [s of `time.monotonic`].
-        by_guard: what awaits the guard's answer, if it has one.
+        at: when it was sent [s of `time.monotonic`].
+        by_guard: awaits the guard's answer; None if the guard did not send it.
 
     Attributes:
-        call: what awaits the controller's answer.
+        call: awaits the controller's answer.
         error: why nothing was sent.
     """
 
@@ -69,18 +68,18 @@ class _BegunStop:
 
 
 class StopChannel:
-    """Stops and pauses the arm, and sees it stand.
+    """Stops and pauses the arm, and waits until it stands.
 
     Args:
         stop: lane for stops alone.
         others: lane for pause, resume and abort.
-        watch: lane on which it is asked whether the arm moves.
+        watch: lane for polls whether the arm moves.
 
     Attributes:
         others: lane for pause, resume and abort.
-        epoch: number of stops and aborts that were asked for. It rises before anything is sent.
-        stops: stops that the controller accepted.
-        attempts: stops that were sent, repeats included.
+        epoch: number of requested stops and aborts. It rises before anything is sent.
+        stops: number of stops that the controller accepted.
+        attempts: number of stops that were sent, repeats included.
     """
 
     def __init__(self, stop: WireLane, others: WireLane, watch: WireLane) -> None:
@@ -93,15 +92,15 @@ class StopChannel:
         self._begun: _BegunStop | None = None
 
     def begin(self, timeout: float) -> _BegunStop:
-        """Send a stop before anything else of the event loop gets to run.
+        """Send a stop before anything else runs on the event loop.
 
         `stop` must be awaited next: it waits until the controller accepts it, or sends it again.
 
         Args:
-            timeout: seconds in which that must happen.
+            timeout: seconds within which the controller must accept it.
 
         Returns:
-            How far it came.
+            The stop that was begun.
 
         Raises:
             WrongLoop: this is not the robot's event loop; nothing was sent.
@@ -123,15 +122,15 @@ class StopChannel:
         """Send a stop until the controller accepts one.
 
         Args:
-            timeout: seconds in which that must happen.
+            timeout: seconds within which it must accept one.
 
         Raises:
-            StopUnconfirmed: it did not.
+            StopUnconfirmed: it accepted none in time.
             WrongLoop: this is not the robot's event loop; nothing was sent.
             WrongProcess: this is a forked child; nothing was sent.
         """
         begun = self._begun
-        # One that nobody awaited in its time says nothing of the arm of now.
+        # A stop that was begun and never awaited says nothing about the arm's present state.
         if begun is None or time.monotonic() - begun.at > FIRST_ATTEMPT:
             begun = self.begin(timeout)
         self._begun = None
@@ -147,7 +146,7 @@ class StopChannel:
             began = time.monotonic()
             try:
                 if call is None:
-                    # Each repeat is on the other lane: whatever holds the first, it does not hold
+                    # Each repeat uses the other lane: a cause that blocks one lane does not block
                     # both.
                     self.attempts += 1
                     call = lanes[attempt % 2].begin("stop", (False,), min(budget, left))
@@ -160,7 +159,7 @@ class StopChannel:
                 error = exc
             call = None
             attempt += 1
-            # One that fails at once (a refused port) is not repeated in a busy loop.
+            # An attempt that fails at once (a refused port) must not be retried in a busy loop.
             await anyio.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
             budget = min(budget * 2, _LONGEST_ATTEMPT)
             left = until - time.monotonic()
@@ -170,10 +169,10 @@ class StopChannel:
         """Send a stop from any thread or signal handler, and block until it is accepted.
 
         Args:
-            timeout: seconds in which that must happen.
+            timeout: seconds within which the controller must accept it.
 
         Raises:
-            StopUnconfirmed: it did not.
+            StopUnconfirmed: it accepted none in time.
         """
         self.epoch += 1
         until = time.monotonic() + timeout
@@ -195,29 +194,29 @@ class StopChannel:
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
 
-    def _ask_guard(self, timeout: float) -> ByGuard | None:  # noqa: ARG002  # here there is none
-        """Have the guard send a stop, if there is one."""
+    def _ask_guard(self, timeout: float) -> ByGuard | None:  # noqa: ARG002  # no guard here
+        """Send a stop by the guard, if there is a guard."""
         return None
 
-    def _by_guard_now(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
-        """Ask the guard first, if there is one. Returns whether it had a stop accepted."""
+    def _by_guard_now(self, timeout: float) -> bool:  # noqa: ARG002  # no guard here
+        """Send a stop by the guard, if there is one. Returns whether the controller accepted it."""
         return False
 
     async def moving(self) -> bool:
         """Whether the arm moves.
 
         Raises:
-            DucoError: nobody answers.
+            DucoError: the controller does not answer.
         """
         answer: bool = await self._watch.call("robotmoving", (), _ASK_LIMIT)
         return answer
 
     async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
-        """See the arm stand after a stop. A stop that has no effect is repeated.
+        """Wait until the arm stands after a stop. A stop that has no effect is repeated.
 
         Args:
-            stop_timeout: seconds in which a further stop must be accepted.
-            standstill_timeout: seconds in which the arm must stand.
+            stop_timeout: seconds within which a further stop must be accepted.
+            standstill_timeout: seconds within which the arm must stand.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
@@ -228,7 +227,7 @@ class StopChannel:
             try:
                 await self.standstill(STOP_AGAIN)
             except StopUnconfirmed:
-                # It brakes for long, or something set it moving after the stop.
+                # It brakes for a long time, or something made it move again after the stop.
                 await self.stop(min(stop_timeout, left))
             else:
                 return
@@ -238,10 +237,10 @@ class StopChannel:
         """Wait until the arm stands.
 
         Args:
-            timeout: seconds in which that must happen.
+            timeout: seconds within which it must stand.
 
         Raises:
-            StopUnconfirmed: the arm is still said to move, or nobody says anything.
+            StopUnconfirmed: the arm still moves, or the controller does not answer.
         """
         begin = time.monotonic()
         await self._standstill(begin, begin + timeout)
@@ -249,12 +248,12 @@ class StopChannel:
     async def _standstill(self, begin: float, until: float) -> None:
         """Wait until the arm stands.
 
-        This program may have been held up, so the time alone says nothing about the arm: only
-        what is answered to a question that was asked after it was over.
+        This program may have been suspended, so the time alone says nothing about the arm. Only
+        the answer to a poll after the deadline does.
 
         Args:
-            begin: since when it is waited for, for the error.
-            until: time of `time.monotonic()` by which it must have happened.
+            begin: when the wait began, for the error.
+            until: deadline for the standstill [s of `time.monotonic`].
         """
         still = 0
         error: DucoError | None = None
@@ -291,7 +290,7 @@ class StopChannel:
             Its answer: the id of a task, or how it ended.
 
         Raises:
-            DucoError: it was not carried out, or it is not known.
+            DucoError: it was not carried out, or it is not known whether it was.
         """
         answer: int = await self.others.call(name, args, timeout)
         if answer < 0:

@@ -2,11 +2,12 @@
 
 Guarantees:
 - Cancelling the await of a motion returns only when the arm stands, or raises `StopUnconfirmed`.
-- What goes on until it is told to end is told so when its time is over, and along with a stop.
-- What may still be on its way to the controller is waited for: nobody is told that the arm stands
-  while a command may come that sets it moving again.
-- A program that ends without having left its robot, because it forgot to or because an interrupt
-  too many broke its event loop, still reaches the end of its interpreter: the arm is stopped there.
+- A motion or mode that continues until it is ended is ended when its time is over, and along with a
+  stop.
+- A command that may still be on its way to the controller is waited for: no caller gets the result
+  that the arm stands while a command may arrive that makes it move again.
+- If a program exits without closing its robot, because it forgot to or because repeated interrupts
+  broke its event loop, the arm is stopped when the interpreter exits.
 """
 
 from __future__ import annotations
@@ -52,15 +53,15 @@ _log = BackgroundLogger(__name__)
 
 #: seconds for a pause or a resume to be carried out
 _PAUSE_LIMIT = 10.0
-#: seconds for the controller to say where the arm is
+#: seconds for the controller to return where the arm is
 _ASK_LIMIT = 0.5
-#: seconds between two looks at whether the controller has stopped the arm by itself
+#: seconds between two checks whether the controller has stopped the arm by itself
 _LAPSED_EVERY = 0.05
-#: seconds in which an arm that its controller stops has come to rest
+#: seconds within which an arm that its controller stops has come to rest
 _BRAKED = 1.0
-#: seconds for the lane of a stream to fall silent: an answer that it waits for, and more
+#: seconds for the lane of a stream to stop sending: longer than it waits for an answer
 _SILENCE = 2.0
-#: the same in a thread that cannot go on meanwhile
+#: the same in a thread that is blocked meanwhile
 _SILENCE_NOW = 0.1
 
 
@@ -69,19 +70,19 @@ class StopCoordinator:
 
     Args:
         channel: sends stop, pause, resume and abort.
-        poll: lane on which tasks are asked about.
-        background: runs what no caller waits for.
+        poll: lane on which tasks are polled.
+        background: runs coroutines that no caller waits for.
         settings: times and limits.
         claim: made before anything is sent that may move the arm.
-        heartbeat: without it the controller stops the arm by itself; None if there is none.
+        heartbeat: without its beats, the controller stops the arm by itself; None for no heartbeat.
 
     Attributes:
         follower: follows the tasks.
         unfollowed_motion: whether a motion may be running that is not followed. A stop ends that.
-        modes: modes that the controller is in because of this program.
+        modes: modes that this program has switched on.
         pending: commands on their way that may move the arm.
-        streams: the open streams; whatever brings the arm to rest ends them first.
-        closed: whether the connections are closed, so that nothing can be asked for any more.
+        streams: the open streams; they are ended before the arm is brought to rest.
+        closed: whether the connections are closed, so that nothing can be sent any more.
         worker_died: whether a stream's worker has died, perhaps with a set-point on its way.
     """
 
@@ -109,7 +110,7 @@ class StopCoordinator:
 
     @property
     def stops(self) -> int:
-        """How many stops have been asked for."""
+        """Number of requested stops."""
         return self._channel.epoch
 
     @property
@@ -120,7 +121,7 @@ class StopCoordinator:
         return any(task.motion for task in self.follower.tasks)
 
     async def stands(self) -> bool:
-        """Ask whether the arm stands; if the controller cannot tell, it is assumed."""
+        """Return whether the arm stands; also True if the controller cannot report it."""
         try:
             return not await self._channel.moving()
         except ControllerError:
@@ -129,23 +130,23 @@ class StopCoordinator:
             return False
 
     async def halt(self) -> None:
-        """Stop the arm and see it stand, with nothing on its way that sets it moving again.
+        """Stop the arm, and wait until it stands and nothing on its way can move it again.
 
         Raises:
-            StopUnconfirmed: it is not known that it stands, or that it goes on standing.
+            StopUnconfirmed: it is not known that it stands, or that it keeps standing.
         """
         settings = self._settings
         await self.send_stop(settings.stop_timeout)
         await self.rest(settings.stop_timeout, settings.standstill_timeout)
 
     async def send_stop(self, timeout: float) -> None:
-        """Stop the arm: it is then slowing down, and no stream or mode sets it moving again.
+        """Stop the arm: it is then slowing down, and no stream or mode makes it move again.
 
         Args:
-            timeout: seconds in which a stop must be accepted.
+            timeout: seconds within which the controller must accept a stop.
 
         Raises:
-            StopUnconfirmed: none was.
+            StopUnconfirmed: it accepted none in time.
         """
         streaming = self.streams.halt()
         if self.modes.moving or streaming:
@@ -163,12 +164,12 @@ class StopCoordinator:
             self.worker_died = True
 
     async def rest(self, stop_timeout: float | None, timeout: float) -> None:
-        """See the arm stand.
+        """Wait until the arm stands.
 
         Args:
-            stop_timeout: seconds in which a further stop must be accepted, if it moves on; None to
-                wait without one.
-            timeout: seconds in which the arm must stand.
+            stop_timeout: seconds within which a further stop must be accepted, if the arm still
+                moves; None to wait without a further stop.
+            timeout: seconds within which the arm must stand.
 
         Raises:
             StopUnconfirmed: it is not known that it stands.
@@ -185,10 +186,10 @@ class StopCoordinator:
         """Send a stop from any thread or signal handler, and block until it is accepted.
 
         Args:
-            timeout: seconds in which that must happen.
+            timeout: seconds within which the controller must accept it.
 
         Raises:
-            StopUnconfirmed: it did not.
+            StopUnconfirmed: it accepted none in time.
         """
         streaming = self.streams.halt()
         self._channel.stop_now(timeout)
@@ -197,7 +198,7 @@ class StopCoordinator:
             self._channel.stop_now(timeout)
 
     def check_loop(self, what: str) -> None:
-        """See that this is the robot's event loop, before `what` is done on it.
+        """Check that this is the robot's event loop, before `what` is done on it.
 
         Raises:
             WrongLoop: it is another one.
@@ -206,7 +207,7 @@ class StopCoordinator:
         self._poll.owner_loop.require(what)
 
     async def joints(self) -> Sequence[float]:
-        """Where the arm is: the angles of its joints [rad].
+        """Read where the arm is: the angles of its joints [rad].
 
         Raises:
             ConnectionLost: the controller does not answer.
@@ -218,7 +219,7 @@ class StopCoordinator:
         """Stop the arm after a stream's worker has died.
 
         Args:
-            ending: the function of the wire that ends the mode in which it was; may be empty.
+            ending: the function of the wire that ends the mode of the stream; may be empty.
         """
         if ending:
             self.modes.enter(ending)
@@ -226,20 +227,20 @@ class StopCoordinator:
         await self.stop()
 
     async def leave_modes(self, timeout: float) -> None:
-        """Leave every mode that this program has entered, since it leaves the robot.
+        """Leave every mode that this program has entered, because it closes the robot.
 
         Args:
-            timeout: seconds for each of what is to be left while the arm stands.
+            timeout: seconds for each step of leaving a mode that needs a standing arm.
         """
         await self.modes.leave()
         await self.modes.leave_standing(timeout, self.follower.complete)
 
     def begin_stop(self) -> None:
-        """Send a stop before anything else of the event loop runs; `stop` must be awaited next."""
+        """Send a stop before anything else runs on the event loop; `stop` must be awaited next."""
         self._channel.begin(self._settings.stop_timeout)
 
     async def stop(self) -> None:
-        """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
+        """As `halt`, to its end even if cancelled; then wait until the motions have ended."""
         _, cancelled = await run_to_completion(self.halt)
         if cancelled is not None:
             raise cancelled
@@ -254,25 +255,25 @@ class StopCoordinator:
         *,
         followed: bool,
     ) -> tuple[PendingCommand, BaseException | None]:
-        """Send a command that may move the arm, and wait until it is known what became of it.
+        """Send a command that may move the arm, and wait until its result is certain.
 
-        If its answer does not come in time, or may mean anything, or if this is cancelled and
-        nobody follows the command, the arm is stopped; this then returns when no part of the
-        command can set the arm moving any more.
+        The arm is stopped if the answer does not come in time, if it leaves open whether the arm
+        will move, or if this is cancelled and the caller does not follow the command. This then
+        returns when no part of the command can move the arm any more.
 
         Args:
-            lane: where to send it.
+            lane: lane on which to send it.
             name: the function of the wire.
             args: its arguments.
             timeout: seconds for its answer; None if it is answered at the end of the motion.
-            followed: whether somebody follows what it becomes, and stops it where that is needed.
+            followed: whether the caller follows the task of the command, and stops it if necessary.
 
         Returns:
             The command, which is over, and the last cancellation that came meanwhile: the caller
             must raise it.
 
         Raises:
-            StopUnconfirmed: it is not known that the arm stands, and goes on standing.
+            StopUnconfirmed: it is not known that the arm stands, and keeps standing.
         """
         pending = self.pending.send(lane, name, args, timeout)
         cancelled: BaseException | None = None
@@ -308,14 +309,14 @@ class StopCoordinator:
     async def stop_until_certain(
         self, *commands: PendingCommand, since: float | None = None
     ) -> None:
-        """Stop the arm, and return when none of the commands can set it moving any more.
+        """Stop the arm, and return when none of the commands can move it any more.
 
         Args:
-            *commands: commands of which it is not known whether they reach the controller.
+            *commands: commands that may or may not reach the controller.
             since: when that began [s of `time.monotonic`]; None for now.
 
         Raises:
-            StopUnconfirmed: they may still set it moving.
+            StopUnconfirmed: they may still move it.
         """
         self.unfollowed_motion = True
         settings, now = self._settings, time.monotonic()
@@ -328,7 +329,7 @@ class StopCoordinator:
             self._channel.moving,
         )
         if self.closed:
-            return  # whoever closed it has done what could be done
+            return  # the code that closed the robot has already done what was possible
         if not certain:
             names = ", ".join(command.name for command in commands) or "a set-point"
             raise StopUnconfirmed(
@@ -338,7 +339,7 @@ class StopCoordinator:
         self.unfollowed_motion = self.worker_died = False
 
     async def cancelled_while_waiting(self, task: Task) -> None:
-        """The await of a task was cancelled: do what its `on_cancel` says, then return."""
+        """Do what the `on_cancel` of a task says after its await was cancelled, then return."""
         if task.done or task.on_cancel == "detach" or self._poll.owner_loop.forked_off:
             return
         if task.on_cancel == "pause":
@@ -349,18 +350,18 @@ class StopCoordinator:
             else:
                 return
         await run_to_completion(self.halt)
-        # The stop ended all of them, so none is left behind half known.
+        # The stop ended all motions: return only when the end of each is known.
         await run_to_completion(self.follower.motions_ended)
 
     async def end(self, name: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
-        """End a motion that goes on, by its own function, and see the arm stand.
+        """End a continuous motion by its own function, and wait until the arm stands.
 
-        If this program's motion, or its mode, cannot be ended so, or if this is cancelled, the
-        arm is stopped.
+        If this program's motion, or its mode, cannot be ended this way, or if this is cancelled,
+        the arm is stopped.
 
         Args:
             name: the function of the wire.
-            step: calls it; None if it answers with the id of a task.
+            step: calls the function; None if it answers with the id of a task.
         """
         if name == "stop":
             step = self.halt
@@ -385,7 +386,7 @@ class StopCoordinator:
                 await task.wait()
 
     async def _come_to_rest(self, name: str) -> None:
-        """See the arm stand after `name`; if that had no effect, stop it."""
+        """Wait until the arm stands after `name`; if that had no effect, stop the arm."""
         self.modes.over(name)
         try:
             await self.standstill()
@@ -394,11 +395,11 @@ class StopCoordinator:
             await self.halt()
 
     async def pause(self) -> None:
-        """Pause all tasks, and see the arm stand."""
+        """Pause all tasks, and wait until the arm stands."""
         if self.streams.halt():
-            # A stream goes by a clock, so it cannot go on later where it was.
+            # A stream follows a clock, so it cannot continue later where it was.
             await self._silence_streams()
-        # A motion whose task has ended stands as if it were over, and moves on when resumed.
+        # A paused motion whose task has ended looks as if it were over, but continues when resumed.
         self.unfollowed_motion = self.unfollowed_motion or any(
             task.life.goes_on for task in self.follower.tasks
         )
@@ -414,14 +415,14 @@ class StopCoordinator:
         await self.follower.complete("resume", answer, _PAUSE_LIMIT, stops)
 
     async def abort(self) -> None:
-        """End the running motion and those read ahead, and see the arm stand."""
+        """End the running motion and those read ahead, and wait until the arm stands."""
         if self.streams.halt():
             await self._silence_streams()
         await self._controlled("abort")
         await self.standstill()
 
     async def standstill(self) -> None:
-        """See the arm stand, without a stop.
+        """Wait until the arm stands, without a stop.
 
         Raises:
             StopUnconfirmed: it is not known that it stands.
@@ -429,12 +430,12 @@ class StopCoordinator:
         await self._channel.standstill(self._settings.standstill_timeout)
 
     async def lapsed(self) -> HeartbeatLost:
-        """Wait until the controller has stopped the arm by itself, for want of the heartbeat.
+        """Wait until the controller has stopped the arm by itself, because no heartbeat came.
 
-        Without a heartbeat, or while one is answered, that is never.
+        Without a heartbeat, or while beats are answered, this never returns.
 
         Returns:
-            The error that says so.
+            The error for the motions that were running.
         """
         since: float | None = None
         async for due in every(_LAPSED_EVERY):
@@ -453,7 +454,7 @@ class StopCoordinator:
         stops = self.stops
         answer = await self._channel.send(name)
         for task in self.follower.tasks:
-            task.let_go()  # it was told, or is stopped: the arm's time goes on
+            task.let_go()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
 
     async def _resumed(self) -> int:
@@ -471,7 +472,7 @@ class StopCoordinator:
 
 
 def _may_move(error: DucoError | None) -> bool:
-    """Whether a command that ended so may have been taken by the controller all the same."""
+    """Whether the controller may have accepted a command that ended with this error."""
     if isinstance(error, OutcomeUnknown):
         return True
     # An application error says that something failed, perhaps after the motion was queued.
@@ -479,10 +480,10 @@ def _may_move(error: DucoError | None) -> bool:
 
 
 class _CommandDelivery:
-    """What is known of the delivery of commands on their way.
+    """Reports the delivery of commands on their way.
 
     Args:
-        coordinator: whose connections, and streams, they were sent by.
+        coordinator: coordinator whose connections and streams sent them.
         commands: the commands.
     """
 
@@ -491,7 +492,7 @@ class _CommandDelivery:
         self._commands = commands
 
     def tell(self, motion: UnansweredMotion) -> bool:
-        """Tell the delivery of each; drop what this system still holds of one that is stuck."""
+        """Report the delivery of each; discard the unsent bytes of a command that is stuck."""
         if self._coordinator.closed:
             return False
         now = time.monotonic()
@@ -507,22 +508,22 @@ class _CommandDelivery:
         return True
 
     def dissolve(self) -> None:
-        """Wait for no answer any more."""
+        """Stop waiting for answers."""
         for command in self._commands:
             command.give_up()
 
 
-#: seconds in which the stop must be accepted: nothing comes after it but the end
+#: seconds within which the stop must be accepted: after it, the interpreter exits
 _LIMIT = 2.0
 
 
 class ExitStop:
     """Stops the arm at the interpreter's exit, if it may be moving by then.
 
-    It keeps alive whatever is needed for that, until it is cancelled.
+    It keeps the objects alive that the stop needs, until it is cancelled.
 
     Args:
-        coordinator: who stops it.
+        coordinator: stops the arm.
     """
 
     def __init__(self, coordinator: StopCoordinator) -> None:
@@ -532,7 +533,7 @@ class ExitStop:
         atexit.register(self._at_exit)
 
     def stop(self) -> None:
-        """Stop the arm now: the program will not leave the robot in order."""
+        """Stop the arm now: the program will not close the robot properly."""
         self.cancel()
         # In a forked child the connections are the parent's.
         if self._stopped or not self._coordinator.moving or os.getpid() != self._process:
@@ -549,10 +550,10 @@ class ExitStop:
             _log.critical("the program ends without having left the robot: the arm was stopped")
 
     def cancel(self) -> None:
-        """Do nothing at exit: the robot is being left in order."""
+        """Do nothing at exit: the robot is being closed properly."""
         atexit.unregister(self._at_exit)
 
     def _at_exit(self) -> None:
         self.stop()
-        # The last that anybody hears of this program; the stop is not waiting for it.
+        # Last, the messages of this program are written; the stop does not wait for that.
         reporter.flush()

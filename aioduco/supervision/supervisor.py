@@ -1,10 +1,10 @@
 """The supervision of one robot: its connections, its heartbeat, and the exit ladder.
 
 Guarantees:
-- A rung of the exit ladder is carried out to its end even if leaving is cancelled, once or more;
-  the cancellation goes on afterwards.
-- A rung that fails is logged, and the next one follows. What failed is raised at the end.
-- No log handler is waited for until the connections are closed, and then for a limited time.
+- Each step of the exit ladder is carried out to its end even if closing is cancelled, once or more;
+  the cancellation is raised afterwards.
+- A step that fails is logged, and the next one follows. The first failure is raised at the end.
+- Closing waits for log handlers only after the connections are closed, and for a limited time.
 - The heartbeat beats until the arm was seen to stand, or until that has failed.
 """
 
@@ -71,28 +71,28 @@ _log = BackgroundLogger(__name__)
 
 #: signs of life of the event loop per stall limit
 _SIGNS = 10
-#: seconds between two signs of life at most
+#: maximum seconds between two signs of life
 _SIGN_EVERY = 0.1
 #: seconds for a thread to end
 _GRACE = 1.0
-#: seconds between two looks whether a heartbeat was answered
+#: seconds between two checks whether a heartbeat was answered
 _LOOK_EVERY = 0.002
-#: closing is never left out; each of its parts has a limit of its own
+#: closing is never skipped; each of its parts has a limit of its own
 _NO_LIMIT = math.inf
 
 
 class SupervisorStatistics(NamedTuple):
-    """Figures of a robot.
+    """Statistics of a robot.
 
     Attributes:
-        lanes: figures of each lane, by name.
-        heartbeat: figures of the heartbeat; None without one.
-        tasks: tasks that the controller accepted.
-        live_tasks: tasks that live now.
-        polls: questions for the state of a task.
-        stops: stops that the controller accepted.
-        stop_attempts: stops that were sent, repeats included.
-        longest_stall: how late the event loop came to a task that was due, at most [s].
+        lanes: statistics of each lane, by name.
+        heartbeat: statistics of the heartbeat; None without a heartbeat.
+        tasks: number of tasks that the controller accepted.
+        live_tasks: number of tasks that are live now.
+        polls: number of polls for the state of a task.
+        stops: number of stops that the controller accepted.
+        stop_attempts: number of stops that were sent, repeats included.
+        longest_stall: longest delay of a task that was due on the event loop [s].
     """
 
     lanes: dict[str, LaneStatistics]
@@ -108,8 +108,7 @@ class SupervisorStatistics(NamedTuple):
 class Supervisor:
     """Supervises one robot.
 
-    `aclose` stops what this program moved and nothing else: a program that only looks on stops
-    nobody's arm.
+    `aclose` stops only motions of this program: a program that only observes stops no arm.
 
     Args:
         host: name or address of the controller.
@@ -119,16 +118,16 @@ class Supervisor:
     Attributes:
         version: the version of the controller's software.
         calls: the lane of all calls that are neither motions nor supervision.
-        retrying: the calls of that lane; reads are sent again while the connection is lost.
-        poll: the lane on which tasks and the arm's standstill are asked about.
+        retrying: the calls of that lane; reads are retried while the connection is lost.
+        poll: the lane on which tasks and the arm's standstill are polled.
         samples: makes samples of the state.
         stop_channel: sends stop, pause, resume, abort.
         stop_coordinator: brings the arm to rest.
         dispatcher: starts motions and other tasks.
         heartbeat: the heartbeat; None without one.
-        guard: the robot's side of the guard; None without one.
+        guard: the robot's side of the guard; None without a guard.
         feed: samples of the robot's state.
-        events: what happens to the robot.
+        events: events of the robot.
         envelope: keeps the arm within its operating envelope.
     """
 
@@ -137,7 +136,7 @@ class Supervisor:
         self.port = port
         self.settings = settings
         self.version: ControllerVersion = ControllerVersion("")
-        #: the event loop on which it is opened, and on which alone it is used
+        #: the event loop on which it is opened; it can be used only there
         self.owner_loop: OwnerLoop = OwnerLoop("the robot", moves=False)
         self.samples: Samples = Samples()
         self.calls: WireLane = self._lane("call", size=settings.pool_size)
@@ -238,7 +237,7 @@ class Supervisor:
         return "open" if self._opened else "not open"
 
     def check_open(self, name: str) -> None:
-        """See that the robot is open, and that its event loop runs.
+        """Check that the robot is open, and that its event loop runs here.
 
         Raises:
             RobotStateError: it is not; `name` was not sent.
@@ -249,7 +248,7 @@ class Supervisor:
         self.owner_loop.require(name)
 
     def check_usable(self, name: str) -> None:
-        """See that the robot is open; from any thread.
+        """Check that the robot is open; from any thread.
 
         Raises:
             RobotStateError: it is not; `name` was not sent.
@@ -263,24 +262,24 @@ class Supervisor:
             )
 
     def observe(self, calls: Trace, tasks: Callable[[Task], object]) -> Callable[[], None]:
-        """Have calls and tasks told from now on; for the package's own code, such as a recorder.
+        """Report calls and tasks from now on; for the package's own code, such as a recorder.
 
-        The calls of the feed and of the following of tasks are not told: they are many, and change
+        The calls of the feed and of the task follower are not reported: they are many, and change
         nothing.
 
         Args:
-            calls: called with each call that is over, on its thread. It neither raises nor waits.
+            calls: called with each call that has ended, on its thread. It must not raise or wait.
             tasks: called with each task that is accepted, changes its state or ends, on the event
-                loop. It neither raises nor waits.
+                loop. It must not raise or wait.
 
         Returns:
-            What ends it.
+            A function that ends the reports.
         """
         lanes = (self._stop_lane, self._control_lane, self._motion_lane, self.calls)
         follower = self.stop_coordinator.follower
 
         def end() -> None:
-            # Other lists and not shorter ones: a thread may be going through them.
+            # New lists instead of changed ones: a thread may be iterating over them.
             for lane in lanes:
                 lane.observers = [other for other in lane.observers if other != calls]
             follower.observers = [other for other in follower.observers if other != tasks]
@@ -291,20 +290,20 @@ class Supervisor:
         return end
 
     async def admit_stream(self, name: str) -> None:
-        """See that a stream of set-points may begin.
+        """Check that a stream of set-points may begin.
 
         Args:
-            name: what it is called.
+            name: name of the stream, for messages.
 
         Raises:
             RobotStateError: the robot is not open, or something moves the arm.
-            HeartbeatLost: the heartbeat does not beat.
+            HeartbeatLost: the heartbeat is not running.
         """
         self.check_open(name)
         await self.dispatcher.admit_stream(name)
 
     def statistics(self) -> SupervisorStatistics:
-        """Figures since the robot was opened."""
+        """Return statistics since the robot was opened."""
         return SupervisorStatistics(
             lanes={lane.name: lane.statistics() for lane in self.lanes},
             heartbeat=self.heartbeat.statistics() if self.heartbeat else None,
@@ -317,7 +316,7 @@ class Supervisor:
         )
 
     async def open(self) -> None:
-        """Connect, see that a controller answers, and begin to supervise.
+        """Connect, check that a controller answers, and begin to supervise.
 
         Raises:
             ConnectError: there is no controller.
@@ -332,7 +331,7 @@ class Supervisor:
                 "executable is no Python interpreter; connect without a guard, and open streams "
                 'with lane="thread"'
             )
-        # Before the first beat, which judges by it whether the event loop hangs.
+        # Before the first beat, which uses it to judge whether the event loop hangs.
         self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         try:
             self.version = ControllerVersion(await self._open_lanes())
@@ -355,15 +354,15 @@ class Supervisor:
             self._guard_lost()  # while the robot was being opened
 
     async def _open_lanes(self) -> str:
-        """Open every lane, ask two questions, start a guard if wanted, and the heartbeat.
+        """Open every lane, read state and version, start a guard if wanted, and the heartbeat.
 
         Returns:
-            The version of the controller's software; empty if it does not tell.
+            The version of the controller's software; empty if it does not report one.
 
         Raises:
             ConnectError: the host is unknown, the port is closed, or nothing answers.
             NotAController: something else answers.
-            ConnectTimeout: something accepts connections, but answers nothing.
+            ConnectTimeout: something accepts connections, but does not answer.
             GuardLost: the guard cannot be started.
         """
         for lane in self.lanes:
@@ -402,7 +401,7 @@ class Supervisor:
         return version
 
     async def rearm_heartbeat(self, timeout: float) -> None:
-        """Go on beating after a stall of the event loop; `Robot.rearm_heartbeat` describes it."""
+        """Resume the beats after a stall of the event loop; see `Robot.rearm_heartbeat`."""
         limit = SECONDS("timeout", timeout)
         self.check_open("rpc_heartbeat")
         if self.heartbeat is None:
@@ -413,13 +412,13 @@ class Supervisor:
 
     def _watch_loop(self) -> None:
         if self.settings.lag_limit is not None:
-            # Opening took its time, which the loop spent waiting: it is watched from now on.
+            # The time that opening took does not count: the loop is watched from now on.
             self._life.touch(time.monotonic())
             self._watched = WatchedLoop(self._life, self.settings.lag_limit, self._loop_blocked())
             self._watchdog = watchdogs.watch(self._watched)
 
     def forget(self) -> None:
-        """Stop what moves, and end the heartbeat: the program dropped an open robot."""
+        """Stop what moves, and end the heartbeat, after the program dropped an open robot."""
         if self.owner_loop.forked_off:
             return
         if self._exit_stop is not None:
@@ -428,7 +427,7 @@ class Supervisor:
             self.heartbeat.end()
 
     def _loop_blocked(self) -> Callable[[float, str], None]:
-        """What the loop's watchdog calls, on its thread."""
+        """Return the callback that the loop's watchdog calls on its thread."""
         seen: deque[LoopBlocked] = deque()
         ring = loop_callback(lambda: self.events.tell(seen.popleft()))
 
@@ -439,14 +438,14 @@ class Supervisor:
         return blocked
 
     async def aclose(self) -> None:
-        """Go down the exit ladder: stop what moves, see it stand, close.
+        """Carry out the exit ladder: stop what moves, wait until it stands, close.
 
-        A robot whose own event loop has been closed is left on the one that runs. In a forked
-        child nothing is done: there is nothing of the child's to be left.
+        If the robot's own event loop has been closed, this runs on the present one. In a forked
+        child it does nothing: the robot belongs to the parent.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
-            WrongLoop: the robot's own event loop is another one, and could leave it.
+            WrongLoop: the robot's own event loop is another one, which is still open.
         """
         if self._closed or not self._opened or self.owner_loop.forked_off:
             return
@@ -494,13 +493,13 @@ class Supervisor:
             self.heartbeat.join(_GRACE)
 
     async def _start_guard(self) -> None:
-        """Have the guard take over stop and heartbeat, if there is to be one."""
+        """Let the guard take over stop and heartbeat, if a guard is wanted."""
         if self.guard is not None:
             await self.guard.acquire(self._guard_lost)
             self._life.touch(time.monotonic())
 
     def _guard_lost(self) -> None:
-        """Stop the arm, and start another guard: the guard is gone, and its heartbeat with it."""
+        """Stop the arm, and start another guard, since the guard and its heartbeat have ended."""
         if self._closed or self.guard is None or not self._opened:
             return
         self._background.start(self._new_guard(self.guard), "aioduco new guard")
@@ -523,22 +522,22 @@ class Supervisor:
             _log.critical("no other guard could be started: %s", exc)
 
     async def _live(self, due: float) -> None:
-        """Show that the event loop runs, first at `due`."""
+        """Give signs of life of the event loop, first at `due`."""
         period = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
         async for turn in every(period, due):
             self._life.touch(turn)
 
     def _crashed(self, error: BaseException) -> None:
-        """Part of the supervision failed: end the heartbeat; the controller then stops the arm."""
+        """End the heartbeat after a failure of the supervision: the controller stops the arm."""
         self.dispatcher.closed = f"the supervision of the robot failed ({error!r}); open it anew"
         if self.heartbeat is not None:
             self.heartbeat.end()
 
     def _cut_off(self) -> None:
-        """Stop the arm: the event loop ends, and with it the supervision.
+        """Stop the arm, because the event loop ends, and with it the supervision.
 
-        What comes between this and the end of the interpreter is the program's: an excepthook may
-        take any time. So the arm is stopped now.
+        Before the interpreter exits, code of the program may run: an excepthook may take any time.
+        So the arm is stopped now.
         """
         if self._closed or self.dispatcher.closed:
             return
@@ -550,7 +549,7 @@ async def _version(lane: WireLane) -> str:
     try:
         version: str = await lane.call("get_robot_version", ())
     except ControllerError:
-        return ""  # it does not tell, which older ones may not
+        return ""  # older controllers may not report it
     return version
 
 
@@ -573,7 +572,7 @@ async def _written() -> None:
 
 
 class _LadderRun:
-    """Carries out rungs of the exit ladder, and keeps what is to be raised at the end."""
+    """Carries out steps of the exit ladder, and keeps the error to raise at the end."""
 
     def __init__(self) -> None:
         self._failed: Exception | None = None
@@ -582,7 +581,7 @@ class _LadderRun:
     async def rung(
         self, name: str, limit: float | None, step: Callable[[float], Awaitable[object]]
     ) -> None:
-        """Carry out a step to its end, whatever comes."""
+        """Carry out a step to its end, even if it is cancelled."""
         if limit is None:
             _log.info("leaving the robot: %s is left out", name)
             return
@@ -603,12 +602,12 @@ class _LadderRun:
             self._cancelled = cancelled or self._cancelled
 
     async def report(self) -> None:
-        """Wait until the log messages are written; if the program's handlers hang, not for long."""
+        """Wait until the log messages are written, but not long if the program's handlers hang."""
         _, cancelled = await run_to_completion(_written)
         self._cancelled = cancelled or self._cancelled
 
     def finish(self) -> None:
-        """Raise what failed, or the cancellation that came meanwhile."""
+        """Raise the first failure, or the cancellation that came meanwhile."""
         if self._failed is not None:
             raise self._failed
         if self._cancelled is not None:

@@ -1,4 +1,4 @@
-"""A task of the controller as something to wait for: its state, its end, its errors."""
+"""A task of the controller that a program can await: its state, its end, its errors."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ if TYPE_CHECKING:
 
 __all__ = ["OnCancel", "Task", "TaskControl", "task_error"]
 
-#: what becomes of a motion when the await of it is cancelled
+#: what happens to a motion when its await is cancelled
 OnCancel = Literal["stop", "pause", "detach"]
 
 
 class TaskControl(Protocol):
-    """What a task needs of whoever supervises it."""
+    """Interface of the supervision that a task uses."""
 
     def check_loop(self, what: str) -> None:
-        """See that this is the robot's event loop, before `what` is done on it."""
+        """Check that this is the robot's event loop, before `what` is done on it."""
         ...
 
     async def stop(self) -> None:
-        """Stop the arm and see it stand."""
+        """Stop the arm, and wait until it stands."""
         ...
 
     async def pause(self) -> None:
@@ -51,15 +51,15 @@ class TaskControl(Protocol):
         ...
 
     async def end(self, name: str) -> None:
-        """Have what goes on ended by the function `name` of the wire, and see the arm stand."""
+        """End continuous motions by the function `name` of the wire; wait until the arm stands."""
         ...
 
     async def joints(self) -> Sequence[float]:
-        """Where the arm is: the angles of its joints [rad]."""
+        """Read where the arm is: the angles of its joints [rad]."""
         ...
 
     async def cancelled_while_waiting(self, task: Task) -> None:
-        """The await of a task was cancelled: do what its `on_cancel` says, then return."""
+        """Do what the `on_cancel` of a task says after its await was cancelled, then return."""
         ...
 
 
@@ -67,7 +67,7 @@ class Task:
     """A task that the controller accepted. `await task` gives its outcome.
 
     Awaiting it raises a typed error unless it finished or blended. Cancelling that await stops
-    the arm (see `on_cancel`); `wait()` only looks on, and can be cancelled without effect.
+    the arm (see `on_cancel`); `wait()` only observes, and can be cancelled without effect.
     The controller stops, pauses and resumes all its tasks together, never one alone: so do
     `cancel`, `pause` and `resume`.
 
@@ -75,12 +75,12 @@ class Task:
         id: the controller's number of the task.
         name: the function that started it.
         motion: whether it moves the arm.
-        on_cancel: what happens when the await of it is cancelled.
+        on_cancel: what happens when its await is cancelled.
         accepted_at: when the controller's acceptance was received [s of `time.monotonic`].
-        started_at: when it was first seen other than idle; None before.
+        started_at: when it was first seen in a state other than idle; None before.
         ended_at: when its end was noticed; None before.
-        since: when it was accepted, by the robot's clock [s]: the controller's time, which is that
-            of `accepted_at` on a real arm.
+        since: when it was accepted, by the robot's clock, the controller's time [s]; equal to
+            `accepted_at` on a real arm.
         deadline: when the arm is stopped if it has not ended, by the robot's clock; None for never.
     """
 
@@ -115,25 +115,25 @@ class Task:
         self.started_at: float | None = None
         self.ended_at: float | None = None
         self.deadline = deadline
-        #: how many stops had been asked for when it was sent
+        #: number of stops that had been requested when it was sent
         self.stops_before = stops_before
-        #: how it comes to its end, if it goes on until something ends it
+        #: how it ends, if it is a continuous motion
         self.continuous = continuous
-        #: since when the arm was seen to stand while it should go on, by the clock; None if it
-        #: moves
+        #: since when the arm has been seen to stand although the motion continues, by the clock;
+        #: None if it moves
         self.stood_since: float | None = None
-        #: where it leads, if that is known in joint angles
+        #: its target and speed, if they are known for the joints
         self.eta = eta
         self._errors_before = tuple(errors_before)
-        #: whether it has been looked where it begins
+        #: whether its start position has been asked for
         self.placed = False
         #: when its end is expected, by the clock; None if unknown
         self.expected_end: float | None = None
         self._let_go: Callable[[], None] | None = None
         self._start: Sequence[float] | None = None
-        #: why it was lost sight of, or not stopped in time
+        #: why it could not be followed any more, or was not stopped in time
         self.fault: BaseException | None = None
-        #: why this program stopped the arm, if it was not asked to
+        #: why this program stopped the arm, if no caller requested it
         self.stopped_by: BaseException | None = None
         #: whether the arm was stopped because the deadline passed
         self.overdue = False
@@ -148,29 +148,29 @@ class Task:
 
     @property
     def state(self) -> TaskState:
-        """The state that was seen last."""
+        """The last state that was seen."""
         return self.life.state
 
     @property
     def outcome(self) -> Outcome | None:
-        """How the task ended; None while it lives."""
+        """How the task ended; None while it is live."""
         return self.life.outcome if self.done else None
 
     @property
     def done(self) -> bool:
-        """Whether the task has ended, or was lost sight of."""
+        """Whether the task has ended, or cannot be followed any more."""
         return self._ended.is_set()
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """What a task that failed added to the controller's error list since its acceptance."""
+        """Entries that a failed task added to the controller's error list since its acceptance."""
         return self._errors
 
     @property
     def duration(self) -> float:
         """Seconds from its start (its acceptance, until it is seen to start) to its end, or now.
 
-        They are the controller's, by the robot's clock.
+        This is the controller's time, by the robot's clock.
         """
         return (self._clock.now() if self.ended_at is None else self._over) - self._began
 
@@ -178,9 +178,9 @@ class Task:
     def remaining(self) -> float | None:
         """Seconds until its end is expected, 0 once that time has passed; None if it is unknown.
 
-        It is known of `movej2` with an acceleration, if the arm stood when it was accepted. It
-        holds for the speed slider at 100 %, and takes no account of pauses. It is the controller's
-        time, by the robot's clock.
+        It is known for `movej2` with an acceleration, if the arm stood when it was accepted. It
+        assumes the speed slider at 100 %, and no pauses. It is the controller's time, by the
+        robot's clock.
         """
         if self.done:
             return 0.0
@@ -188,15 +188,15 @@ class Task:
         return None if end is None else max(0.0, end - self._clock.now())
 
     async def progress(self) -> float | None:
-        """Ask where the arm is, and tell which part of the way it has gone.
+        """Read where the arm is, and return which part of the motion is done.
 
             while not task.done:
                 print(await task.progress())
                 await anyio.sleep(0.1)
 
         Returns:
-            0 to 1; None if it is unknown: it is known of `movej2` if the arm stood when it was
-            accepted, and of every motion that has finished (1).
+            0 to 1; None if it is unknown: it is known for `movej2` if the arm stood when it was
+            accepted, and for every motion that has finished (1).
 
         Raises:
             ConnectionLost: the controller does not answer.
@@ -208,7 +208,7 @@ class Task:
         return self.eta.part(self._start, await self._control.joints())
 
     def result(self) -> Outcome:
-        """The outcome of a task that is done.
+        """Return the outcome of a task that is done.
 
         Raises:
             TaskError: it is not done, or it neither finished nor blended: one of the subclasses.
@@ -219,7 +219,7 @@ class Task:
         if outcome.success and self.fault is None:
             return outcome
         if outcome.success:
-            outcome = Outcome.UNKNOWN  # it was told to end, but the arm was not seen to stand
+            outcome = Outcome.UNKNOWN  # its end was requested, but the arm was not seen to stand
         if self.overdue and outcome is Outcome.STOPPED:
             raise TaskOverdue(
                 self.name, self.id, "did not end by its deadline: the arm was stopped"
@@ -231,7 +231,7 @@ class Task:
     async def wait(self) -> Outcome:
         """Wait for the end and return the outcome, whatever it is.
 
-        Cancelling this wait does nothing to the arm.
+        Cancelling this wait has no effect on the arm.
 
         Raises:
             WrongLoop: this is not the robot's event loop.
@@ -247,19 +247,19 @@ class Task:
 
     async def _follow(self) -> Outcome:
         if not self.done:
-            # here, since what is refused stops nothing
+            # here and not below, because a refused await must not stop the arm
             self._control.check_loop(f"await {self.name}")
         try:
             await self.wait()
-        except BaseException:  # a cancellation, or an interrupt that landed just here
+        except BaseException:  # a cancellation, or an interrupt at this point
             await self._control.cancelled_while_waiting(self)
             raise
         return self.result()
 
     async def __aiter__(self) -> AsyncIterator[TaskState]:
-        """Each state from the first on, once, until the end.
+        """Yield each state once, from the first one until the end.
 
-        Leaving the loop does nothing to the arm.
+        Leaving the loop has no effect on the arm.
         """
         seen = 0
         if not self.done:
@@ -288,16 +288,16 @@ class Task:
         return await self.wait()
 
     async def end(self) -> Outcome:
-        """End a motion that goes on by the function made for that, and wait until the arm stands.
+        """End a continuous motion by its own function, and wait until the arm stands.
 
-        Other tasks go on. A motion that comes to an end by itself is cancelled. What cannot be
-        ended is stopped.
+        Other tasks continue. A motion that ends by itself is cancelled. A motion that cannot be
+        ended this way is stopped.
 
         Returns:
             The outcome of this task.
 
         Raises:
-            TaskError: it had ended otherwise than by finishing, or could only be stopped.
+            TaskError: it had ended without finishing, or could only be stopped.
             StopUnconfirmed: it is not known that the arm stands.
         """
         if not self.done:
@@ -321,15 +321,15 @@ class Task:
             await self._control.resume()
 
     async def _forsake(self) -> None:
-        """Do to the arm what a cancelled await of this task does: see `on_cancel`."""
+        """Do what a cancelled await of this task does to the arm: see `on_cancel`."""
         if not self.done:
             self._control.check_loop("forsake")
         await self._control.cancelled_while_waiting(self)
 
-    # What follows is for the supervision alone.
+    # The following methods are only for the supervision.
 
     def _begins_at(self, joints: Sequence[float]) -> None:
-        """The arm stood at these joints when the controller accepted it."""
+        """Set the joints at which the arm stood when the controller accepted the task."""
         assert self.eta is not None
         self._start = tuple(joints)
         seconds = self.eta.seconds(joints)
@@ -337,25 +337,25 @@ class Task:
 
     @property
     def in_time(self) -> bool:
-        """Whether the time of a motion that goes on is over."""
+        """Whether the time of a continuous motion is over."""
         if self.continuous is None or self.continuous.time is None:
             return False
         return self._clock.now() >= self.since + self.continuous.time
 
     def hold_at_end(self) -> None:
-        """Hold the clock at the end of the motion's time, until it was told to end."""
+        """Hold the clock at the end of the motion's time, until the motion is ended."""
         assert self.continuous is not None
         assert self.continuous.time is not None
         self._let_go = self._clock.hold(self.since + self.continuous.time)
 
     def let_go(self) -> None:
-        """Hold the clock no more."""
+        """Release the clock."""
         if self._let_go is not None:
             self._let_go()
             self._let_go = None
 
     def _observed(self, state: TaskState, now: float) -> bool:
-        """The controller reported a state; returns whether it is another than before."""
+        """Take in a state from the controller. Returns whether it differs from the last one."""
         changed = self.life.observe(state) and self._states[-1] != self.life.state
         if self.started_at is None and self.life.started:
             self.started_at, self._began = now, self._clock.now()
@@ -365,7 +365,7 @@ class Task:
         return changed
 
     def _settle(self, errors: Sequence[str], now: float) -> None:
-        """The task has ended for good: wake whoever waits."""
+        """Note that the task has ended for good, and wake its waiters."""
         if not self.done:
             self._errors = added_entries(self._errors_before, errors)
             self.ended_at, self._over = now, self._clock.now()
@@ -406,6 +406,6 @@ _MEANING: dict[Outcome, tuple[type[TaskError], str]] = {
 def task_error(
     name: str, task_id: int | None, outcome: Outcome, errors: Sequence[str] = ()
 ) -> TaskError:
-    """The typed error for an outcome that is no success."""
+    """Return the typed error for an outcome other than success."""
     kind, message = _MEANING[outcome]
     return kind(name, task_id, message, errors)

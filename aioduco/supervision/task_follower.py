@@ -1,24 +1,23 @@
-"""Follows the tasks of a robot to their ends: asks for their states, and stops what goes wrong.
+"""Follows the tasks of a robot to their ends: polls their states, and stops motions that go wrong.
 
-The controller does not tell when a task ends; it is asked. Asking costs a round trip, so a task is
-asked about often when something is likely to happen and seldom when not:
+The controller does not report when a task ends, so it is polled. A poll costs a round trip, so a
+task is polled often when something is likely to happen and seldom when not:
 
 - just after acceptance, when it starts, is refused, or was short;
 - near its expected end and shortly after, if an end can be expected;
-- in between after a quarter of the time that it has run, or is still to run, whichever is shorter,
-  at a rate that still keeps the notice of an unexpected end short.
+- in between, after a quarter of the time that it has run, or has still to run, whichever is
+  shorter, but often enough that an unexpected end is noticed soon.
 
-Due times are absolute: a late question does not move the ones after it. Questions that were missed
-are left out, not caught up with.
+Due times are absolute: a late poll does not delay the later ones. Missed polls are skipped.
 
 Guarantees:
-- Each live task is asked about in its turn, at the rate that `interval` says.
-- A task that could not be asked about for `LOST_AFTER` seconds ends with an unknown outcome.
-  Nothing is assumed of it.
-- A motion that nobody can follow any more, or that is overdue, is stopped. Its await ends when the
-  arm stands, or no stop was accepted in time, or the controller must have stopped the arm by
-  itself since no heartbeat reaches it.
-- Whatever happens to the follower, every task ends: no await of one is left behind.
+- Each live task is polled in its turn, at the rate of `interval`.
+- A task that could not be polled for `LOST_AFTER` seconds ends with an unknown outcome. Nothing is
+  assumed about it.
+- A motion that cannot be followed any more, or is overdue, is stopped. Its await ends when the arm
+  stands, when no stop was accepted in time, or when the controller must have stopped the arm by
+  itself, because no heartbeat reaches it.
+- Whatever happens to the follower, every task ends: no await of a task hangs.
 """
 
 from __future__ import annotations
@@ -53,17 +52,17 @@ if TYPE_CHECKING:
 
 _log = BackgroundLogger(__name__)
 
-#: seconds for a stopped task to be seen to have ended
+#: seconds to wait until a stopped task is seen to have ended
 END_LIMIT = 1.0
 #: seconds between polls while something is likely to happen
 FAST = 0.002
 #: seconds between polls of a task whose end cannot be expected; half of it is the median delay
 STEADY = 0.005
-#: seconds between polls at most, far from an expected end
+#: maximum seconds between polls, far from an expected end
 SLOW = 0.05
-#: for how long after its expected end a task is asked about at the fast rate [s]
+#: time after its expected end for which a task is polled at the fast rate [s]
 OVERDUE = 0.1
-#: part of the time since its acceptance, and until its expected end, that passes without a poll
+#: part of the time since its acceptance, or until its expected end, that passes without a poll
 SHARE = 0.25
 
 K = TypeVar("K", bound=Hashable)
@@ -82,10 +81,10 @@ def interval(age: float, remaining: float | None = None) -> float:
 
 
 class PollSchedule(Generic[K]):
-    """Which task is asked about next: the one whose due time is earliest.
+    """Selects the task that is polled next: the one whose due time is earliest.
 
-    When there is more to ask than time for it, every due time has passed, and the earliest is
-    that of the task not asked for longest: the order is then a round robin.
+    Under overload, every due time has passed, and the earliest one is that of the task that was not
+    polled for longest: the order is then a round robin.
     """
 
     def __init__(self) -> None:
@@ -98,32 +97,33 @@ class PollSchedule(Generic[K]):
         return key in self._due
 
     def add(self, key: K, due: float) -> None:
-        """Take `key` in, to be asked at `due`."""
+        """Add `key`, to be polled at `due`."""
         self._due[key] = due
 
     def remove(self, key: K) -> None:
-        """Take `key` out, if it is in."""
+        """Remove `key`, if it is there."""
         self._due.pop(key, None)
 
     def first(self) -> tuple[K, float] | None:
-        """The next one, and when it is due; None if it is empty."""
+        """Return the next key, and when it is due; None if there is none."""
         if not self._due:
             return None
         key = min(self._due, key=self._due.__getitem__)
         return key, self._due[key]
 
     def asked(self, key: K, now: float, every: float) -> None:
-        """`key` was asked: its next due time is `every` after the last, or after now if past.
+        """Note that `key` was polled: it is due again `every` after its last due time.
 
-        A long interval may be shorter by `GRID`, if that is not past.
+        If that time has passed, it is due `every` after now. A long interval may be shorter by up
+        to `GRID`, if that time has not passed.
         """
         if key in self._due:
             due = self._due[key] + every
             if due <= now:
                 due = now + every
             if every >= 4 * GRID and (shared := on_grid(due)) > now:
-                # those of other robots then are due at the same moments, and cost one turn of the
-                # loop
+                # polls of other robots are then due at the same moments, and share one iteration of
+                # the loop
                 due = shared
             self._due[key] = due
 
@@ -138,26 +138,26 @@ _WITH_ERRORS = {Outcome.FAILED, Outcome.ILLEGAL, Outcome.PARAMETER_MISMATCH}
 
 
 class ArmStopper(TaskControl, Protocol):
-    """The stop coordinator as the follower sees it."""
+    """Interface of the stop coordinator that the follower uses."""
 
-    #: whether a motion may be running that nobody follows
+    #: whether a motion may be running that is not followed
     unfollowed_motion: bool
 
     @property
     def stops(self) -> int:
-        """How many stops have been asked for; rises before a stop is sent."""
+        """Number of requested stops; rises before a stop is sent."""
         ...
 
     async def halt(self) -> None:
-        """Stop the arm and see it stand."""
+        """Stop the arm, and wait until it stands."""
         ...
 
     async def standstill(self) -> None:
-        """See the arm stand, without a stop."""
+        """Wait until the arm stands, without a stop."""
         ...
 
     async def lapsed(self) -> HeartbeatLost:
-        """Wait until the controller has stopped the arm by itself, for want of the heartbeat."""
+        """Wait until the controller has stopped the arm by itself, because no heartbeat came."""
         ...
 
 
@@ -165,15 +165,15 @@ class TaskFollower:
     """Follows tasks to their ends.
 
     Args:
-        lane: where to ask.
+        lane: lane of the polls.
         arm: stops the arm.
-        background: runs what no caller waits for.
+        background: runs coroutines that no caller waits for.
         clock: the controller's time.
 
     Attributes:
-        polls: questions that were asked.
+        polls: number of polls.
         observers: called with each task that was accepted, changed its state or ended, on the event
-            loop; the package's own, which neither raise nor wait.
+            loop; the package's own, which must not raise or wait.
     """
 
     def __init__(
@@ -195,7 +195,7 @@ class TaskFollower:
 
     @property
     def tasks(self) -> tuple[Task, ...]:
-        """The tasks that live, in the order of their acceptance."""
+        """The live tasks, in the order of their acceptance."""
         return tuple(self._seen)
 
     def follow(self, task: Task) -> None:
@@ -204,7 +204,7 @@ class TaskFollower:
             now = time.monotonic()
             task.life.lose()
             if task.motion:
-                # it was sent, and nobody follows it: it is stopped before it settles
+                # it was sent, and is not followed: it is stopped before it settles
                 self._stop_lost(task, lambda: task._settle((), now))
             else:
                 task._settle((), now)
@@ -215,15 +215,15 @@ class TaskFollower:
         tell(self.observers, task)
 
     async def error_list(self) -> tuple[str, ...]:
-        """The controller's error list before a command is sent: what it has then is not its own.
+        """Return the controller's error list before a command, whose errors are not in it yet.
 
-        It is asked for while nothing runs; behind tasks that run, it is that of their beginning.
+        The list is read while no task runs; while tasks run, it is the list from before them.
         """
         if not self._seen:
             try:
                 self._error_list = tuple(await self._lane.call("get_last_error", (), ASK_LIMIT))
             except DucoError:
-                # It only explains: a controller that does not tell it moves its arm all the same.
+                # The list only explains errors: without it, the controller still moves its arm.
                 self._error_list = ()
         return self._error_list
 
@@ -296,8 +296,8 @@ class TaskFollower:
             try:
                 value: int = await self._lane.call("get_noneblock_taskstate", (task.id,), ASK_LIMIT)
             except ControllerError:
-                # It was asked, and answered that it cannot tell: that is no lost connection, but
-                # nothing will be heard of the task either.
+                # The controller answered that it does not have the state: the connection is not
+                # lost, but the task cannot be followed any more.
                 self._answered(task, None)
             except DucoError:
                 answered = False
@@ -332,7 +332,10 @@ class TaskFollower:
             task.life.stop_sent()
 
     async def _ask_whether_it_stands(self, task: Task) -> bool:
-        """The controller ended the task of a motion that goes on. Returns whether it answered."""
+        """Poll whether the arm stands, after the controller ended the task of a continuous motion.
+
+        Returns whether the controller answered.
+        """
         self.polls += 1
         try:
             moving: bool = await self._lane.call("robotmoving", (), ASK_LIMIT)
@@ -350,10 +353,10 @@ class TaskFollower:
         return True
 
     async def _expect(self, task: Task) -> None:
-        """Find out, once and right after acceptance, when it will end."""
+        """Compute, once and right after acceptance, when a task will end."""
         task.placed = True
         if any(other.motion for other in self._seen if other is not task):
-            return  # it begins where another motion ends, at a time that nobody knows
+            return  # it begins where another motion ends, at an unknown time
         try:
             joints: list[float] = await self._lane.call("get_actual_joints_position", (), ASK_LIMIT)
         except DucoError:
@@ -364,8 +367,8 @@ class TaskFollower:
     def _answered(self, task: Task, state: TaskState | None) -> None:
         now = time.monotonic()
         self._seen[task] = now
-        # Before the state is judged: a stop that was asked for before this state came about must
-        # have been noted, or an interruption by it could pass for blending.
+        # Before the state is judged: a stop that was requested before this state came about must
+        # be noted, or an interruption by it could be taken for blending.
         self._note_stop(task)
         if state is None:
             task.life.lose()
@@ -380,7 +383,7 @@ class TaskFollower:
             try:
                 errors = await self._lane.call("get_last_error", (), ASK_LIMIT)
             except DucoError:
-                # The outcome is known, and must not wait for what only explains it.
+                # The outcome is known, and must not wait for the list that only explains it.
                 errors = []
         told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
@@ -413,9 +416,9 @@ class TaskFollower:
             self._mark_ended(task, (), now)
 
     def _stop_lost(self, task: Task, mark_ended: Callable[[], None]) -> None:
-        """Stop a motion with an unknown outcome: it may go on.
+        """Stop a motion with an unknown outcome, because it may still move the arm.
 
-        It is stopped, and `mark_ended` is called when the arm stands, or is not known to.
+        `mark_ended` is called when the arm stands, or when no stop could be confirmed.
         """
         self._arm.unfollowed_motion = True
         self._stopping.add(task)
@@ -447,7 +450,7 @@ class TaskFollower:
     async def _see_lapsed(self, task: Task, mark_ended: Callable[[], None]) -> None:
         """End a lost task as soon as the controller has stopped the arm by itself.
 
-        The stop is tried on: what is sent next waits for it (`lost_stopped`).
+        The attempts to stop continue, and the next command waits for them (`lost_stopped`).
         """
         async with anyio.create_task_group() as group:
 
@@ -462,9 +465,9 @@ class TaskFollower:
             group.cancel_scope.cancel()
 
     async def lost_stopped(self) -> None:
-        """Wait until no stop is tried any more because of a motion that was lost sight of.
+        """Wait until all attempts to stop a lost motion are over.
 
-        It would end the motion that is sent next.
+        Such a stop would end the motion that is sent next.
         """
         while self._stopping:
             await self._stopped.wait()

@@ -1,18 +1,19 @@
-"""What is known of one task: its end, the end of a motion that goes on, and when that is expected.
+"""The state of one task: its end, the end of a continuous motion, and when its end is expected.
 
-No clock, no connection, no event loop. `TaskLifecycle` is fed with what was seen (`observe`) and
-with what the program did (`successor_…`, `stop_sent`), and says how the task ended.
+No clock, no connection, no event loop. `TaskLifecycle` gets the states that were seen (`observe`)
+and the actions of the program (`successor_…`, `stop_sent`), and decides how the task ended.
 
 Rules:
-- An end is final. What is seen afterwards changes nothing.
-- State 5 (interrupted) is also how a motion ends that blended into the next one. It counts as
+- An end is final. Later observations change nothing.
+- A motion that blended into the next one also ends with state 5 (interrupted). It counts as
   blended only if the motion asked for blending, another motion was accepted after it, and no
   stop was sent in the meantime. In doubt it is an interruption, which is an error.
-- While the next motion is on its way to the controller, state 5 is not judged: whether that
-  motion was accepted decides.
-- The end of the task of a motion that goes on (`ContinuousMotion`) is not the end of the motion.
-  It has finished when it was told to end, or when the arm stands, and blended if another motion
-  took over. That the controller called it finished is never overruled by the time that it took.
+- While the next motion is on its way to the controller, state 5 is not judged: the acceptance of
+  that motion decides.
+- The end of the task of a continuous motion (`ContinuousMotion`) is not the end of the motion.
+  The motion has finished when its end was requested, or when the arm stands; it has blended if
+  another motion took over. If the controller reports that it finished, the time that it took never
+  overrules that.
 - A state that the manual does not list, or a task that ran and is idle again (the controller
   was restarted), has no known outcome.
 """
@@ -42,25 +43,24 @@ __all__ = [
 
 #: seconds after its time for which a motion may still slow down before it is stopped
 BRAKING = 2.0
-#: seconds for which the arm must have stood before a motion whose task the controller has ended
-#: before its time counts as over: it may not have begun to move
+#: seconds for which the arm must have stood before a motion counts as over, if the controller has
+#: ended its task early: the arm may not have begun to move
 STOOD = 0.25
 
 
 @dataclass(frozen=True, slots=True)
 class ContinuousMotion:
-    """How a motion that goes on comes to its end.
+    """How a continuous motion ends.
 
-    The controller may end the task of such a motion as soon as it has begun ("the function
+    The controller may end the task of such a motion as soon as the motion has begun ("the function
     returns and the next is carried out", manual 1.3.5, speedj), or when it is over: the manual
-    does not say. So the end of the task is not taken for the end of the motion: that is when the
-    arm stands.
+    does not say. So the motion has not ended when its task ends, but when the arm stands.
 
     Attributes:
         ending: the function of the wire that ends it.
         time: seconds after which it ends by itself; None if it does not.
-        timed_here: whether this program sees to that, since the wire has no such time.
-        until_told: whether it goes on even if the arm stands, as hand guiding does.
+        timed_here: whether this program must end it then, because the wire has no such time.
+        until_told: whether it continues even if the arm stands, as hand guiding does.
     """
 
     ending: str
@@ -84,7 +84,7 @@ class JointEta:
     """A motion of all joints together, from where the arm stands.
 
     Attributes:
-        target: where to. Shape (6,) [rad].
+        target: target joint angles. Shape (6,) [rad].
         v: speed of the joint with the longest way [rad/s].
         a: its acceleration [rad/s²]; None if the controller chooses it.
     """
@@ -94,7 +94,7 @@ class JointEta:
     a: float | None
 
     def seconds(self, start: Sequence[float]) -> float | None:
-        """Seconds that it takes, with a trapezoidal speed; None without an acceleration.
+        """Return its duration [s], with a trapezoidal speed; None without an acceleration.
 
         Args:
             start: joints at which it begins. Shape (6,) [rad].
@@ -107,7 +107,7 @@ class JointEta:
         return 2.0 * math.sqrt(way / self.a)
 
     def part(self, start: Sequence[float], now: Sequence[float]) -> float:
-        """Which part of the way has been gone, 0 to 1: along the straight line between the joints.
+        """Return which part of the motion is done, 0 to 1, along the straight line in joint space.
 
         Args:
             start: joints at which it began. Shape (6,) [rad].
@@ -117,13 +117,13 @@ class JointEta:
         gone = [here - begin for begin, here in zip(start, now, strict=False)]
         square = sum(step * step for step in way)
         if square == 0.0:
-            return 1.0  # it was there from the beginning
+            return 1.0  # it began at its target
         along = sum(step * done for step, done in zip(way, gone, strict=True))
         return min(1.0, max(0.0, along / square))
 
 
-#: Observations of "idle" in a row, after the task has run, until it counts as lost. One alone
-#: may be the controller changing over from one state to the next.
+#: Observations of "idle" in a row, after the task has run, until it counts as lost. A single one
+#: may come from the controller's change from one state to the next.
 IDLE_AGAIN_LIMIT = 20
 
 _OUTCOMES = {
@@ -136,7 +136,7 @@ _OUTCOMES = {
 
 
 def added_entries(before: Sequence[str], after: Sequence[str]) -> tuple[str, ...]:
-    """What was added to the controller's error list, of which the oldest entries may be gone.
+    """Return the entries added to the controller's error list, which may drop its oldest entries.
 
     Args:
         before: the list at first.
@@ -145,7 +145,7 @@ def added_entries(before: Sequence[str], after: Sequence[str]) -> tuple[str, ...
     for kept in range(min(len(before), len(after)), 0, -1):
         if tuple(before[-kept:]) == tuple(after[:kept]):
             return tuple(after[kept:])
-    left = Counter(before)  # in an order of its own, then: each entry that was there counts once
+    left = Counter(before)  # the order does not match: each earlier entry is left out once
     added = []
     for entry in after:
         if left[entry]:
@@ -164,16 +164,16 @@ class Successor(Enum):
 
 
 class TaskLifecycle:
-    """What is known of one task of the controller.
+    """The state of one task of the controller.
 
     Attributes:
-        state: the state that was seen last.
-        outcome: how the task ended; None while it lives, or while its end cannot be judged.
+        state: the last state that was seen.
+        outcome: how the task ended; None while it is live, or while its end cannot be judged.
         started: whether it was seen in any state other than idle.
         successor: what is known of the motion after this one.
-        stop_seen: whether a stop was sent while the task lived.
-        end_seen: whether the function that ends it was sent while the task lived.
-        goes_on: whether the controller has ended its task, but the motion goes on.
+        stop_seen: whether a stop was sent while the task was live.
+        end_seen: whether the function that ends it was sent while the task was live.
+        goes_on: whether the controller has ended its task, but the motion continues.
     """
 
     __slots__ = (
@@ -207,7 +207,7 @@ class TaskLifecycle:
 
     @property
     def ended(self) -> bool:
-        """Whether the task has ended, or was lost sight of."""
+        """Whether the task has ended, or cannot be followed any more."""
         return self.outcome is not None
 
     @property
@@ -262,7 +262,7 @@ class TaskLifecycle:
     def stop_sent(self) -> None:
         """A stop is about to be sent to the controller."""
         if self._continuous is not None and self._continuous.ending == "stop" and self.end_seen:
-            return  # that stop is what ends it
+            return  # that stop is the function that ends it
         if not self.ended:
             self.stop_seen = True
             self._judge()
@@ -274,7 +274,7 @@ class TaskLifecycle:
             self._judge()
 
     def stood(self) -> None:
-        """The arm stands, and has stood for a while, or the motion's time is over."""
+        """Note that the arm stands, and has stood for a while or the motion's time is over."""
         if (
             self.goes_on
             and not self.ended
@@ -283,7 +283,7 @@ class TaskLifecycle:
             self.outcome = Outcome.FINISHED
 
     def lose(self) -> None:
-        """The task was lost sight of."""
+        """Note that the task cannot be followed any more."""
         if not self.ended:
             self.outcome = Outcome.UNKNOWN
 

@@ -1,9 +1,9 @@
-"""Commands that may move the arm, from sending until it is known what became of them.
+"""Commands that may move the arm, from sending until their result is certain.
 
-Such a command is sent by a task of its own, so that no cancellation of the caller can cut off the
+Each such command is sent by a task of its own, so that a cancellation of the caller cannot lose the
 answer that says whether it was accepted. Its connection waits for that answer longer than the
-caller does: a controller that took the command and reads it late still answers it, and only the
-answer tells that the command cannot come any later.
+caller does: a controller that received the command and reads it late still answers it, and only the
+answer shows that the command cannot take effect later.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ __all__ = ["Delivery", "PendingCommand", "PendingCommands", "stop_until_certain"
 
 _log = BackgroundLogger(__name__)
 
-#: seconds in which a peer acknowledges what it received, on any network that carries motions
+#: seconds within which a peer acknowledges received bytes, on any network that carries motions
 _ACKNOWLEDGED = 0.25
 
 
@@ -43,10 +43,11 @@ class PendingCommand:
         name: the function of the wire.
 
     Attributes:
-        answer: what the controller answered; -1 if nothing.
+        answer: the controller's answer; -1 without one.
         error: why there is no answer; None if there is one.
         at: when its end was noticed [s of `time.monotonic`].
-        answered: whether the controller answered it, be it by an error.
+        answered: whether its result is certain: the controller answered it, also by an error, or
+            it was not sent.
     """
 
     def __init__(self, name: str) -> None:
@@ -66,7 +67,7 @@ class PendingCommand:
 
     @property
     def over(self) -> bool:
-        """Whether nothing is waited for any more."""
+        """Whether the wait for its answer has ended."""
         return self._over.is_set()
 
     @property
@@ -76,12 +77,12 @@ class PendingCommand:
 
     @property
     def stuck(self) -> bool:
-        """Whether it should have been acknowledged, and this system still holds some of it."""
+        """Whether its acknowledgement is overdue, and this system still holds some of its bytes."""
         late = time.monotonic() - self._begun > _ACKNOWLEDGED
         return late and self._call is not None and self._call.undelivered > 0
 
     def give_up(self) -> None:
-        """Close its connection: what was not delivered by now never will be."""
+        """Close its connection: bytes that were not delivered by now never will be."""
         self._scope.cancel()
 
     async def wait(self, timeout: float | None = None) -> bool:
@@ -103,7 +104,7 @@ class PendingCommand:
         except OutcomeUnknown as exc:
             self.error = exc
         except DucoError as exc:
-            # not sent, or refused by the controller: either way it is known what became of it
+            # not sent, or refused by the controller: either way its result is certain
             self.error, self.answered = exc, True
         except BaseException:
             self.error = OutcomeUnknown(self.name, "the program was ended meanwhile")
@@ -116,7 +117,7 @@ class PendingCommand:
             self._over.set()
 
     def close(self) -> None:
-        """Nothing sends it any more; one that was never sent never will be."""
+        """Mark it as over: no task sends it any more. If it was not sent, it never will be."""
         if not self.over:
             self.answered = True
             self.error = NotSent(f"{self.name} was not sent: the program's event loop ends")
@@ -129,7 +130,7 @@ class PendingCommand:
     def _given_up(self) -> DucoError:
         if self.sent:
             return OutcomeUnknown(self.name, "no answer came in time")
-        self.answered = True  # nothing of it will come: that is as certain as an answer
+        self.answered = True  # no part of it will arrive: that is as certain as an answer
         return NotSent(f"{self.name} was not sent: no connection could be made in time")
 
 
@@ -138,7 +139,7 @@ class PendingCommands:
 
     Args:
         background: sends them.
-        limit: seconds for which a late answer is waited for.
+        limit: seconds to wait for a late answer.
     """
 
     def __init__(self, background: BackgroundTasks, limit: float) -> None:
@@ -155,13 +156,13 @@ class PendingCommands:
     def send(
         self, lane: WireLane, name: str, args: tuple[Any, ...], timeout: float | None
     ) -> PendingCommand:
-        """Send a command beside the caller.
+        """Send a command in the background.
 
         Args:
-            lane: where.
+            lane: lane on which to send it.
             name: the function of the wire.
             args: its arguments.
-            timeout: seconds in which its answer should come; None: at the end of the motion.
+            timeout: seconds within which its answer should come; None: at the end of the motion.
         """
         pending = PendingCommand(name)
         self._pending.append(pending)
@@ -185,14 +186,14 @@ class PendingCommands:
 
 
 class Delivery(Protocol):
-    """What is known of the delivery of a motion to the controller."""
+    """Interface that reports the delivery of a motion to the controller."""
 
     def tell(self, motion: UnansweredMotion) -> bool:
-        """Tell `motion` what is known by now. Returns whether the controller can still be asked."""
+        """Report the delivery to `motion`. Returns whether the controller can still be polled."""
         ...
 
     def dissolve(self) -> None:
-        """Wait for its answer no more: close its connection."""
+        """Stop waiting for its answer: close its connection."""
         ...
 
 
@@ -202,16 +203,16 @@ async def stop_until_certain(
     stop: Callable[[], Awaitable[object]],
     moves: Callable[[], Awaitable[bool]],
 ) -> bool:
-    """Stop the arm, and return when the motion cannot set it moving any more.
+    """Stop the arm, and return when the motion cannot move it any more.
 
     Args:
-        motion: says what to do.
-        delivery: tells what is known of the motion.
+        motion: decides on the next step.
+        delivery: reports the delivery of the motion.
         stop: sends a stop until one is accepted, and raises `StopUnconfirmed` if none is.
-        moves: asks whether the arm moves, and raises a `DucoError` if nobody answers.
+        moves: polls whether the arm moves, and raises a `DucoError` if no answer comes.
 
     Returns:
-        Whether that is certain; if not, the time is over, or nobody can be asked.
+        Whether that is certain; if not, the time is over, or the controller cannot be polled.
     """
     ticker = every(STANDSTILL_EVERY)
     while True:

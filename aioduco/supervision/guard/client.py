@@ -1,11 +1,11 @@
 """The program's end of its guard: one guard for all robots of a program.
 
 Guarantees:
-- Sending never waits: a guard that does not read is as good as none, and the caller goes on by
-  the local way.
-- Whoever waits for an answer is woken when the guard dies.
-- The socket pair is not inherited by other processes that the program starts, not even by a
-  fork, so that the guard sees the program's end when the program ends.
+- Sending never waits: a guard that does not read counts as no guard, and the caller uses the
+  connections of the program instead.
+- A caller that waits for an answer is woken when the guard dies.
+- Other processes that the program starts do not inherit the socket pair, not even by a fork, so
+  that the guard detects the program's exit at once.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _log = BackgroundLogger(__name__)
 
-#: seconds for a guard that has nothing left to do to end
+#: seconds for a guard without robots to exit
 _END_LIMIT: Final = 2.0
 
 
@@ -51,7 +51,7 @@ class Answer:
         self.lost: bool = False
 
     def give(self, error: str, *, lost: bool = False) -> None:
-        """Set what came of the request."""
+        """Set the result of the request."""
         self.error, self.lost, self.given = error, lost, True
         self._notify()
 
@@ -90,7 +90,7 @@ class GuardLink:
         except OSError as exc:
             raise _not_started(exc) from exc
         try:
-            # In a session of its own: what ends the program's processes is not to end this.
+            # In a session of its own: a signal that ends the program's processes must not end it.
             process = Process("aioduco.supervision.guard.process", [theirs])
         except OSError as exc:
             ours.close()
@@ -110,7 +110,7 @@ class GuardLink:
         try:
             self._thread.start()
         except RuntimeError as exc:
-            # Without a robot it ends as soon as its socket does.
+            # Without a robot, the guard exits as soon as its socket closes.
             self.alive = False
             ours.close()
             self._popen.wait()
@@ -132,7 +132,7 @@ class GuardLink:
 
     @property
     def last_words(self) -> str:
-        """The last line of what the guard wrote of itself, once it has ended."""
+        """The last line of the guard's standard error, once it has exited."""
         return self._process.last_words.rpartition("\n")[2]
 
     def register(self, listener: GuardListener) -> int:
@@ -157,11 +157,11 @@ class GuardLink:
 
         Args:
             request: makes the message, given the token.
-            answer: is given what came of it; also when the guard dies.
-            at_once: whether to send a stop now, even while others are collected.
+            answer: gets the result; also when the guard dies.
+            at_once: whether to send a stop now, even while stops are collected.
 
         Returns:
-            Whether it was sent, or will be; if not, the answer is never given.
+            Whether it was sent, or will be; if not, `answer` never gets a result.
         """
         token = next(self._tokens)
         self._answers[token] = answer
@@ -175,7 +175,7 @@ class GuardLink:
 
     @contextlib.contextmanager
     def together(self) -> Iterator[None]:
-        """Send the stops that are asked for meanwhile in one message; without an await in it."""
+        """Collect the stops requested in this block, and send them in one batch; no await in it."""
         stops: list[Stop] = []
         self._collected = stops
         try:
@@ -192,11 +192,11 @@ class GuardLink:
                             answer.give("the guard does not read")
 
     def end(self) -> None:
-        """Close the link: a guard without robots ends, one with robots stops their arms first."""
+        """Close the link: a guard without robots exits, one with robots stops their arms first."""
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
-            # the guard's end is gone
+            # the guard has closed its end
             return
 
     def join(self, timeout: float) -> bool:
@@ -205,7 +205,7 @@ class GuardLink:
         return not self._thread.is_alive()
 
     def forked(self) -> None:
-        """Close this copy of the socket: in a forked child, the link is the parent's."""
+        """Close this copy of the socket in a forked child: the link belongs to the parent."""
         self.alive = False
         self._socket.close()
 
@@ -226,14 +226,14 @@ class GuardLink:
                     case other:
                         raise ValueError(f"a guard sent {other!r} to its program")
         except OSError:
-            # A guard that was killed with unread packets resets the pair instead of closing it.
+            # If a guard is killed with unread packets, the socket pair is reset instead of closed.
             _log.debug("the guard's socket was reset")
         finally:
             self._over()
 
     def _over(self) -> None:
         self.alive = False
-        # Not closed: whoever is sending must not find another file under its number.
+        # Not closed: a thread that is sending must not find another file under its number.
         self.end()
         for token in list(self._answers):
             answer = self._answers.pop(token, None)
@@ -244,15 +244,15 @@ class GuardLink:
         try:
             self._popen.wait(_END_LIMIT)
         except subprocess.TimeoutExpired:
-            # It still stops arms that were left to it, or hangs. Either way it is not killed:
-            # what stops an arm is not ended by force.
+            # It still stops arms that were left to it, or hangs. It is not killed in either case: a
+            # process that may be stopping an arm must not be killed.
             _log.warning("the guard %d has not ended yet", self.pid)
         finally:
             self._process.close()
 
 
 def _log_for_the_guard(level: int, text: str) -> None:
-    # The user's log handlers run here, on the thread that sees the guard's end.
+    # This runs on the thread that detects the guard's exit, so nothing may be raised here.
     with contextlib.suppress(Exception):
         _log.log(level, "the guard says: %s", text)
 
@@ -271,7 +271,7 @@ class _Shared:
         fork_hooks.add(self)
 
     def forked(self) -> None:
-        """In a forked child there is no guard yet, and nobody who would free the lock."""
+        """Start anew in a forked child: it has no guard yet, and no thread that frees the lock."""
         self._lock = threading.Lock()
         self._link = None
 
@@ -300,5 +300,5 @@ class _Shared:
         link.join(_END_LIMIT)
 
 
-#: one per process, since the guard is there for the process as a whole: it sees its end
+#: one per process, because the guard serves the whole process, and detects its exit
 shared: Final = _Shared()

@@ -1,9 +1,9 @@
-"""Stop and heartbeat by the guard, in the place of the local ones.
+"""Stop and heartbeat by the guard, instead of the local ones.
 
 Guarantees:
-- A stop is sent to the guard before anything is awaited. One that the guard does not confirm at
-  once goes the local way too: stop is safe to repeat.
-- Without the guard, nothing beats: the heartbeat counts as lost from the moment it is gone.
+- A stop is sent to the guard before anything is awaited. If the guard does not confirm it at once,
+  it is also sent over the local lanes: stop is safe to repeat.
+- Without the guard, no beats are sent: the heartbeat counts as lost as soon as the guard has ended.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ if TYPE_CHECKING:
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_channel import ByGuard
 
-#: seconds after which a stop that the guard has not confirmed goes the local way too
+#: seconds after which a stop that the guard has not confirmed is also sent over the local lanes
 CONFIRM_LIMIT: Final = 0.1
 #: seconds for a guard to start and to connect, on top of the time limits of the connections
 _START_LIMIT: Final = 10.0
-#: seconds for the guard to let go of a robot
+#: seconds for the guard to release a robot
 _RELEASE_LIMIT: Final = 2.0
 
 
 class GuardClient:
-    """One robot's side of the guard: has it take over stop and heartbeat.
+    """One robot's side of the guard, which takes over stop and heartbeat.
 
     Args:
         host: name or address of the controller.
@@ -53,7 +53,7 @@ class GuardClient:
         self._port = port
         self._settings = settings
         self._link: GuardLink | None = None
-        #: what waits for the guard, on a thread that is there before it is needed
+        #: thread that waits for the guard, started before it is needed
         self._thread: DaemonThread | None = None
         self._robot = 0
         self._beat: Beat | None = None
@@ -66,7 +66,7 @@ class GuardClient:
 
     @property
     def alive(self) -> bool:
-        """Whether the guard looks after the robot."""
+        """Whether the guard supervises the robot."""
         return self._link is not None and self._link.alive and self._robot != 0
 
     @property
@@ -76,18 +76,18 @@ class GuardClient:
 
     @property
     def beat(self) -> Beat | None:
-        """What was last heard of the heartbeat."""
+        """The last report of the heartbeat."""
         return self._beat
 
     @property
     def silent(self) -> bool:
-        """Whether nothing was heard of the heartbeat for a heartbeat time: the guard hangs."""
+        """Whether no report of the heartbeat came for a heartbeat time: the guard hangs."""
         limit = self._settings.heartbeat
         return limit is not None and time.monotonic() - self._heard_at > limit
 
     @property
     def lapsed(self) -> bool:
-        """Whether the guard gave no beat for so long that the controller has stopped the arm."""
+        """Whether the guard sent no beat for so long that the controller has stopped the arm."""
         return self._beat is not None and self._beat.lapsed
 
     @property
@@ -96,10 +96,10 @@ class GuardClient:
         return self._losses
 
     async def acquire(self, lost: Callable[[], None]) -> None:
-        """Have the guard look after the robot; it is started if there is none.
+        """Let the guard supervise the robot; start a guard if there is none.
 
         Args:
-            lost: called on the event loop if the guard is gone before `release`.
+            lost: called on the event loop if the guard ends before `release`.
 
         Raises:
             GuardLost: it could not be started, or does not answer.
@@ -181,16 +181,16 @@ class GuardClient:
         return link.tell(Alive(robot, stamp, moves))
 
     def rearm(self) -> None:
-        """Have the guard beat again after a stall."""
+        """Let the guard send beats again after a stall."""
         if self.alive:
             assert self._link is not None
             self._link.tell(Rearm(self._robot))
 
     def stop(self, timeout: float, notify: Callable[[], None], *, at_once: bool) -> Answer | None:
-        """Send a stop by the guard, from any thread. None: there is no guard to send it by.
+        """Send a stop by the guard, from any thread. Returns None if there is no guard.
 
         Args:
-            timeout: seconds after which the guard is not to send it any more.
+            timeout: seconds after which the guard must not send it any more.
             notify: called when the answer is there.
             at_once: whether to send it now, even while stops are collected.
         """
@@ -231,7 +231,7 @@ class GuardedStopChannel(StopChannel):
         client: the robot's side of the guard.
         stop: local lane for stops alone.
         others: lane for pause, resume and abort.
-        watch: lane on which it is asked whether the arm moves.
+        watch: lane for polls whether the arm moves.
     """
 
     attempts: int
@@ -243,11 +243,11 @@ class GuardedStopChannel(StopChannel):
         self._client = client
 
     def _ask_guard(self, timeout: float) -> ByGuard | None:
-        """Have the guard send a stop; it has it when this returns."""
+        """Send a stop to the guard at once, or with the stops that are being collected."""
         begin = time.monotonic()
         done = anyio.Event()
-        # No longer than it is waited for: one that comes after the local way's would stop what was
-        # sent since.
+        # No longer than this waits for it: a stop after that of the local lanes would end motions
+        # that were sent since.
         timeout = min(CONFIRM_LIMIT, timeout)
         answer = self._asked(timeout, loop_callback(done.set), at_once=False)
         if answer is None:
@@ -274,7 +274,7 @@ class GuardedStopChannel(StopChannel):
         return self._confirmed(answer, begin)
 
     def _confirmed(self, answer: Answer, begin: float) -> bool:
-        """Whether the controller accepted the guard's stop; if so, hook and observers are told."""
+        """Whether the controller accepted the guard's stop; if so, report it to the observers."""
         confirmed = answer.given and not answer.error
         if confirmed:
             self._stop.report("stop", (False,), None, None, begin)
@@ -296,18 +296,18 @@ class GuardedSignOfLife(SignOfLife):
         self._client = client
 
     def touch(self, due: float) -> None:
-        """The loop runs; `due` is when this sign of life was to be given."""
+        """Note that the loop runs; `due` is when this sign of life was due."""
         super().touch(due)
         self._client.touch(self.stamp, self.moves)
 
     def say(self, moves: bool) -> bool:
-        """Whether the program may move the arm from now on. Returns whether the guard is told."""
+        """Set whether the program may move the arm from now on. Returns whether it was sent."""
         self.moves = moves
         return self._client.touch(time.monotonic(), moves)
 
 
 class GuardedHeartbeat:
-    """The heartbeat as the program sees it when the guard beats."""
+    """The program's view of the heartbeat that the guard sends."""
 
     def __init__(self, client: GuardClient) -> None:
         self._client = client
@@ -334,9 +334,9 @@ class GuardedHeartbeat:
 
     @property
     def lapsed(self) -> bool:
-        """Whether no beat was given for so long that the controller has stopped the arm by itself.
+        """Whether no beat was sent for so long that the controller has stopped the arm by itself.
 
-        A guard that says nothing any more may still beat, so nothing is known of it.
+        Also False if the guard is silent: it may still send beats.
         """
         return self._client.alive and not self._client.silent and self._client.lapsed
 
@@ -349,7 +349,7 @@ class GuardedHeartbeat:
         return GuardLost(beat.error)
 
     def statistics(self) -> HeartbeatStatistics:
-        """Figures, of this guard's time."""
+        """Return statistics since this guard took over."""
         beat = self._client.beat
         if beat is None:
             return HeartbeatStatistics(self.state, 0, 0, self._client.losses, 0, 0.0)
@@ -363,18 +363,18 @@ class GuardedHeartbeat:
         )
 
     def start(self) -> None:
-        """The guard beats as soon as it looks after the robot."""
+        """Do nothing: the guard beats as soon as it supervises the robot."""
 
     def rearm(self) -> None:
-        """Go on beating after a stall of the event loop."""
+        """Resume the beats after a stall of the event loop."""
         self._client.rearm()
 
     def end(self) -> None:
         """End the heartbeat; the guard sends the last beat before it releases the robot."""
         self._ended = True
 
-    def join(self, timeout: float) -> bool:  # noqa: ARG002  # as the local one is called
-        """The guard's thread is not the program's to wait for."""
+    def join(self, timeout: float) -> bool:  # noqa: ARG002  # signature of the local one
+        """Return at once: the program does not wait for the guard's thread."""
         return True
 
 

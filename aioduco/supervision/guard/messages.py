@@ -1,6 +1,6 @@
-"""What a program and its guard say to each other: one message, one packet.
+"""Messages between a program and its guard: one message, one packet.
 
-The two talk over a pair of SOCK_SEQPACKET sockets. A packet is sent whole or not at all, so any
+They are sent over a pair of SOCK_SEQPACKET sockets. A packet is sent whole or not at all, so any
 thread, and a signal handler in the middle of another send, may send without a lock. Times are
 those of CLOCK_MONOTONIC, which is the same for all processes of a machine.
 """
@@ -15,11 +15,11 @@ from aioduco.supervision.heartbeat import HeartbeatState
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: more bytes than any message has
+#: buffer size [bytes], larger than any message
 LARGEST: Final = 8192
-#: robots of one `Stop`, at most
+#: maximum number of robots of one `Stop`
 MANY: Final = 200
-#: characters of an error's text that a message carries
+#: maximum number of characters of a text in a message
 _TEXT: Final = 2000
 
 
@@ -28,13 +28,13 @@ class Watch(NamedTuple):
 
     Attributes:
         robot: the program's number for the robot.
-        token: comes back in the answer.
+        token: number that is repeated in the answer.
         host: name or address of the controller.
         port: its TCP port.
-        heartbeat: heartbeat time [s]; None: none.
+        heartbeat: heartbeat time [s]; None for no heartbeat.
         stall_limit: seconds without `Alive` after which no beat is sent.
-        connect_timeout: most seconds that opening a connection takes.
-        call_timeout: most seconds that a call takes.
+        connect_timeout: maximum seconds for opening a connection.
+        call_timeout: maximum seconds for a call.
     """
 
     robot: int
@@ -66,7 +66,7 @@ class Stop(NamedTuple):
 
     Attributes:
         robots: the program's numbers for the robots.
-        tokens: come back in the answers.
+        tokens: numbers that are repeated in the answers.
         until: when a stop must have been accepted; a guard that reads this later does nothing.
     """
 
@@ -82,17 +82,17 @@ class Rearm(NamedTuple):
 
 
 class Release(NamedTuple):
-    """Program to guard: the arm stands, look after it no more. Answered by `Done`."""
+    """Program to guard: the arm stands, stop supervising it. Answered by `Done`."""
 
     robot: int
     token: int
 
 
 class Done(NamedTuple):
-    """Guard to program: what came of a request.
+    """Guard to program: the result of a request.
 
     Attributes:
-        token: the request's.
+        token: that of the request.
         error: why it failed; empty if it went well.
     """
 
@@ -101,7 +101,7 @@ class Done(NamedTuple):
 
 
 class Beat(NamedTuple):
-    """Guard to program: state and figures of a heartbeat, and why the last beat was lost."""
+    """Guard to program: state and statistics of a heartbeat, and why the last beat was lost."""
 
     robot: int
     state: str
@@ -120,7 +120,7 @@ class Beat(NamedTuple):
 
 
 class Said(NamedTuple):
-    """Guard to program: what the guard has to log, for the program's log.
+    """Guard to program: a log message of the guard, for the program's log.
 
     Attributes:
         level: as the levels of `logging`.
@@ -139,15 +139,15 @@ _KINDS: Final = {
 
 
 def pack(message: Message) -> bytes:
-    """A message as a packet."""
+    """Encode a message as a packet."""
     return json.dumps([type(message).__name__, *message]).encode()
 
 
 def unpack(packet: bytes) -> Message:
-    """The message in a packet.
+    """Decode the message in a packet.
 
     Raises:
-        ValueError: the packet is none of ours.
+        ValueError: the packet is not one of these messages.
     """
     try:
         name, *fields = json.loads(packet)
@@ -158,5 +158,5 @@ def unpack(packet: bytes) -> Message:
 
 
 def shortened(text: str) -> str:
-    """A text that fits into a message."""
+    """Shorten a text so that it fits into a message."""
     return text if len(text) <= _TEXT else text[: _TEXT - 3] + "..."

@@ -1,18 +1,18 @@
-"""The guard's process: stops every arm that its program moves when the program is gone.
+"""The guard's process: stops every arm that its program moves when the program exits.
 
 Guarantees:
-- The program's end, however it comes, closes its end of the socket pair. The guard sees that at
-  once, and stops the arms over connections that have been open since the robots were.
-- Only an arm that the program moves is stopped for it. The program says so before it sends
-  anything that may set the arm moving, and takes it back when the arm stands.
-- A guard that was itself held up for so long that the controllers have missed its heartbeats
-  sends no stop: they have stopped the arms, and what moves now is somebody else's.
-- A stop that the program asks for goes out without the program's interpreter: its GIL, its event
+- When the program exits, for whatever reason, its end of the socket pair closes. The guard detects
+  that at once, and stops the arms over connections that have been open since the robots were.
+- The guard stops only an arm that the program moves. The program reports that before it sends
+  anything that may move the arm, and withdraws it when the arm stands.
+- If the guard was itself suspended for so long that the controllers missed its heartbeats, it sends
+  no stop: the controllers have stopped the arms, and a motion now belongs to another program.
+- A stop that the program requests is sent without the program's interpreter: its GIL, its event
   loop and its garbage collector cannot delay it.
-- An event loop that gives no sign of life for its stall limit has its arm stopped here, and its
-  heartbeat withheld.
-- The guard's own end ends the heartbeats, and the controllers stop their arms. What asks it to end
-  (SIGTERM, SIGHUP) stops the arms instead, and it goes on.
+- If an event loop gives no sign of life for its stall limit, the guard stops the arm and withholds
+  the heartbeat.
+- When the guard exits, the heartbeats end, and the controllers stop their arms. A signal that asks
+  it to exit (SIGTERM, SIGHUP) makes it stop the arms instead, and it continues.
 """
 
 from __future__ import annotations
@@ -63,13 +63,13 @@ if TYPE_CHECKING:
 
 _log = BackgroundLogger(__name__)
 
-#: seconds for which the guard goes on trying to stop the arms of a program that is gone
+#: seconds for which the guard tries to stop the arms of a program that has exited
 ORPHAN_LIMIT = 30.0
-#: real-time priority: the lowest, which goes before all that have none
+#: real-time priority: the lowest, which is above all processes without one
 _PRIORITY = 1
-#: length of a slice of a processor [ns]: the shortest that there is
+#: length of a time slice [ns]: the shortest possible one
 _SLICE = 100_000
-#: what a request is answered by that came to nothing since the robot is gone
+#: answer to a request that had no effect, because the robot was released
 _RELEASED = "the robot was released meanwhile"
 #: seconds for a heartbeat's thread to end
 _GRACE = 1.0
@@ -79,8 +79,8 @@ class GuardedRobot:
     """One robot whose stop and heartbeat the guard has taken over.
 
     Args:
-        watch: the request that it came with.
-        guard: who is told about its heartbeat.
+        watch: the request to supervise it.
+        guard: sends the reports of its heartbeat to the program.
     """
 
     def __init__(self, watch: Watch, guard: Guard) -> None:
@@ -101,11 +101,11 @@ class GuardedRobot:
         self.stop_channel: StopChannel = StopChannel(lanes[0], lanes[1], lanes[1])
         self.life: SignOfLife = SignOfLife()
         self.heartbeat: Heartbeat | None = None
-        #: stops on their way: pointless as soon as the robot is released
+        #: stops on their way: cancelled when the robot is released
         self.stopping: set[anyio.CancelScope] = set()
 
     async def open(self) -> None:
-        """Open the connections and beat.
+        """Open the connections, and start the heartbeat.
 
         Raises:
             DucoError: the controller does not answer.
@@ -132,17 +132,17 @@ class GuardedRobot:
         return Connection(watch.host, watch.port, connect_timeout=watch.connect_timeout)
 
     def _beaten(self, heartbeat: Heartbeat) -> None:
-        """Tell the program of its heartbeat; on the heartbeat's thread."""
+        """Report the heartbeat to the program; on the heartbeat's thread."""
         figures = heartbeat.statistics()
         error = shortened(str(heartbeat.error)) if heartbeat.error is not None else ""
         told = Beat(self.robot, figures.state.value, *figures[1:], error, heartbeat.lapsed)
         self._guard.tell(told)
 
     async def halt(self, *, gone: bool = False) -> None:
-        """Stop the arm and see it stand, if it is the program's to move; what fails is logged.
+        """Stop the arm and wait until it stands, if the program moves it; failures are logged.
 
         Args:
-            gone: whether the program has ended: a motion that it sent last may still be on its way.
+            gone: whether the program has exited: its last motion may still be on its way.
         """
         begin = time.monotonic()
         if not self.life.moves or (self.heartbeat is not None and self.heartbeat.lapsed):
@@ -163,7 +163,7 @@ class GuardedRobot:
     async def _stop_until_certain(self, begin: float) -> None:
         """Watch the arm until the motion that the program sent last cannot move it any more.
 
-        Its connection went with the program, and what was not delivered with that.
+        Its connection closed when the program exited, and undelivered bytes were discarded.
         """
         now = time.monotonic()
         motion = UnansweredMotion(now, now, now + ORPHAN_LIMIT)
@@ -190,7 +190,7 @@ class GuardedRobot:
 
 
 class _NoDelivery:
-    """The delivery of motions of a program that is gone: nothing more is known of it."""
+    """The delivery of motions of a program that has exited: nothing more is known of it."""
 
     def tell(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to add
         """Add nothing."""
@@ -201,7 +201,7 @@ class _NoDelivery:
 
 
 class _Arrival:
-    """A robot whose connections are being opened: it may be released before they are."""
+    """A robot whose connections are being opened: it may be released before they are open."""
 
     def __init__(self) -> None:
         self.scope = anyio.CancelScope()
@@ -209,7 +209,7 @@ class _Arrival:
 
 
 class Guard:
-    """Looks after the robots of one program.
+    """Supervises the robots of one program.
 
     Args:
         program: the guard's end of the socket pair.
@@ -221,7 +221,7 @@ class Guard:
         self._arrivals: dict[int, _Arrival] = {}
 
     def tell(self, message: Message) -> bool:
-        """Send a message to the program; one that does not read loses it, one that is gone too.
+        """Send a message to the program; it is lost if the program does not read or has exited.
 
         Returns:
             Whether it was sent.
@@ -229,29 +229,29 @@ class Guard:
         try:
             self._program.send(pack(message), socket.MSG_DONTWAIT)
         except OSError:
-            # Whether the program is gone is for the reading side to find; figures may be lost.
+            # The reading side detects the program's exit; statistics may be lost.
             return False
         return True
 
     async def run(self) -> None:
-        """Serve the program until it is gone, then stop what it left behind."""
+        """Serve the program until it exits, then stop the arms that it has not released."""
         with anyio.open_signal_receiver(signal.SIGTERM, signal.SIGHUP) as signals:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._told_to_end, signals, tasks)
                 async with anyio.create_task_group() as stops:
                     while (message := await self._next()) is not None:
                         self._take(message, stops)
-                    # Stops that were asked for are still being sent: nothing is cancelled here.
+                    # Requested stops are still being sent: nothing is cancelled here.
                     for guarded in self._guarded.values():
                         stops.start_soon(self._orphan, guarded)
                 tasks.cancel_scope.cancel()
 
     async def _told_to_end(self, signals: AsyncIterator[int], tasks: TaskGroup) -> None:
-        """Stop the arms each time that the guard is told to end, and go on.
+        """Stop the arms at each signal that asks the guard to exit, and continue.
 
-        A service manager tells the program and its guard at the same time. The program may be
-        ending in an orderly way, and needs its stop and heartbeat for that, as long as it takes;
-        and without it the guard ends by itself. Whoever has waited enough ends both by force.
+        A service manager signals the program and its guard at the same time. The program may be
+        closing its robots, and needs its stop and heartbeat for that, however long it takes; after
+        the program, the guard exits by itself. If that takes too long, the manager kills both.
         """
         async for _ in signals:
             for guarded in self._guarded.values():
@@ -278,7 +278,7 @@ class Guard:
             case Stop():
                 self._stop(message, tasks)
             case Watch(robot):
-                # Here and not in the task: a release that follows at once must find it.
+                # Added here and not in the task: a release that follows at once must find it.
                 self._arrivals[robot] = arrival = _Arrival()
                 tasks.start_soon(self._watch, message, arrival)
             case Rearm(robot):
@@ -306,7 +306,7 @@ class Guard:
         self.tell(Done(request.token, error))
 
     def _stop(self, request: Stop, tasks: TaskGroup) -> None:
-        """Stop arms: each is told before anything else of the event loop runs."""
+        """Stop arms: all stops are sent before anything else runs on the event loop."""
         left = request.until - time.monotonic()
         for robot, token in zip(request.robots, request.tokens, strict=True):
             guarded = self._guarded.get(robot)
@@ -319,7 +319,7 @@ class Guard:
                 tasks.start_soon(self._stopped, guarded, token, left)
 
     async def _stopped(self, guarded: GuardedRobot, token: int, left: float) -> None:
-        """Have a stop accepted that was begun, and say so."""
+        """Wait until a stop that was begun is accepted, and answer its request."""
         error = _RELEASED
         with anyio.CancelScope() as scope:
             guarded.stopping.add(scope)
@@ -343,7 +343,7 @@ class Guard:
         self.tell(Done(request.token, ""))
 
     async def _orphan(self, guarded: GuardedRobot) -> None:
-        """The program is gone without having released this robot: stop its arm."""
+        """Stop the arm of a robot that the program did not release before it exited."""
         try:
             await guarded.halt(gone=True)
         finally:
@@ -351,14 +351,14 @@ class Guard:
 
 
 def _go_first() -> None:
-    """Have the guard run as soon as it has something to do; its threads inherit it.
+    """Let the guard run as soon as it has work to do; its threads inherit the priority.
 
-    It works for moments, and must not wait behind a program that works for long. Where the system
-    allows it, it goes before everything that has no real-time priority; else it asks for short
-    slices.
+    Its work is short, and must not wait behind a program that works for long. Where the system
+    allows it, the guard runs before everything without a real-time priority; else it asks for short
+    time slices.
     """
     if os.sched_getscheduler(0) != os.SCHED_OTHER:
-        return  # the program was given a policy, and the guard has it too
+        return  # the program has a policy of its own, and the guard has inherited it
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
     except PermissionError:
@@ -366,7 +366,7 @@ def _go_first() -> None:
 
 
 class _Relay(logging.Handler):
-    """Has the program log what the guard has to say, or the system if the program is gone."""
+    """Log handler that sends the guard's messages to the program, or to syslog after its exit."""
 
     def __init__(self, guard: Guard) -> None:
         super().__init__(logging.WARNING)
@@ -388,9 +388,9 @@ def main(arguments: Sequence[str]) -> int:
     Returns:
         The exit code.
     """
-    # Ctrl-C in a terminal reaches all its processes: it is for the program to act on.
+    # Ctrl-C in a terminal reaches all its processes: only the program must act on it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # Until the guard runs, it looks after nothing that it could stop.
+    # Until the guard runs, it supervises no arm that it could stop.
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     _go_first()
