@@ -24,8 +24,8 @@ def freeze_support() -> None:
 
     Call it before anything else in the program. The executable of a frozen program is the program
     itself: to have a guard, it starts itself once more. In that process, this function runs the
-    guard, the lane of a stream, a planner, a simulator or the process that draws its pictures, and
-    does not return. In the program itself, and in a program that is not frozen, it returns at once.
+    guard, the lane of a stream, a planner, a simulator, the process that draws its pictures or the
+    relay of a tap, and does not return. In the program itself, and in a program that is not frozen, it returns at once.
     A frozen program that does not call it cannot start any of these processes.
     """
     if not is_frozen():
@@ -40,7 +40,8 @@ def freeze_support() -> None:
         traceback.print_exc()
     finally:
         # Not by an exception, which the program could catch: no code of the program may run here.
-        sys.stderr.flush()
+        if sys.stderr is not None:  # a program without a console has none
+            sys.stderr.flush()
         os._exit(code)
 
 
@@ -83,10 +84,17 @@ def _pictures() -> Callable[[list[str]], int]:
     return main
 
 
+def _tap() -> Callable[[list[str]], int]:
+    from aioduco.tap.relay import main  # noqa: PLC0415
+
+    return main
+
+
 _MAINS: Final[dict[str, Callable[[], Callable[[list[str]], int]]]] = {
     "aioduco.supervision.guard.process": _guard,
     "aioduco.streaming.worker.main": _stream,
     "aioduco.planning.worker": _planner,
     "aioduco.sim.spawned": _simulator,
     "aioduco.sim.view.drawing": _pictures,
+    "aioduco.tap.relay": _tap,
 }

@@ -25,3 +25,9 @@ SIMULATOR = """
     async with Simulator.spawn() as sim:
         assert sim.port
 """
+TAP = """
+    from aioduco.tap import Tap
+    with Tap({host!r}, {port}) as tap:
+        async with aioduco.connect(tap.host, tap.port) as robot:
+            await robot.motion.movej2({HOME}, v=1.0, a=1.0)
+"""

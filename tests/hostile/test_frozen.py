@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from client.bench import HOME, Bench
 
-from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM
+import aioduco
+from aioduco import frozen
+from aioduco._spawn import MARK, children
+
+from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM, TAP
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 PREFLIGHT = """
     from aioduco.preflight import preflight
@@ -31,6 +37,7 @@ ERRORS = {
     PLANNER: "PlanningError",
     PICTURES: "RenderError",
     SIMULATOR: "RuntimeError",
+    TAP: "RuntimeError",
     PREFLIGHT: "PreflightError",
     SWEEP: "PreflightError",
 }
@@ -97,7 +104,7 @@ class Frozen:
 
 
 ROBOT = {"guard": GUARD, "stream": STREAM}
-OTHERS = {"planner": PLANNER, "pictures": PICTURES, "simulator": SIMULATOR}
+OTHERS = {"planner": PLANNER, "pictures": PICTURES, "simulator": SIMULATOR, "tap": TAP}
 PROGRAMS = {"preflight": PREFLIGHT, "sweep": SWEEP}
 
 
@@ -119,7 +126,7 @@ def test_a_frozen_program_that_calls_freeze_support_has_guard_and_lanes(
 
 @pytest.mark.slow
 @bodies(OTHERS)
-def test_it_has_planners_pictures_and_simulators_too(
+def test_it_has_planners_pictures_simulators_and_taps_too(
     bench: Bench, tmp_path: Path, body: str
 ) -> None:
     program = Frozen(bench, tmp_path, body, "aioduco.freeze_support()")
@@ -171,3 +178,32 @@ def test_a_program_that_is_not_frozen_may_call_it() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.stdout == "done\n"
+
+
+def test_each_process_can_be_started_by_a_frozen_program() -> None:
+    package = Path(aioduco.__file__).parent
+    started = {
+        module
+        for file in package.rglob("*.py")
+        for module in re.findall(
+            r"\b(?:Linked)?Process\(\s*\"(aioduco\.[\w.]+)\"", file.read_text("utf-8")
+        )
+    }
+    # a frozen program cannot be tried out: see above
+    assert started - {"aioduco.preflight.child"} == set(frozen._MAINS)
+    for name, load in frozen._MAINS.items():
+        assert load() is import_module(name).main
+
+
+def test_a_frozen_program_without_a_console_ends_its_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without one, Python has no standard error."""
+    codes: list[int] = []
+    monkeypatch.setattr("sys.frozen", True, raising=False)
+    monkeypatch.setattr("sys.argv", ["program", MARK, "aioduco.supervision.guard.process", "x"])
+    monkeypatch.setattr("sys.stderr", None)
+    monkeypatch.setattr("os._exit", codes.append)
+    monkeypatch.setattr(children, "told_apart", False)
+    aioduco.freeze_support()
+    assert codes == [1]
