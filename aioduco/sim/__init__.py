@@ -1,4 +1,4 @@
-"""A simulated controller that speaks the arm's wire, with the arm in MuJoCo behind it."""
+"""A simulated controller with the arm's wire protocol; MuJoCo simulates the arm."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HOMES = {"Simulator": "aioduco.sim.simulator", "SimulatorProcess": "aioduco.sim
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs MuJoCo when it is asked for: planner and task table do without."""
+    """Import a class that needs MuJoCo on access; planner and task table work without MuJoCo."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:

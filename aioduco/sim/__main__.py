@@ -1,8 +1,8 @@
 """`python -m aioduco.sim '{"model": "gcr5_910"}'`: a simulator for the program that started it.
 
-The argument is a JSON object with the arguments of `Simulator`. Where it listens is written to the
-standard output as one JSON line. It ends when its standard input closes, on SIGTERM and SIGINT,
-and when a client shuts the controller down. People use `aioduco sim`.
+The argument is a JSON object with the arguments of `Simulator`. The simulator writes its addresses
+to the standard output as one JSON line. It ends when its standard input closes, on SIGTERM and
+SIGINT, and when a client shuts the controller down. For use by hand there is `aioduco sim`.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from aioduco.sim.spawned import serve
 
 
 def main(argument: str = "{}") -> None:
-    """Run a simulator until it is to end."""
+    """Run a simulator until its input closes, a signal arrives or a client shuts it down."""
 
     def tell(where: dict[str, Any]) -> None:
         sys.stdout.write(f"{json.dumps(where)}\n")
         sys.stdout.flush()
 
-    # By a thread: a pipe cannot be waited for together with sockets on every system.
+    # A thread reads the pipe: not every system can wait for a pipe together with sockets.
     ours, theirs = socket.socketpair()
     with ours, theirs:
         threading.Thread(target=_end_with_input, args=(theirs,), daemon=True).start()
@@ -36,7 +36,7 @@ def main(argument: str = "{}") -> None:
 def _end_with_input(end: socket.socket) -> None:
     while os.read(sys.stdin.fileno(), 4096):
         pass
-    with contextlib.suppress(OSError):  # it has ended by itself
+    with contextlib.suppress(OSError):  # the simulator has already ended
         end.shutdown(socket.SHUT_WR)
 
 

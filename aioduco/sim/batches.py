@@ -1,7 +1,7 @@
-"""Cycles at one go: while nobody asks, the simulation's thread sleeps past some of them.
+"""Cycles in batches: while there are no requests, the simulation's thread sleeps past some cycles.
 
-In real time, waking up costs several times what a cycle does. Nobody sees that cycles ran later:
-who asks for anything, or gives a command, first has those run that are due.
+In real time, waking up costs several times as much as a cycle. Callers do not notice that cycles
+ran later: before a caller reads anything or gives a command, the cycles that are due run.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ if TYPE_CHECKING:
 
 __all__ = ["Batches"]
 
-#: while nobody asks for anything, at most so many cycles run at one go, and so much real time [s]
-#: goes by between two of these
+#: while there are no requests: largest number of cycles in one batch, and longest real time between
+#: two batches [s]
 _CYCLES = 16
 _LONGEST = 0.016
-#: real time after somebody asked in which each cycle runs when it is due [s]: who asks often does
-#: not wait each time until the thread is awake
+#: real time after a request in which each cycle runs when it is due [s]: a caller with frequent
+#: requests does not wait each time until the thread has woken up
 _ATTENTION = 0.003
-#: real time that one who asks waits at most for the cycles that are due [s]: the thread may be held
+#: longest real time that a caller waits for the cycles that are due [s]: the thread may be blocked
 _PATIENCE = 0.02
 
 
 class Batches:
-    """Whether the thread may sleep past some cycles, and who waits meanwhile.
+    """Lets the thread sleep past some cycles, and lets callers wait until these have run.
 
-    `catch_up` is called from any thread, and all others on the simulation's.
+    Any thread may call `catch_up`; only the simulation's thread may call the other methods.
 
     Args:
-        pace: when cycles are due.
-        wake: what wakes the thread.
-        attended: whether somebody waits for one of the next cycles.
+        pace: schedule of the cycles.
+        wake: event that wakes the thread.
+        attended: whether a caller waits for one of the next cycles.
 
     Attributes:
-        late: how late the cycle that runs began [s].
+        late: delay with which the running cycle began [s].
     """
 
     def __init__(
@@ -49,30 +49,31 @@ class Batches:
         self._pace = pace
         self._wake = wake
         self._attended = attended
-        #: free when the cycles that are due have run; None unless the thread sleeps past some.
-        #: Whoever ends a sleep waits for nobody, as at a condition.
+        #: released when the cycles that are due have run; None unless the thread sleeps past some.
+        #: A condition would make the thread wait for its lock before it can wake the callers.
         self._asleep: threading.Lock | None = None
-        #: cycles that were due when the thread woke up, and have not run
+        #: number of cycles that were due when the thread woke up, and have not run yet
         self._owed = 0
-        #: when somebody asked last, in real time [s]
+        #: real time of the last request [s]
         self._asked_at = -math.inf
         self.late: float = 0.0
 
     @property
     def longest(self) -> float:
-        """The most simulated time that the thread sleeps past [s]."""
+        """Longest simulated time that the thread sleeps past [s]."""
         return _CYCLES * self._pace.cycle
 
     @property
     def asleep(self) -> bool:
-        """Whether the thread sleeps past some cycles, or has not caught up with them."""
+        """Whether the thread sleeps past some cycles, or has not yet run them."""
         return self._asleep is not None
 
     def catch_up(self, *, wait: bool) -> None:
-        """Have the cycles run that are due: what is read next, or changed, is that of now.
+        """Run the cycles that are due, so that the caller reads or changes the present state.
 
         Args:
-            wait: whether to wait for them; not where the caller holds what they need.
+            wait: whether to wait for them; False where the caller holds the lock that they need, or
+                runs on the simulation's thread.
         """
         self._asked_at = time.monotonic()
         asleep = self._asleep
@@ -83,9 +84,9 @@ class Batches:
             asleep.release()
 
     def await_cycle(self, now: float) -> float | None:
-        """Sleep until the next cycle is due: when it begins [s].
+        """Sleep until the next cycle is due, and give the time at which it begins [s].
 
-        None if this slept past some: what is due has to be looked at anew.
+        None if the thread slept past some cycles: the caller must check again what is due.
 
         Args:
             now: real time [s].
@@ -107,7 +108,7 @@ class Batches:
         asleep = threading.Lock()
         asleep.acquire()
         self._asleep = asleep
-        # Who asked before this has a snapshot of now; who asks after it wakes this up.
+        # A caller before this line has the present snapshot; a caller after it wakes the thread.
         if self._wake.wait(until - now):
             self._wake.clear()
         woken = time.monotonic()
@@ -115,15 +116,15 @@ class Batches:
         self.late = max(0.0, woken - until)
 
     def ran(self) -> None:
-        """A cycle has run."""
+        """Note that a cycle has run."""
         if self._owed:
             self._owed -= 1
-        # Also if none was owed: one may have come to be due since the thread woke up.
+        # Also if none was owed: a cycle may have become due since the thread woke up.
         if not self._owed:
             self.end()
 
     def end(self) -> None:
-        """Have those go on who wait for the cycles that are due."""
+        """Resume the callers that wait for the cycles that are due."""
         self._owed = 0
         asleep, self._asleep = self._asleep, None
         if asleep is not None:

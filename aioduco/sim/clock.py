@@ -1,4 +1,4 @@
-"""When the next controller cycle is due: an absolute schedule at a chosen speed."""
+"""Absolute schedule of the controller's cycles at a chosen speed."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ import math
 from collections import deque
 from typing import NamedTuple
 
-#: real time that the schedule may fall behind before it gives up catching up [s]
+#: longest delay that the schedule catches up with; it drops a longer one [s of real time]
 _SLACK = 0.1
 
 
 class CycleSchedule:
-    """Schedule of cycles of simulated time, without a clock in it: `now` is an argument.
+    """Schedule of cycles of simulated time. It reads no clock: `now` is an argument.
 
-    Cycle n is due at start + n · cycle / speed, so that lateness of one never adds to the next.
-    A machine that cannot keep up makes simulated time slower instead of ever more late; how much
-    real time was given up is counted in `slipped`.
+    Cycle n is due at start + n · cycle / speed, so the delay of one cycle never adds to the next.
+    On a machine that cannot keep up, simulated time runs slower instead of falling further and
+    further behind; `slipped` counts the real time that the schedule dropped.
 
     Args:
         cycle: simulated time of one cycle [s].
-        speed: simulated seconds in a real one; inf for as fast as possible.
+        speed: simulated seconds per real second; inf for as fast as possible.
 
     Attributes:
-        slipped: real time that was given up [s].
-        speed: the speed at which it goes.
+        slipped: real time that the schedule dropped [s].
+        speed: the present speed.
     """
 
     def __init__(self, cycle: float, speed: float) -> None:
@@ -37,10 +37,10 @@ class CycleSchedule:
         self._count = 0
 
     def begin(self, now: float, *, idle: bool = False) -> None:
-        """Start the schedule anew at `now` [s].
+        """Restart the schedule at `now` [s].
 
-        As fast as possible has no meaning while nothing happens: such a clock goes at the speed
-        of real time while idle.
+        "As fast as possible" has no meaning while nothing happens: such a schedule runs at the
+        speed of real time while idle.
         """
         speed = 1.0 if idle and math.isinf(self.speed) else self.speed
         self.period = self.cycle / speed
@@ -48,7 +48,7 @@ class CycleSchedule:
         self._count = 0
 
     def change(self, speed: float, now: float, *, idle: bool) -> None:
-        """Go on at a speed, with a schedule anew from `now` [s] if it is another one."""
+        """Set the speed; another speed than before restarts the schedule at `now` [s]."""
         if speed != self.speed:
             self.speed = speed
             self.begin(now, idle=idle)
@@ -65,13 +65,13 @@ class CycleSchedule:
         return delay
 
     def due(self, now: float) -> int:
-        """How many cycles are due at `now`."""
+        """Number of cycles that are due at `now`."""
         if not self.period:
             return 1
         return max(0, math.floor((now - self._start) / self.period) - self._count)
 
     def drop(self, now: float) -> None:
-        """Have nothing be due any more that was due before `now` [s]."""
+        """Drop the cycles that were due before `now` [s]."""
         if now > self._start + self._count * self.period:
             self._start = now
             self._count = 0
@@ -82,10 +82,10 @@ class CycleSchedule:
 
 
 def checked_speed(speed: float) -> float:
-    """A speed that a clock can go at.
+    """Give a speed if a clock can run at it.
 
     Raises:
-        ValueError: It is not above zero.
+        ValueError: The speed is not above zero.
     """
     if not speed > 0.0:
         raise ValueError(f"speed is {speed}, but must be above 0")
@@ -93,13 +93,13 @@ def checked_speed(speed: float) -> float:
 
 
 class LoopStatistics(NamedTuple):
-    """How well the simulated controller keeps its cycle; times of the last 4096 cycles [s].
+    """Timing of the simulated controller's cycles; times are of the last 4096 cycles [s].
 
     Attributes:
-        cycles: how many have run.
+        cycles: number of cycles that have run.
         slipped: real time by which simulated time fell behind for good.
-        late_p50, late_p99, late_max: from when a cycle was to begin to when it began. Where some
-            run at one go, they are to begin with the last of them.
+        late_p50, late_p99, late_max: time from the scheduled to the actual start of a cycle. The
+            cycles of a batch are all scheduled at the time of the last one.
         work_p50, work_p99, work_max: duration of a cycle's work.
     """
 
@@ -122,13 +122,13 @@ class LoopTimes:
         self._work: deque[float] = deque(maxlen=4096)
 
     def add(self, late: float, work: float) -> None:
-        """Note one cycle."""
+        """Record one cycle."""
         self.cycles += 1
         self._late.append(late)
         self._work.append(work)
 
     def statistics(self, slipped: float) -> LoopStatistics:
-        """Percentiles of what was noted."""
+        """Percentiles of the recorded times."""
         late, work = sorted(self._late.copy()), sorted(self._work.copy())
         return LoopStatistics(self.cycles, slipped, *_percentiles(late), *_percentiles(work))
 

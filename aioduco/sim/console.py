@@ -1,4 +1,4 @@
-"""What a person at the machine does, as lines of text: the commands of `aioduco sim-do`."""
+"""Actions of a person at the machine, as lines of text: the commands of `aioduco sim-do`."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class Console:
         self._simulator = simulator
 
     def answer(self, line: str) -> str:
-        """Carry out a line such as "input 3 on"; what is answered, which begins with "error" if
-        it was not done.
+        """Carry out a line such as "input 3 on" and give the answer, which begins with "error" if
+        the command failed.
         """
         name, *words = line.split() or ["help"]
         command = COMMANDS.get(name)

@@ -1,7 +1,7 @@
-"""What passes between the controller and the physics, cycle by cycle.
+"""Data that the controller and the physics exchange in each cycle.
 
-The controller takes a `SensedState` and returns a `DriveCommand`. `Plant` is what the runtime needs
-of the physics.
+The controller takes a `SensedState` and returns a `DriveCommand`. `Plant` is the part of the
+physics that the runtime needs.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ def untouched() -> str:
 
 
 class SensedState(NamedTuple):
-    """What the controller knows of the arm in one cycle.
+    """Measurements of the arm that the controller has in one cycle.
 
     Attributes:
         time: simulated time [s].
-        now: time of the network, for the heartbeat [s].
+        now: real time, which the heartbeat uses [s].
         q: actual joints [rad]. Shape (6,).
         qd: actual joint speeds [rad/s]. Shape (6,).
-        wrench: signal of the force sensor: what acts on the flange, in its frame, the weight of
-            what it carries included [N, N m]. Shape (6,).
+        wrench: signal of the force sensor: force and torque on the flange, in its frame, including
+            the weight of its load [N, N m]. Shape (6,).
         external: torques that the motion needed beyond those of the drives [N m]. Shape (6,).
-        touched: says what of the arm touches what, for messages; empty for nothing.
+        touched: gives a text for messages about the arm's contacts; empty for no contact.
     """
 
     time: float
@@ -51,16 +51,16 @@ class SensedState(NamedTuple):
 
 
 class PlantReading(NamedTuple):
-    """The physics after a step. None of the arrays is changed later on.
+    """State of the physics after a step. None of the arrays is changed later.
 
     Attributes:
-        positions: of everything that moves, the joints first [rad, m].
+        positions: positions of all moving parts, the joints first [rad, m].
         q: joints [rad]. Shape (6,).
         qd: joint speeds [rad/s]. Shape (6,).
         qdd: joint accelerations [rad/s²]. Shape (6,).
         torque: joint torques [N m]. Shape (6,).
-        wrench: what acts on the flange, in its frame [N, N m]. Shape (6,).
-        target_torque: torques that the set-point's motion needs [N m]. Shape (6,).
+        wrench: force and torque on the flange, in its frame [N, N m]. Shape (6,).
+        target_torque: torques that the motion of the set-point needs [N m]. Shape (6,).
         external_torque: torques that the motion needed beyond those of the drives [N m]. (6,)
     """
 
@@ -75,28 +75,28 @@ class PlantReading(NamedTuple):
 
 
 class DriveCommand(NamedTuple):
-    """What the drives get: a set-point, or the brakes."""
+    """Command to the drives: a set-point, or the brakes."""
 
     setpoint: JointSetPoint
     brake: bool
 
 
 class Plant(Protocol):
-    """The physics, as far as the runtime needs them."""
+    """The part of the physics that the runtime needs."""
 
     def reading(self) -> PlantReading:
-        """Where all is, how it moves, and what acts on it."""
+        """Positions, motions, forces and torques after the last step."""
         ...
 
     def touched(self) -> str:
-        """What of the arm touches what, for people; empty for nothing."""
+        """Text for people about the arm's contacts; empty for no contact."""
         ...
 
     def step(self, setpoint: JointSetPoint) -> None:
-        """Go on by one cycle."""
+        """Simulate one cycle."""
 
     def arrange(self, q: Vector, things: Mapping[str, PoseLike]) -> None:
-        """Stand at q [rad] at once, with things of the scene at their poses [m, rad]."""
+        """Place the arm at q [rad] and things of the scene at their poses [m, rad], at once."""
 
     @property
     def still(self) -> bool:
@@ -104,16 +104,16 @@ class Plant(Protocol):
         ...
 
     def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange, and tell the drives about it [kg, m]."""
+        """Mount a load at the flange, and set it in the drives [kg, m]."""
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange, of which the drives know nothing [kg, m]."""
+        """Mount a load at the flange without setting it in the drives [kg, m]."""
 
     def tell(self, mass: float, centre: Sequence[float]) -> None:
-        """Tell the drives about a load [kg, m]."""
+        """Set a load in the drives without mounting it [kg, m]."""
 
     def brake(self, on: bool) -> None:
-        """Put the brakes on, or release them."""
+        """Apply the brakes, or release them."""
 
     def push(self, wrench: Sequence[float]) -> None:
         """Push at the flange from now on [N, N m], in the base frame."""

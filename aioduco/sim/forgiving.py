@@ -1,7 +1,7 @@
-"""What a controller takes although the manual forbids it, as public programs show.
+"""Calls that a controller accepts although the manual forbids them, as public programs show.
 
-A strict simulator refuses such calls, to find sloppy ones. A lenient one takes them, says so once
-for each kind, and counts them.
+A strict simulator refuses such calls, in order to find sloppy programs. A lenient one accepts them,
+logs a warning once for each kind, and counts them.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _log = logging.getLogger(__name__)
 
 
 class Forgiving:
-    """Decides whether a call that is off the manual is taken. Any thread may ask.
+    """Decides whether a call that deviates from the manual is accepted. Any thread may use it.
 
     Args:
-        strict: whether to refuse all of them.
+        strict: whether to refuse all such calls.
     """
 
     def __init__(self, *, strict: bool = False) -> None:
@@ -32,15 +32,15 @@ class Forgiving:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How often each kind was forgiven, most often first; empty if nothing was."""
+        """Number of accepted deviations of each kind, the most frequent first; empty for none."""
         with self._lock:
             return dict(self._counts.most_common())
 
     def forgive(self, kind: str, text: str) -> None:
-        """Take what is off the manual; the caller goes on with the value that it stands for.
+        """Accept a deviation from the manual; the caller then uses the value that was meant.
 
         Args:
-            kind: what is forgiven, the same text for all calls of that kind.
+            kind: kind of the deviation, the same text for all calls of that kind.
             text: what is wrong with this call.
 
         Raises:

@@ -1,11 +1,11 @@
-"""Planning beside the cycles: the threads that plan motions, and how they make way for others.
+"""Planning outside the cycles: the threads that plan motions, and how they yield to others.
 
-Motions are planned one at a time and in their order, by the thread whose command brought them, or
-by a thread of its own if they come of the cycle itself. Planning is done without the controller's
-lock: it changes nothing, and reads nothing but the values that it begins with and how active
-external axes are set up, which nobody may change while motions wait. The lock is taken to fetch the
-values and to hand in what came of them. Between slices of its work planning gives the other threads
-their turn, and a stop drops it there.
+Motions are planned one at a time and in order. The thread whose command queued a motion plans it;
+a separate thread plans the motions that the cycle itself queues. Planning runs without the
+controller's lock: it changes nothing, and reads only the values that it begins with and the set-up
+of active external axes, which must not change while motions wait. The thread takes the lock to
+fetch the values and to hand in the result. Between slices of its work it yields to other threads,
+and there a stop drops the plan.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 
 __all__ = ["PlanningThreads"]
 
-#: real time for which planning sleeps, so that others get the interpreter's lock at once, for which
-#: they would otherwise wait until it is taken from the thread that plans [s]
+#: real time for which planning sleeps, so that other threads get the interpreter's lock at once;
+#: otherwise they would wait until the interpreter takes it from the planning thread [s]
 _WAY = 5e-5
-#: real time of work after which it does [s]
+#: real time of work between two such sleeps [s]
 _WORK = 5e-4
 
 
@@ -39,9 +39,9 @@ class PlanningThreads:
 
     Args:
         controller: the state machine.
-        lock: under which the controller is changed; never held here while planning.
-        changing: the controller under that lock, for a change that others have to be told about.
-        failed: told of an error that is none of a plan.
+        lock: lock for changes of the controller; never held here while planning.
+        changing: gives the controller under that lock, for a change that other threads must see.
+        failed: called with an error that is not a plan's.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class PlanningThreads:
         self._lock = lock
         self._changing = changing
         self._failed = failed
-        self._plans = threading.Lock()  # held by the thread that plans; taken before the other
+        self._plans = threading.Lock()  # held by the thread that plans; acquired before `_lock`
         self._current: motion_queue.Planning | None = None
         self._worked_from = 0.0
         self._due = threading.Event()
@@ -64,24 +64,24 @@ class PlanningThreads:
         self._thread = threading.Thread(target=self._run, name="sim-planner", daemon=True)
 
     def start(self) -> None:
-        """Start the thread that plans what comes of the cycle itself."""
+        """Start the thread that plans the motions which the cycle itself queues."""
         self._thread.start()
 
     def end(self) -> None:
-        """Drop what is being planned, and plan nothing any more."""
+        """Drop the plan in progress, and plan nothing more."""
         self._closing = True
         self._due.set()
 
     def join(self) -> None:
-        """Return when the thread has ended."""
+        """Wait until the thread has ended."""
         if self._thread.is_alive():
             self._thread.join()
 
     def turn(self) -> None:
-        """Let other threads go on; for what plans, between two slices of its work.
+        """Yield to other threads; the planning code calls this between two slices of its work.
 
         Raises:
-            PlanDropped: Nobody waits for the plan any more.
+            PlanDropped: The plan is no longer needed.
         """
         if self._closing or self._controller.planning is not self._current:
             raise PlanDropped
@@ -90,7 +90,7 @@ class PlanningThreads:
             self._worked_from = time.perf_counter()
 
     def plan(self, id_: int | None = None) -> None:
-        """Plan what waits for it, in order: up to a motion, or all. Without the lock."""
+        """Plan the waiting motions in order: up to the given one, or all. Call without the lock."""
         while not self._closing:
             with self._plans:
                 with self._lock:
@@ -103,10 +103,10 @@ class PlanningThreads:
                 with contextlib.suppress(PlanDropped):
                     self._plan(current)
             if current.id != id_:
-                time.sleep(_WAY)  # those who wait to plan their own motion come first
+                time.sleep(_WAY)  # threads that wait to plan their own motion come first
 
     def plan_aside(self) -> None:
-        """Have the thread plan what waits for it, unless another does. Under the lock."""
+        """Let the thread plan the waiting motions, unless another does. Call under the lock."""
         if self._controller.unplanned is not None and not self._plans.locked():
             self._due.set()
 

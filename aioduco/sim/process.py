@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: until the process has said where it listens, and until it has ended after being asked to [s]
+#: time-outs: until the process has sent its addresses, and until it has exited on request [s]
 _START, _END = 60.0, 20.0
-#: what the process imports for them; glfw by way of MuJoCo
+#: packages that the process imports besides those of every process; MuJoCo imports glfw
 _PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
@@ -36,9 +36,9 @@ class SimulatorProcess:
         options: arguments of `Simulator`.
 
     Attributes:
-        host: address that the simulator listens on.
+        host: address on which the simulator listens.
         port: its TCP port.
-        status_port: that of status frames; None if there is none.
+        status_port: TCP port of status frames; None if there is none.
         process: the process, for tests that kill it.
     """
 
@@ -59,19 +59,19 @@ class SimulatorProcess:
 
     @property
     def clock(self) -> ScaledClock:
-        """Its time for `aioduco.connect(clock=...)`, told from its speed; it cannot be held.
+        """Its time for `aioduco.connect(clock=...)`, computed from its speed; it cannot be held.
 
         Raises:
-            ValueError: It goes as fast as possible: how fast that is, nobody here knows.
+            ValueError: It runs as fast as possible, so its actual speed is unknown here.
         """
         return ScaledClock(float(self._options.get("speed", 1.0)))
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Positions of everything that moves, as `Simulator.positions`: the joints first [rad, m].
+        """Positions of all moving parts, as `Simulator.positions`: the joints first [rad, m].
 
         Raises:
-            RuntimeError: it does not run.
+            RuntimeError: The simulator is not running.
         """
         if self._linked is None:
             raise RuntimeError("this simulator is not running")
@@ -86,7 +86,7 @@ class SimulatorProcess:
         """Start the process and wait until it listens.
 
         Raises:
-            RuntimeError: It could not be started, or ended or was silent instead.
+            RuntimeError: It could not be started, it ended before it listened, or it timed out.
         """
         try:
             linked = LinkedProcess("aioduco.sim.spawned", packages=_PACKAGES, patience=_END)
@@ -113,7 +113,7 @@ class SimulatorProcess:
         return self
 
     def close(self) -> None:
-        """End the process; returns when it has ended."""
+        """End the process, and wait until it has exited."""
         linked, self._linked = self._linked, None
         if linked is not None:
             linked.close()

@@ -1,4 +1,4 @@
-"""How a handler refuses a call, or says that its task has not ended."""
+"""Exceptions by which a handler refuses a call, or reports that its task has not ended."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Refusal(Exception):
 
 
 class Rejected(Exception):
-    """A task cannot be done: it ends at once, in a state that says why."""
+    """A task cannot be carried out: it ends at once, in a state that gives the reason."""
 
     def __init__(self, state: TaskState, message: str) -> None:
         super().__init__(message)
@@ -21,7 +21,7 @@ class Rejected(Exception):
 
 
 class Pending(Exception):
-    """The task of a call that a program makes has not ended; the cycle must not wait for it."""
+    """The task of a program's call has not ended; the cycle must not wait for it."""
 
     def __init__(self, id_: int) -> None:
         super().__init__(f"task {id_} has not ended")

@@ -1,14 +1,14 @@
 """The thread that runs the simulation: clock -> physics -> controller -> snapshot.
 
-Who may touch what:
-- the world belongs to this thread alone;
-- the controller is changed only under the lock, which is held neither across a world step nor
-  while a motion is planned, so that a command waits for one tick at most;
-- motions are planned outside the lock (see `planning`). Where simulated time has no pace of its own
-  (as fast as possible, or in step lock) it stands meanwhile, so that chance does not say in which
-  cycle a motion begins;
-- readers take the latest snapshot, which is immutable, without a lock. First they have the cycles
-  run that are due (see `batches`).
+Which thread may use what:
+- only this thread uses the world;
+- the controller is changed only under the lock. The lock is held neither during a world step nor
+  while a motion is planned, so a command waits for one tick at most;
+- motions are planned outside the lock (see `planning`). Where simulated time has no fixed pace (as
+  fast as possible, or locked) it stands still meanwhile, so that the cycle in which a motion begins
+  does not depend on chance;
+- readers take the latest snapshot, which is immutable, without a lock. Before that, the cycles that
+  are due run (see `batches`).
 """
 
 from __future__ import annotations
@@ -46,25 +46,25 @@ if TYPE_CHECKING:
     from aioduco.sim.cycle import Plant
 
     Vector = NDArray[np.float64]
-    #: is given the state after a cycle, and what says what of the arm touches what
+    #: called with the state after a cycle, and with a function that describes the arm's contacts
     Observer = Callable[[SimulationSnapshot, Callable[[], str]], None]
 
 _log = logging.getLogger(__name__)
 
-#: while nothing happens, the controller ticks this often [s of real time]
+#: interval of the controller's ticks while nothing happens [s of real time]
 _STRIDE = 0.02
-#: temperatures go on in steps of this [s]
+#: time step of the temperatures [s]
 _WARMING = 0.1
-#: real time for which a client may hold simulated time [s]: it may have been cut off meanwhile
+#: longest real time for which a client may hold simulated time [s]: it may have been cut off
 _HOLD = 2.0
-#: real time between two looks at whether a change of the controller is over [s]
+#: polling interval while a change of the controller is under way [s of real time]
 _CHANGE = 2e-5
-#: simulated time of standing after which the physics need no further steps [s]
+#: simulated time at rest after which the physics need no further steps [s]
 _SETTLING = 0.3
 
 
 _NO_PUSH: tuple[float, ...] = (0.0,) * 6
-#: cycles that no idle time comes to
+#: more cycles than any idle time contains
 _MANY = 1_000_000
 _STRONG: tuple[float, ...] = (math.inf,) * 6
 
@@ -73,7 +73,7 @@ class SimulatedClock:
     """Simulated time as `aioduco.controller_clock.Clock`: it can be held.
 
     Args:
-        runtime: whose time it is.
+        runtime: the simulation whose time it gives.
     """
 
     def __init__(self, runtime: SimulationRuntime) -> None:
@@ -83,13 +83,13 @@ class SimulatedClock:
         return f"<SimulatedClock at {self.now():.3f} s>"
 
     def now(self) -> float:
-        """Simulated time [s]; that of the end, once the simulation has ended."""
+        """Simulated time [s]; after the simulation has ended, the time of its end."""
         return self._runtime.now()
 
     def hold(self, at: float, *, lasting: bool = False) -> Callable[[], None]:
-        """Have simulated time stand at `at` [s], or now, until what is returned is called.
+        """Hold simulated time at `at` [s], or now if later, until the returned function is called.
 
-        It goes on after two seconds of real time in any case, unless `lasting`.
+        Unless `lasting`, simulated time resumes after two seconds of real time in any case.
         """
         return self._runtime.hold(at, lasting=lasting)
 
@@ -99,13 +99,13 @@ class SimulationRuntime:
 
     Args:
         controller: the state machine.
-        plant: the physics; touched by the thread only, once it runs.
-        cycle: time of one controller cycle [s].
-        effort: largest torques of the joints, for what warms them [N m].
-        speed: simulated seconds in a real one; inf for as fast as possible.
-        sense: what the force sensor makes of what acts on it [N, N m].
-        on_network: told from the thread when the controller's network goes away (False: it is
-            starting again, None: it was shut down) and comes back (True).
+        plant: the physics; once the thread runs, only the thread uses it.
+        cycle: duration of one controller cycle [s].
+        effort: largest torques of the joints, for their temperatures [N m].
+        speed: simulated seconds per real second; inf for as fast as possible.
+        sense: gives the force sensor's signal for the force and torque on it [N, N m].
+        on_network: called on the thread when the controller's network goes down (False: the
+            controller restarts, None: it was shut down) and when it comes back (True).
     """
 
     def __init__(
@@ -135,13 +135,13 @@ class SimulationRuntime:
         self._batches = Batches(self._pace, self._wake, self._attended)
         self._news = threading.Condition()
         self._watchers = 0
-        #: the change of the controller that is under way: the snapshot is older than it
+        #: token of the change of the controller that is under way; the snapshot is older
         self._change: object | None = None
-        #: the thread that makes it, unless a cycle does
+        #: id of the thread that makes the change; None if a cycle makes it
         self._changer: int | None = None
         self._holds: dict[object, float] = {}
         self._lasting: set[object] = set()
-        #: when simulated time that stood was let go last, in real time [s]
+        #: real time at which a hold that had stopped simulated time was last released [s]
         self._let_go_at = -math.inf
         self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
@@ -157,14 +157,14 @@ class SimulationRuntime:
         self._touched = plant.touched
         self._count = 0
         self._quiet = 0
-        #: in step lock, the cycle up to which simulated time may go
+        #: while simulated time is locked, the cycle up to which it may run
         self._limit: int | None = None
         self._stands = threading.Event()
         self._things: Mapping[str, PoseLike] | None = None
         self._misplaced: Exception | None = None
         self._busy: bool = False
         self._braked: bool | None = None
-        #: whether one of what follows was changed
+        #: whether one of the following values was changed
         self._told: bool = False
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
@@ -191,7 +191,7 @@ class SimulationRuntime:
         """The latest snapshot.
 
         Raises:
-            Refusal: The simulation has failed, so that what is known of the arm is old.
+            Refusal: The simulation has failed, so the latest snapshot is out of date.
         """
         if self._failure is not None:
             raise Refusal(f"the simulation failed: {self._failure!r}")
@@ -199,13 +199,13 @@ class SimulationRuntime:
         return self._snapshot
 
     def _catch_up(self) -> None:
-        # A change holds the lock without which no cycle runs; it began with those that were due.
+        # A change holds the lock that every cycle needs; the due cycles ran before it began.
         wait = self._changer != threading.get_ident() and not self._within
         self._batches.catch_up(wait=wait)
 
     @property
     def optimization(self) -> OptimizationSwitches:
-        """What of 1.3.11 is switched on; for handlers within a command."""
+        """The switches of manual 1.3.11; for handlers within a command."""
         return self._controller.optimization
 
     @property
@@ -215,19 +215,19 @@ class SimulationRuntime:
 
     @property
     def weaving(self) -> WeaveSelection:
-        """What is laid over the paths; for handlers within a command."""
+        """The weave that is added to paths; for handlers within a command."""
         return self._controller.weaving
 
     @property
     def last_motion(self) -> str:
-        """The function of the motion that was taken last; for handlers within a command."""
+        """The function of the motion that was accepted last; for handlers within a command."""
         return self._controller.last_motion
 
     @contextlib.contextmanager
     def command(self) -> Iterator[Controller]:
-        """The controller, to give it commands; readers see their effect when this ends.
+        """Give the controller for commands; readers see their effect when the context ends.
 
-        A motion that was commanded has been planned by then, or its task has ended.
+        By then a commanded motion has been planned, or its task has ended.
 
         Raises:
             Refusal: The simulation has failed.
@@ -248,7 +248,7 @@ class SimulationRuntime:
 
     @contextlib.contextmanager
     def _changing(self) -> Iterator[Controller]:
-        """The controller under the lock, and what has to be told when it has been changed."""
+        """Give the controller under the lock; then update the snapshot and wake waiting callers."""
         with self._lock:
             self._change, self._changer = object(), threading.get_ident()
             try:
@@ -261,24 +261,24 @@ class SimulationRuntime:
             event.set()
 
     def task_state(self, id_: int) -> TaskState:
-        """State of a task, not before the snapshot shows the cycle in which it came about."""
+        """State of a task. Waits until the snapshot shows the cycle in which it came about."""
         self._catch_up()
         state = self._controller.tasks.state(id_)
-        # Without the lock, for which the loop would compete again and again at top speed.
+        # Poll without the lock, for which the loop would compete again and again at top speed.
         if (change := self._change) is not None and not self._within:
             while self._change is change:
                 time.sleep(_CHANGE)
         return state
 
     def wait(self, id_: int) -> TaskState:
-        """Wait until a task has ended, and give the state that it ended in.
+        """Wait until a task has ended, and give its final state.
 
-        A motion that may blend into the next is not waited for to its end: see
+        For a motion that may blend into the next one, the wait ends before the motion ends: see
         `MotionQueue.read_ahead`.
 
         Raises:
-            Refusal: The simulation ended or failed before the task.
-            Pending: The call is one of a program, which the controller itself goes on with.
+            Refusal: The simulation ended or failed before the task ended.
+            Pending: The call comes from a program, which the controller itself continues.
         """
         if self._within:
             raise Pending(id_)
@@ -288,27 +288,27 @@ class SimulationRuntime:
                 return state
             ended = threading.Event()
             self._waiters.setdefault(id_, []).append(ended)
-        if not self._closing:  # after the registration: `_release` comes after the flag
+        if not self._closing:  # checked after the registration: `release` sets the flag first
             ended.wait()
         if not (state := tasks.answer(id_)).ended:
             raise Refusal("the simulation ended before the task")
         return state
 
     def wait_until(self, predicate: Callable[[], bool], timeout: float) -> bool:
-        """Wait until something holds, asked at most once per cycle.
+        """Wait until a condition holds, which is checked at most once per cycle.
 
         Args:
-            predicate: what to wait for.
+            predicate: the condition.
             timeout: the longest wait, in simulated time [s].
 
         Returns:
-            Whether it holds.
+            Whether the condition holds.
         """
         end = self.snapshot.time + timeout
         with self._news:
             self._watchers += 1
         try:
-            # Asked without the lock: a predicate may call the controller, which needs the loop.
+            # Called without the lock: a predicate may call the controller, which needs the loop.
             while not predicate():
                 snapshot = self.snapshot
                 if snapshot.time >= end or self._closing:
@@ -334,14 +334,14 @@ class SimulationRuntime:
         self._wake.set()
 
     def now(self) -> float:
-        """Simulated time [s]; that of the end, once the simulation has ended or failed."""
+        """Simulated time [s]; after the simulation has ended or failed, the time of its end."""
         self._catch_up()
         return self._snapshot.time
 
     def hold(self, at: float, *, lasting: bool = False) -> Callable[[], None]:
-        """Have simulated time stand at `at` [s], or now, until what is returned is called.
+        """Hold simulated time at `at` [s], or now if later, until the returned function is called.
 
-        It goes on after two seconds of real time in any case, unless `lasting`.
+        Unless `lasting`, simulated time resumes after two seconds of real time in any case.
         """
         key = object()
 
@@ -361,9 +361,9 @@ class SimulationRuntime:
         return let_go
 
     def lock(self) -> None:
-        """Have simulated time stand from now on, and go on by `advance` alone.
+        """Lock simulated time: from now on it stands still, and only `advance` moves it.
 
-        While it is locked every cycle is computed, also those in which nothing happens.
+        While it is locked, every cycle is computed, also those in which nothing happens.
         """
         with self._holding:
             self._stands.clear()
@@ -374,13 +374,13 @@ class SimulationRuntime:
         self._limit = self._count  # the thread may have been within a cycle
 
     def unlock(self) -> None:
-        """Have simulated time go on by itself."""
+        """Unlock simulated time, so that it runs by itself again."""
         with self._holding:
             self._limit = None
             self._holding.notify_all()
 
     def advance(self, cycles: int) -> None:
-        """Have so many cycles run, and return when they have.
+        """Run a number of cycles, and return when they have run.
 
         Raises:
             RuntimeError: simulated time is not locked.
@@ -393,7 +393,7 @@ class SimulationRuntime:
         self._await_stand()
 
     def arrange(self, things: Mapping[str, PoseLike]) -> None:
-        """Begin anew with the physics: the arm at its set-point, things at their poses [m, rad].
+        """Reset the physics: the arm at its set-point, things at their poses [m, rad].
 
         Raises:
             RuntimeError: simulated time is not locked.
@@ -417,28 +417,28 @@ class SimulationRuntime:
     def _await_stand(self) -> None:
         self._stands.wait()
         if self._closing:
-            _ = self.snapshot  # says why, if it failed
+            _ = self.snapshot  # raises the reason, if the simulation failed
             raise Refusal("the simulation ended")
 
     def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Tell the drives about a load [kg, m], and mount it unless `carry` has mounted another."""
+        """Set a load in the drives [kg, m], and mount it unless `carry` has mounted another."""
         self._load = (mass, tuple(centre))
         self._told = True
         self._wake.set()
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange [kg, m], whatever the drives are told."""
+        """Mount a load at the flange [kg, m], whatever load is set in the drives."""
         self._carry = (mass, tuple(centre))
         self._told = True
         self._wake.set()
 
     def set_speed(self, speed: float) -> None:
-        """Go on at another speed: simulated seconds in a real one."""
+        """Set another speed: simulated seconds per real second."""
         self._speed = checked_speed(speed)
         self._wake.set()
 
     def statistics(self) -> LoopStatistics:
-        """How well the cycle is kept."""
+        """Timing of the cycles."""
         return self._times.statistics(self._pace.slipped)
 
     def start(self) -> None:
@@ -447,7 +447,7 @@ class SimulationRuntime:
         self.planning.start()
 
     def release(self) -> None:
-        """Let go of every call that waits for a task, now and from now on."""
+        """Wake every call that waits for a task; from now on no call waits any more."""
         self._closing = True
         self._stands.set()
         self.planning.end()
@@ -463,7 +463,7 @@ class SimulationRuntime:
         self._wake.set()
 
     def close(self) -> None:
-        """End the thread, and return when it has ended."""
+        """End the threads, and wait until they have ended."""
         self.release()
         if self._thread.is_alive():
             self._thread.join()
@@ -488,7 +488,7 @@ class SimulationRuntime:
     def _loop(self) -> None:
         clock, pace = time.monotonic, self._pace
         idle = False
-        # The clock is read once where a cycle ends, and once more after a sleep.
+        # The clock is read once at the end of a cycle, and once more after a sleep.
         now = clock()
         pace.begin(now)
         while not self._closing:
@@ -531,16 +531,16 @@ class SimulationRuntime:
                 pace.begin(now, idle=idle)
 
     def _attended(self) -> bool:
-        """Whether somebody waits for one of the next cycles."""
+        """Whether a caller waits for one of the next cycles."""
         if self._watchers or self.observer or self._holds or self._limit is not None:
             return True
         if self._controller.unplanned is not None:
-            return True  # whoever asks would wait until many cycles have run beside what plans
+            return True  # else a caller would wait for many cycles, which compete with the planning
         return bool(self._waiters) and self._controller.time_left < self._batches.longest
 
     def _change_plant(self) -> None:
-        """Have the physics take over what was changed since the last cycle."""
-        self._told = False  # first: what comes meanwhile is taken over in the next cycle
+        """Pass the changes since the last cycle to the physics."""
+        self._told = False  # first: a change that comes meanwhile is passed in the next cycle
         if self._braked is not self._drive.brake:
             self._braked = self._drive.brake
             self._plant.brake(self._braked)
@@ -556,7 +556,7 @@ class SimulationRuntime:
             mount(*self._loaded)
 
     def _allowed(self) -> int:
-        """How many cycles may run until simulated time is to stand."""
+        """Number of cycles that may run until simulated time must stand still."""
         until = min(tuple(self._holds.values()), default=math.inf)
         left = (until - self._count * self.cycle) / self.cycle
         held = math.ceil(min(max(left, 0.0), _MANY))
@@ -564,7 +564,7 @@ class SimulationRuntime:
         return held if limit is None else min(held, max(0, limit - self._count))
 
     def _stand_still(self, *, idle: bool) -> None:
-        """Wait for as long as a client holds simulated time."""
+        """Wait while a client holds or locks simulated time."""
         if (not self._holds and self._limit is None) or self._allowed():
             return
         self._batches.end()
@@ -580,10 +580,10 @@ class SimulationRuntime:
                     del self._holds[key]
                 if over:
                     _log.warning("simulated time was held for %g s, and goes on", _HOLD)
-        self._pace.begin(time.monotonic(), idle=idle)  # nothing is to be caught up with
+        self._pace.begin(time.monotonic(), idle=idle)  # the cycles of the wait are not made up for
 
     def _may_go_on(self) -> bool:
-        """Whether simulated time goes on; meanwhile the scene is arranged, if that is asked for."""
+        """Whether simulated time may run on; while it is locked, arrange the scene on request."""
         if self._limit is not None and self._limit <= self._count:
             if (things := self._things) is not None:
                 self._things = None
@@ -595,7 +595,7 @@ class SimulationRuntime:
         return self._closing or self._allowed() > 0
 
     def _tick(self, now: float, *, idle: bool = False) -> int:
-        """Go on by one cycle, or while nothing happens by those that are due; how many.
+        """Run one cycle, or while nothing happens all that are due; return their number.
 
         Args:
             now: real time [s].
@@ -605,7 +605,7 @@ class SimulationRuntime:
         reading = self._plant.reading()
         qdd, external = reading.qdd, reading.external_torque
         wrench = self._sense(reading.wrench)
-        followed = self._drive.setpoint  # what has brought the arm to where it is now
+        followed = self._drive.setpoint  # the set-point that moved the arm to where it is now
         with self._lock:
             if controller.unplanned is not None:
                 self._wait_for_plans()
@@ -630,7 +630,7 @@ class SimulationRuntime:
                 self._temperatures,
             )
             self._change = None
-            # Before a command can come: else it would be chance in which cycle that counts.
+            # Before a command can come: else the cycle in which it counts would depend on chance.
             self._busy = controller.busy
             released = self._take_answered() if controller.tasks.news else ()
             network = None if controller.halted else not controller.starting
@@ -649,17 +649,18 @@ class SimulationRuntime:
         return cycles
 
     def _idle_cycles(self) -> int:
-        """How many cycles go by in which nothing happens. Under the lock.
+        """Number of cycles that pass in which nothing happens. Call under the lock.
 
-        Who holds simulated time and gives a command reads the time at which the controller has it.
-        So no command comes between this and the tick, and real time before simulated time was let
-        go is not caught up with, even if this thread has not come to see that it was held.
+        A caller that holds simulated time and gives a command reads the time at which the
+        controller receives the command. So no command comes between this and the tick. Real time
+        before the release of a hold is not caught up with, even if this thread did not notice the
+        hold.
         """
         self._pace.drop(self._let_go_at)
         return min(self._pace.due(time.monotonic()), self._allowed())
 
     def _wait_for_plans(self) -> None:
-        """Have all be planned where time has no pace of its own; the lock is held at both ends."""
+        """Plan all motions where time has no fixed pace; the lock is held on entry and return."""
         while self._controller.unplanned is not None and not self._closing:
             if self._limit is None and not math.isinf(self._speed):
                 return
@@ -670,21 +671,21 @@ class SimulationRuntime:
                 self._lock.acquire()
 
     def _warm(self, at: float, torque: Vector) -> None:
-        """Have the temperatures follow the torques of the time since they did so last."""
+        """Update the temperatures for the torques since the last update."""
         powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
         self._warmth.tick(at - self._warm_at, torque, powered=powered)
         self._temperatures = self._warmth.joints, self._warmth.boards
         self._warm_at = at
 
     def _take_answered(self) -> list[threading.Event]:
-        """Those who wait for the tasks that ended or were passed on. Under the lock."""
+        """Events of callers whose tasks have ended or were passed on. Call under the lock."""
         released: list[threading.Event] = []
         for id_ in self._controller.tasks.take_answered():
             released += self._waiters.pop(id_, ())
         return released
 
     def _is_idle(self, cycles: int) -> bool:
-        """Whether the arm has stood for so long that physics would change nothing."""
+        """Whether the arm has stood still for so long that the physics would change nothing."""
         changing = self._busy or self._braked is not self._drive.brake
         changing = changing or self._pushed is not self._push or any(self._pushed)
         changing = changing or self._loaded is not self._load

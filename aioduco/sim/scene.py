@@ -1,8 +1,8 @@
-"""Where the arm is mounted, what stands around it, and what it carries.
+"""The mounting of the arm, the things around it, and its tool.
 
-Boxes, tables and springs are values that write themselves as MJCF, which needs no MuJoCo; any MJCF
-will do instead. In a scene, places are in the world's frame: the floor is at z = 0, and an arm on
-the floor has its base at the origin. In a tool they are in the frame of the flange.
+Boxes, tables and springs are values that can be written as MJCF without MuJoCo; any other MJCF can
+be used instead. In a scene, positions are in the world's frame: the floor is at z = 0, and an arm
+on the floor has its base at the origin. In a tool, positions are in the frame of the flange.
 """
 
 from __future__ import annotations
@@ -47,15 +47,16 @@ __all__ = [
 
 Colour = tuple[float, float, float]
 _WOOD, _STEEL, _RUBBER = (0.72, 0.6, 0.45), (0.6, 0.63, 0.66), (0.2, 0.2, 0.2)
-# How surfaces touch; of two the one with the higher priority says so. As stiff as a step of 1 ms
-# allows, without bouncing:
+# Contact parameters of surfaces; of two surfaces in contact, the one with the higher priority
+# determines them. As stiff as a step of 1 ms allows, without bouncing:
 _LOOSE = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005", "priority": "1"}
-# What slides on it under load must not lose touch. MuJoCo takes friction times speed times the
-# contact's damping from the force between things that slide, so that is low, and it bounces a bit:
+# A thing that slides on it under load must not lose contact. MuJoCo subtracts friction times speed
+# times the contact's damping from the force between sliding things. So the damping is low, and the
+# surface bounces a bit:
 _FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
-# What gives way is to be the spring, not the surface.
+# The spring must give way, not the surface.
 _SPRUNG = {**_LOOSE, "priority": "3"}
-_PERIOD = 0.004  # of what vibrates, over 2π: a step of 1 ms still follows it [s]
+_PERIOD = 0.004  # period of a sprung plate over 2π: a step of 1 ms still resolves it [s]
 _LOWEST_PEDESTAL = 0.05  # [m]
 
 GRAVITY = 9.81
@@ -67,11 +68,11 @@ class Thing(ABC):
     """An object.
 
     Attributes:
-        at: where its centre is: x, y, z [m], or a pose of six numbers [m, rad].
-        mass: kg. In a scene zero stands still for good, and anything above falls and can be
-            pushed; in a tool it is what the arm carries.
+        at: position of its centre: x, y, z [m], or a pose of six numbers [m, rad].
+        mass: mass [kg]. In a scene, an object of mass zero never moves, and any other falls and can
+            be pushed; in a tool it is the mass that the arm carries.
         colour: red, green, blue, 0 to 1.
-        name: for the physics; a scene's names must differ.
+        name: name in the physics; names in a scene must differ.
     """
 
     at: Sequence[float] = (0.0, 0.0, 0.0)
@@ -96,13 +97,14 @@ class Thing(ABC):
 
     @abstractmethod
     def _shapes(self, body: ET.Element) -> None:
-        """Add the geometry to its body."""
+        """Add the geometry to the body."""
 
     def mjcf(self, *, free: bool) -> ET.Element:
-        """Give it as an MJCF body.
+        """Give the object as an MJCF body.
 
         Args:
-            free: whether a mass may move on its own, as in a scene; a tool is one piece.
+            free: whether an object with a mass may move on its own, as in a scene; a tool is one
+                rigid piece.
         """
         pose = _pose(self.at)
         quat = quaternion_from_matrix(pose.matrix[:3, :3])
@@ -123,7 +125,7 @@ class Thing(ABC):
     def _plate(
         self, body: ET.Element, size: tuple[float, float, float], surface: dict[str, str]
     ) -> None:
-        """A box whose top is where the body is."""
+        """Add a box whose top is at the origin of the body."""
         half = tuple(0.5 * length for length in size)
         self._geom(body, "box", half, pos=_text((0, 0, -half[2])), mass="0", **surface)
 
@@ -133,7 +135,7 @@ class Box(Thing):
     """A box.
 
     Attributes:
-        size: whole lengths along x, y, z [m].
+        size: full lengths along x, y, z [m].
     """
 
     size: tuple[float, float, float] = (0.1, 0.1, 0.1)
@@ -150,7 +152,7 @@ class Sphere(Thing):
     """A sphere.
 
     Attributes:
-        radius: m.
+        radius: radius [m].
     """
 
     radius: float = 0.05
@@ -167,8 +169,8 @@ class Cylinder(Thing):
     """A cylinder along its z axis.
 
     Attributes:
-        radius: m.
-        length: m.
+        radius: radius [m].
+        length: length [m].
     """
 
     radius: float = 0.05
@@ -183,13 +185,13 @@ class Cylinder(Thing):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rod(Thing):
-    """A rod with round ends along its z axis, from where it is; as a tool, a probe.
+    """A rod along its z axis, from a flat end at `at` to a round tip; as a tool, a probe.
 
-    Its tip is `length` from there: `Rod(length=0.12)` as a tool has it at (0, 0, 0.12).
+    The tip is `length` away from `at`: `Rod(length=0.12)` as a tool has it at (0, 0, 0.12).
 
     Attributes:
-        length: from the place to the tip [m].
-        radius: of the rod and its end [m].
+        length: distance from `at` to the tip [m].
+        radius: radius of the rod and its tip [m].
     """
 
     length: float = 0.1
@@ -200,7 +202,7 @@ class Rod(Thing):
 
     def _shapes(self, body: ET.Element) -> None:
         straight = max(self.length - self.radius, 1e-4)
-        # The flat end is inside the other one, so that only the tip is round.
+        # The upper end of the cylinder is inside the sphere, so the rod has a round tip.
         self._geom(
             body, "cylinder", (self.radius, 0.5 * straight), pos=_text((0, 0, 0.5 * straight))
         )
@@ -211,17 +213,17 @@ class Rod(Thing):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pad(Thing):
-    """A plate on a spring, which gives way along its z axis and in no other direction.
+    """A plate on a spring, which gives way along its z axis only.
 
-    Pressed by a force F it stands F / stiffness lower. Its own weight rests on nothing that gives
-    way: unpressed, its top is where it is put.
+    A force F presses it down by F / stiffness. Its own weight does not load the spring: without a
+    force, its top is at `at`.
 
     Attributes:
-        at: the centre of its top.
+        at: centre of its top.
         size: lengths along x and y, thickness [m].
-        stiffness: of the spring [N/m].
-        damping: of the plate on its spring, 1 for no vibration.
-        travel: how far it can be pressed [m]; there it is hard.
+        stiffness: stiffness of the spring [N/m].
+        damping: damping ratio of the plate on its spring, 1 for no vibration.
+        travel: largest distance by which it can be pressed [m]; there it meets a hard stop.
     """
 
     size: tuple[float, float, float] = (0.1, 0.1, 0.02)
@@ -242,14 +244,14 @@ class Pad(Thing):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table(Thing):
-    """A table on four legs, hard, or with a top that gives way.
+    """A table on four legs, with a hard or a sprung top.
 
     Attributes:
-        at: the centre of its top.
+        at: centre of its top.
         size: lengths along x and y [m].
-        stiffness: of the top along z [N/m]; None for a hard one.
-        damping: of a top that gives way, 1 for no vibration.
-        height: of the legs [m]; None for down to the floor.
+        stiffness: stiffness of the top along z [N/m]; None for a hard top.
+        damping: damping ratio of a sprung top, 1 for no vibration.
+        height: distance from the feet of the legs to the top [m]; None for legs down to the floor.
     """
 
     size: tuple[float, float] = (0.6, 0.4)
@@ -272,7 +274,7 @@ class Table(Thing):
         self._legs(body, float(self.at[2]) if self.height is None else self.height)
 
     def _legs(self, body: ET.Element, height: float) -> None:
-        # Below a top that gives way there is room for it to do so.
+        # A sprung top needs room below it for its travel.
         above, thick = (0.02 if self.stiffness is None else 0.08), 0.02
         half = 0.5 * (height - above)
         if half <= 0.0:
@@ -289,7 +291,7 @@ def _sprung(
     body: ET.Element, stiffness: float, damping: float, travel: float, name: str
 ) -> ET.Element:
     plate = ET.SubElement(body, "body", gravcomp="1")
-    # Light enough to be no load, heavy enough for the time step.
+    # Light enough not to act as a load, heavy enough for the time step.
     mass = max(0.1, stiffness * _PERIOD**2)
     joint = ET.SubElement(
         plate, "joint", type="slide", axis="0 0 1", limited="true", range=_text((-travel, 0.0)),
@@ -323,14 +325,14 @@ SceneLike: TypeAlias = str | os.PathLike[str] | Sequence[Thing]
 
 
 def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
-    """Give a scene as one text: MJCF, or the absolute path of a file of it.
+    """Give a scene as one text: MJCF, or the absolute path of an MJCF file.
 
     Args:
-        scene: a path, MJCF text (what begins with "<"), or things.
+        scene: a path, MJCF text (a string that begins with "<"), or things.
         free: whether things with a mass may move on their own; not so in a tool.
 
     Raises:
-        SceneError: It is none of these.
+        SceneError: The scene is none of these.
     """
     if isinstance(scene, str) and scene.lstrip().startswith("<"):
         return scene
@@ -346,7 +348,7 @@ def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
 
 
 def mounting_of(mounting: MountingLike, arm: Arm, pedestal: float = 0.0) -> Pose:
-    """Give the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
+    """Give the pose of an arm's base in the world, where the z axis is up and the floor at z = 0.
 
     Args:
         mounting: as for `base_in_world`.
@@ -354,7 +356,8 @@ def mounting_of(mounting: MountingLike, arm: Arm, pedestal: float = 0.0) -> Pose
         pedestal: height of a column under an arm on the floor [m].
 
     Raises:
-        SceneError: It is neither a name nor a pose, or no arm on the floor gets a pedestal.
+        SceneError: The mounting is neither a name nor a pose, the pedestal is out of range, or an
+            arm that is not on the floor has a pedestal.
     """
     if pedestal:
         if mounting != "floor":

@@ -1,4 +1,4 @@
-"""The simulated controller as an object: start it, drive its inputs, look at the arm."""
+"""The simulated controller as an object: start it, set its inputs, observe the arm."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ if TYPE_CHECKING:
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
-#: how long after its time a heartbeat may come [s]; none if strict. An assumption
+#: delay with which a heartbeat may arrive [s]; 0 if strict. An assumption
 HEARTBEAT_SLACK = 0.5
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
@@ -72,57 +72,60 @@ READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 class Simulator:
     """A simulated controller with its arm, on a TCP port of this computer.
 
-    It runs in threads of this process, between entering and leaving it:
+    It runs in threads of this process, from entering its context to leaving it:
 
         with Simulator() as sim:          # or: async with Simulator() as sim
             ... connect to sim.host, sim.port ...
 
-    What the methods below do, they do to the arm and the cabinet, as a person at the machine would;
-    programs under test use the port.
+    The methods below act on the arm and the cabinet, like a person at the machine. Programs under
+    test use the port.
 
     Args:
         model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them.
-        host: address to listen on; loopback unless told otherwise.
-        port: TCP port; 0 picks a free one, which `port` then tells.
-        status_port: TCP port that status frames are pushed on, 2001 on a real controller; 0 picks
-            a free one, which `status_port` then tells; None for no such port.
-        speed: simulated seconds in a real one; `math.inf` for as fast as possible.
-        seed: makes the serial number, and with `real_readings` what the force sensor shows.
-        real_readings: whether readings are as a controller gives them: each number of joints,
-            poses, torques and forces in single precision, and a force sensor with an offset and a
-            noise of about 0.5 N. Without it they are exact.
-        joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
-        scene: what stands around the arm, in the world's frame: a sequence of
+        host: address to listen on; loopback by default.
+        port: TCP port; 0 picks a free one, which the property `port` then gives.
+        status_port: TCP port of status frames, 2001 on a real controller; 0 picks a free one, which
+            the property `status_port` then gives; None for no such port.
+        speed: simulated seconds per real second; `math.inf` for as fast as possible.
+        seed: determines the serial number, and with `real_readings` the errors of the force sensor.
+        real_readings: whether readings are like those of a real controller: joints, poses, torques
+            and forces in single precision, and a force sensor with an offset and a noise of about
+            0.5 N. Otherwise they are exact.
+        joints: joints at the start [rad]; None for elbow bent and flange down.
+        scene: things around the arm, in the world's frame: a sequence of
             `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
-        tool: what the flange carries, likewise, in the flange's frame.
-        gripper: a gripper at the flange instead, which grips what is loose in the scene:
-            "robotiq_2f85", "robotiq_2f140", "robotiq_hand_e", "dh_ag95" and "dh_pge" at the tool's
-            RS-485 port, "parallel" and "vacuum" on general outputs of the cabinet.
-        vibration_time: how much longer each motion to a stand takes while vibration control is
-            on, which it is at first [s]: 0.2 to 0.4 on a real arm, none unless told.
-        program_lag: how long the program state reads 1, stopping, after all motions have ended
-            [s]: up to 2 has been seen of a real controller, none unless told.
-        mounting: where the base is in the world: "floor", "wall", "ceiling", or a pose [m, rad].
+        tool: things that the flange carries, in the same forms, in the flange's frame.
+        gripper: name of a gripper at the flange, instead of `tool`; it grips loose things of the
+            scene: "robotiq_2f85", "robotiq_2f140", "robotiq_hand_e", "dh_ag95" and "dh_pge" at the
+            tool's RS-485 port, "parallel" and "vacuum" on general outputs of the cabinet.
+        vibration_time: time by which each motion that ends at rest takes longer while vibration
+            control is on, as it is at first [s]: 0.2 to 0.4 on a real arm, 0 by default.
+        program_lag: time for which the program state reads 1, stopping, after all motions have
+            ended [s]: up to 2 was seen on a real controller, 0 by default.
+        mounting: position of the base in the world: "floor", "wall", "ceiling", or a pose [m, rad].
         pedestal: height of a column on which an arm on the floor stands, so that it reaches below
             its base [m].
-        external_axes: schemes of external axes by name, which a controller's pendant would define:
-            of each, one to three `aioduco.sim.cabinet.Axis`, or their numbers.
-        values: system values by name, which a controller's pendant would define.
-        programs: by name, for run_program: a list of calls of the wire, or a generator function
-            that yields them; or a folder whose files "<name>.json" hold such lists.
-        heartbeat_slack: how long after its time a heartbeat may still come, before the arm is
-            stopped [s]: what a controller gives is not known. None for 0.5, and 0 if strict.
-        strict: whether to refuse what is off the manual although public programs send it: numbers
-            out of their range, and the like. A lenient simulator takes it; `forgiven` tells what.
-        cycle: time of one cycle of controller and physics [s]; a longer one needs less of this
-            computer, and is coarser.
-        on_shutdown: called when a client has shut the controller down, from one of its threads.
+        external_axes: schemes of external axes by name, which the pendant of a real controller
+            defines: for each, one to three `aioduco.sim.cabinet.Axis`, or their numbers.
+        values: system values by name, which the pendant of a real controller defines.
+        programs: programs by name, for run_program: each a list of calls of the wire, or a
+            generator function that yields them; or a folder whose files "<name>.json" hold such
+            lists.
+        heartbeat_slack: delay with which a heartbeat may arrive before the arm is stopped [s]; that
+            of a real controller is not known. None for 0.5, or for 0 if strict.
+        strict: whether to refuse calls that deviate from the manual although public programs send
+            them, such as numbers out of their range. A lenient simulator accepts them; `forgiven`
+            counts them.
+        cycle: duration of one cycle of controller and physics [s]; a longer one needs less
+            processor time, and is less accurate.
+        on_shutdown: called when a client has shut the controller down, on one of its threads.
 
     Raises:
-        ParameterError: There is no such model, or `joints` are no six angles.
-        ValueError: `external_axes` are none.
-        SceneError: `mounting` is none, or `scene` or `tool` hold what is no thing.
-        ValueError: One of the `programs` is none, or a time is negative.
+        ParameterError: There is no such model, or `joints` are not six angles.
+        ValueError: `external_axes` are not valid.
+        SceneError: `mounting` or `pedestal` is not valid, or `scene` or `tool` holds an object that
+            is not a `Thing`.
+        ValueError: One of the `programs` is not valid, or a time is out of range.
         ParameterError: There is no such gripper.
         ValueError: There is a gripper and a tool.
     """
@@ -204,9 +207,9 @@ class Simulator:
         """Build the arm and listen.
 
         Raises:
-            OSError: The address cannot be listened on.
-            SceneError: The scene or the tool is no MJCF that MuJoCo takes.
-            RuntimeError: It is running already.
+            OSError: The server cannot listen on the address.
+            SceneError: MuJoCo does not accept the MJCF of the scene or the tool.
+            RuntimeError: The simulator is running already.
         """
         if self._runtime is not None:
             raise RuntimeError("this simulator is running already")
@@ -277,13 +280,13 @@ class Simulator:
         self._server, self._runtime, self._controller = server, runtime, controller
         self._studio = PictureProcess(world.model)
         self._world = world
-        # An interpreter that ends under a running simulation would free what is being stepped.
+        # If the interpreter exits during a simulation, it frees memory that a step still uses.
         atexit.register(self.close)
         runtime.start()
         return self
 
     def close(self) -> None:
-        """Cut the connections and stop the simulation; returns when its threads have ended."""
+        """Cut the connections, stop the simulation, and wait until its threads have ended."""
         atexit.unregister(self.close)
         server, runtime = self._server, self._runtime
         self._server = None
@@ -330,7 +333,8 @@ class Simulator:
         """Run a simulator in a process of its own.
 
         Args:
-            options: those of `Simulator`; numbers, texts and lists only, besides scenes and tools.
+            options: arguments of `Simulator`: only numbers, texts and lists, apart from scenes and
+                tools.
 
         Returns:
             A context manager that gives the running process with its `host` and `port`.
@@ -342,16 +346,16 @@ class Simulator:
                 options[name] = mjcf_of(options[name], free=name == "scene")
         return SimulatorProcess(options)
 
-    # -- what can be seen ----------------------------------------------------------------------
+    # -- state ---------------------------------------------------------------------------------
 
     @property
     def host(self) -> str:
-        """The address that is listened on."""
+        """The address on which the simulator listens."""
         return self._address[0]
 
     @property
     def port(self) -> int:
-        """The TCP port that is listened on; 0 before the start if any will do."""
+        """The TCP port on which the simulator listens; before the start 0 for any free port."""
         return self._address[1] if self._server is None else self._server.port
 
     @property
@@ -361,12 +365,12 @@ class Simulator:
 
     @property
     def scene(self) -> str | None:
-        """What stands around the arm: MJCF, or the path of a file of it; None for nothing."""
+        """The things around the arm: MJCF, or the path of an MJCF file; None for nothing."""
         return self._scene
 
     @property
     def tool(self) -> str | None:
-        """What the flange carries, likewise."""
+        """The things that the flange carries, in the same forms."""
         return self._tool
 
     @property
@@ -376,7 +380,7 @@ class Simulator:
 
     @property
     def connections(self) -> int:
-        """How many clients are connected."""
+        """Number of connected clients."""
         return 0 if self._server is None else self._server.connections
 
     @property
@@ -390,14 +394,13 @@ class Simulator:
 
             async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
 
-        It can be held: simulated time stands for the moment in which the program ends a motion
-        that is due.
+        It can be held: simulated time stands still while the program ends a motion at its due time.
         """
         return SimulatedClock(self._running())
 
     @property
     def speed(self) -> float:
-        """Simulated seconds in a real one; may be set while it runs."""
+        """Simulated seconds per real second; may be set while the simulator runs."""
         return self._speed
 
     @speed.setter
@@ -408,15 +411,15 @@ class Simulator:
 
     @property
     def joints(self) -> Joints:
-        """Joints of the arm that stands here [rad], also while its controller only simulates."""
+        """Joints of the real arm [rad], also while its controller only simulates."""
         return Joints.of(self._running().snapshot.positions[:6])
 
     @property
     def moving(self) -> bool:
-        """Whether the arm moves, as the controller tells it (`robotmoving`).
+        """Whether the arm moves, as the controller reports it (`robotmoving`).
 
-        It does not once a motion has finished: what is left of it then, a joint that swings out
-        by some hundredths of a milliradian, counts no more. `view.standing` tells of that.
+        After a motion has finished this is false, although a joint may still swing by some
+        hundredths of a milliradian. `view.standing` takes that into account.
         """
         return self.view.moving
 
@@ -436,27 +439,27 @@ class Simulator:
         return self._machine().tasks.unfinished()
 
     def task(self, id: int) -> ControllerTask | None:  # noqa: A002 - what it is
-        """A task that runs or has ended, by its id; None if there is none, or it is forgotten."""
+        """A task that runs or has ended, by its id; None if it is unknown or no longer stored."""
         return self._machine().tasks.get(id)
 
     def observe(self, observer: Observer | None) -> None:
-        """Have something called after every cycle, for as long as nothing else is given.
+        """Set the function that is called after every cycle, in place of an earlier one.
 
         Args:
             observer: called on the simulation's thread, which waits for it, with the state after
-                the cycle and with what says what of the arm touches what; None for nothing.
+                the cycle and with a function that describes the arm's contacts; None for nothing.
         """
         self._observer = observer
         if self._runtime is not None:
             self._runtime.observer = observer
 
     def get_digital_output(self, num: int) -> bool:
-        """A general output of the cabinet, 1 to 16."""
+        """State of a general output of the cabinet, 1 to 16."""
         return self._machine().signals.standard_out.level(num, self.time)
 
     @property
     def forgiven(self) -> dict[str, int]:
-        """How often it took what is off the manual, by kind; empty if all calls kept to it."""
+        """Number of accepted deviations from the manual, by kind; empty if there was none."""
         return self._forgiving.counts
 
     @property
@@ -465,34 +468,34 @@ class Simulator:
         return self._machine().signals
 
     def statistics(self) -> LoopStatistics:
-        """How well the controller's cycle is kept."""
+        """Timing of the controller's cycles."""
         return self._running().statistics()
 
     def wait_until(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
-        """Wait until something holds.
+        """Wait until a condition holds.
 
-        It is asked in the calling thread, at most once per cycle: when the simulation goes faster
-        than that thread, it sees only some of the cycles.
+        The calling thread checks it, at most once per cycle: when the simulation runs faster than
+        that thread, the thread sees only some of the cycles.
 
         Args:
-            predicate: what to wait for, such as `lambda: not sim.moving`.
+            predicate: the condition, such as `lambda: not sim.moving`.
             timeout: the longest wait, in simulated time [s].
 
         Raises:
-            TimeoutError: It did not come to hold.
+            TimeoutError: The condition did not hold in time.
         """
         if not self._running().wait_until(predicate, timeout):
             raise TimeoutError(f"it did not come to hold within {timeout} s of simulated time")
 
     async def wait_until_async(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
-        """The same, awaited; the predicate is asked in another thread."""
+        """Wait like `wait_until`, asynchronously; the predicate is called in another thread."""
         await anyio.to_thread.run_sync(self.wait_until, predicate, timeout)
 
     def drop_connections(self) -> int:
-        """Cut every connection, as a pulled cable would; how many there were."""
+        """Cut every connection, like a pulled cable, and return their number."""
         return 0 if self._server is None else self._server.drop()
 
-    # -- what a person at the machine does ------------------------------------------------------
+    # -- actions of a person at the machine -----------------------------------------------------
 
     def set_digital_input(self, num: int, value: bool) -> None:
         """Set a general input of the cabinet, 1 to 16."""
@@ -512,18 +515,18 @@ class Simulator:
         after: float = 0.0,
         inverted: bool = False,
     ) -> None:
-        """Have an input follow an output, as the sensor of a cylinder follows its valve.
+        """Make an input follow an output, as the sensor of a cylinder follows its valve.
 
             sim.rule(output=1, input=3, after=0.5)      # closed, half a second after the valve
 
-        It may be called before the start, too. The input has the output's state at once, and from
-        then on follows each change, until another rule is given for it. A pulse is followed
-        however short it is beside `after`.
+        It may also be called before the start. The input takes the output's state at once, and then
+        follows each change until another rule is given for it. It also follows a pulse that is
+        shorter than `after`.
 
         Args:
             output: a general output, 1 to 16; "tool 1" or "tool 2" for one of the tool.
             input: a general input, likewise.
-            after: by how much it follows, in simulated time [s].
+            after: delay with which it follows, in simulated time [s].
             inverted: whether the input is on while the output is off.
 
         Raises:
@@ -537,9 +540,9 @@ class Simulator:
             self._rules.add(rule)
 
     def switch_mode(self, mode: OperationMode) -> None:
-        """Turn the mode switch of the cabinet; what runs is paused, as by `switch_mode`.
+        """Turn the mode switch of the cabinet; running motions and programs are paused.
 
-        With `cabinet.mode_switch` programs cannot switch the mode.
+        If `cabinet.mode_switch` is set, programs cannot switch the mode.
 
         Args:
             mode: manual, automatic or remote.
@@ -553,12 +556,12 @@ class Simulator:
             controller.press_emergency_stop()
 
     def release_emergency_stop(self) -> None:
-        """Release the emergency stop; power off, power on and enable lead out of the stop."""
+        """Release the emergency stop; then power off, power on and enable end the stop."""
         with self._running().command() as controller:
             controller.release_emergency_stop()
 
     def collide(self, joint: int) -> None:
-        """Let a joint, 1 to 6, detect a collision, unless a program has switched that off."""
+        """Make a joint, 1 to 6, detect a collision, unless a program has switched detection off."""
         if not 1 <= joint <= 6:
             raise ValueError(f"joint is {joint}, but must be from 1 to 6")
         with self._running().command() as controller:
@@ -566,24 +569,24 @@ class Simulator:
                 controller.collide(joint)
 
     def push(self, wrench: Sequence[float]) -> None:
-        """Push at the flange from now on, as a person does who guides the arm by hand.
+        """Push at the flange from now on, like a person that guides the arm by hand.
 
         Args:
-            wrench: force [N], then torque [N m], in the base frame; six zeros to let go.
+            wrench: force [N], then torque [N m], in the base frame; six zeros to end the push.
         """
         if len(wrench) != 6:
             raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
         self._running().push(wrench)
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        """Hang a load on the flange, whatever the program says is there.
+        """Mount a load at the flange, whatever load the program sets.
 
-        Until this is called, what hangs there is what the program tells by `set_tool_data` and
-        `set_load_data`. From then on the two are apart: a controller that was told wrongly takes
-        the difference for a force from outside, as a real one does.
+        Until this is called, the mounted load is the one that the program sets by `set_tool_data`
+        and `set_load_data`. From then on the two are independent: if the program sets a wrong load,
+        the controller takes the difference for an external force, as a real one does.
 
         Args:
-            mass: of the load, a point without inertia of its own [kg]; zero for none.
+            mass: mass of the load, a point without inertia of its own [kg]; zero for no load.
             centre: its centre of mass in the frame of the flange [m].
         """
         if not (math.isfinite(mass) and mass >= 0.0) or len(centre) != 3:
@@ -593,26 +596,27 @@ class Simulator:
     # -- step by step ---------------------------------------------------------------------------
 
     def lock_time(self) -> None:
-        """Have simulated time stand from now on, and go on by `advance` alone.
+        """Lock simulated time: from now on it stands still, and only `advance` moves it.
 
-        So what a program does between two steps takes no simulated time, and the same commands at
-        the same cycles have the same effect in every run. Calls are answered meanwhile; those that
-        wait for an end of something wait for `advance`.
+        So a program's work between two steps takes no simulated time, and the same commands at the
+        same cycles have the same effect in every run. Calls are answered meanwhile; calls that wait
+        for the end of a task need `advance`.
         """
         self._running().lock()
 
     def unlock_time(self) -> None:
-        """Have simulated time go on by itself again."""
+        """Unlock simulated time, so that it runs by itself again."""
         self._running().unlock()
 
     def advance(self, cycles: int) -> None:
-        """Have so many cycles run, as fast as possible, and return when they have.
+        """Run a number of cycles, as fast as possible, and return when they have run.
 
         Args:
-            cycles: at least 1; each takes as long as the argument `cycle` says, 1 ms unless told.
+            cycles: number of cycles, at least 1; the argument `cycle` of `Simulator` is the
+                duration of each, 1 ms by default.
 
         Raises:
-            ValueError: it is less than 1.
+            ValueError: `cycles` is less than 1.
             RuntimeError: simulated time is not locked.
         """
         if cycles < 1:
@@ -620,10 +624,10 @@ class Simulator:
         self._running().advance(cycles)
 
     def arrange(self, things: Mapping[str, PoseLike]) -> None:
-        """Put things in their places, the rest as the scene has it, the arm at its set-point.
+        """Place things, the rest of the scene as at the start, and the arm at its set-point.
 
-        Nothing moves then: what follows depends on the joints and on `things` alone. For an arm
-        that stands, while simulated time is locked.
+        Afterwards nothing moves: the further simulation depends only on the joints and on `things`.
+        Call it for an arm at rest, while simulated time is locked.
 
         Args:
             things: poses in the world [m, rad], by the names of things of the scene with a mass.
@@ -634,10 +638,10 @@ class Simulator:
         """
         self._running().arrange(things)
 
-    # -- how the arm is looked at ---------------------------------------------------------------
+    # -- observing the arm ----------------------------------------------------------------------
 
     def thing(self, name: str) -> Pose:
-        """Where a thing of the scene is that may move on its own: its pose in the world [m, rad].
+        """Pose in the world of a thing of the scene that may move on its own [m, rad].
 
         Raises:
             ParameterError: there is no such thing.
@@ -645,7 +649,7 @@ class Simulator:
         return pose_of(self.positions[self.place(name)])
 
     def place(self, name: str) -> slice:
-        """Where in `positions` that thing is: x, y, z [m], and a quaternion, w first.
+        """Indices of such a thing in `positions`: x, y, z [m], and a quaternion, w first.
 
         Raises:
             ParameterError: there is no such thing.
@@ -656,7 +660,7 @@ class Simulator:
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Positions of everything that moves, for `render`: the joints, the tool, the scene."""
+        """Positions of all moving parts, for `render`: the joints, the tool, the scene."""
         return self._running().snapshot.positions.copy()
 
     def instant(self) -> tuple[float, NDArray[np.float64]]:
@@ -665,7 +669,7 @@ class Simulator:
         return snapshot.time, snapshot.positions.copy()
 
     def field_of_view(self, camera: str) -> float:
-        """Angle that a camera of the scene or the tool sees, from top to bottom [rad].
+        """Vertical angle of view of a camera of the scene or the tool [rad].
 
         Raises:
             ParameterError: there is no such camera.
@@ -673,9 +677,9 @@ class Simulator:
         return self._camera(camera)[0]
 
     def camera_pose(self, camera: str) -> NDArray[np.float64]:
-        """Where a camera of the scene or the tool is now: its frame in the world. Shape (4, 4).
+        """Present frame of a camera of the scene or the tool in the world. Shape (4, 4).
 
-        Its z axis is along its view, x to the right, y down.
+        Its z axis points along its view, x to the right, y down.
 
         Raises:
             ParameterError: there is no such camera.
@@ -696,25 +700,25 @@ class Simulator:
         positions: NDArray[np.float64] | None = None,
         marks: Sequence[PictureMark] = (),
     ) -> NDArray[np.uint8]:
-        """Draw a picture of the arm and what is around it, without a display.
+        """Draw a picture of the arm and its surroundings, without a display.
 
-        It is drawn by a process of its own, which starts with the first picture: the simulation
-        goes on meanwhile.
+        A separate process draws it, which starts with the first picture. The simulation continues
+        meanwhile.
 
         Args:
             width: of the picture, at most 1920 [pixels].
             height: of the picture, at most 1080 [pixels].
-            camera: from where it is seen: a `Camera`, or the name of one in the scene; None for
-                one that sees the whole arm.
-            positions: what is to be drawn, as `positions` gave it at another instant; None for now.
-            marks: balls that are drawn besides, such as one at a goal.
+            camera: a `Camera`, or the name of one in the scene; None for one that sees the whole
+                arm.
+            positions: positions to draw, as `positions` gave them at another instant; None for now.
+            marks: balls to draw in addition, such as one at a goal.
 
         Returns:
             Red, green, blue. Shape (height, width, 3).
 
         Raises:
             ParameterError: The picture is too large, or there is no such camera.
-            RenderError: This computer has no OpenGL that draws off screen.
+            RenderError: This computer has no OpenGL for off-screen drawing.
         """
         shown = self.positions if positions is None else positions
         assert self._studio is not None
@@ -729,7 +733,7 @@ class Simulator:
         camera: Camera | str | None = None,
         positions: NDArray[np.float64] | None = None,
     ) -> NDArray[np.float32]:
-        """Draw how far things are, as a depth camera sees them; arguments and errors as `render`.
+        """Draw a depth image, as a depth camera does; arguments and errors are those of `render`.
 
         Returns:
             Distances along the camera's axis [m]. Shape (height, width).
@@ -740,9 +744,9 @@ class Simulator:
         return self._studio.depth(shown, width, height, seen)
 
     def window(self) -> Viewer:
-        """Open MuJoCo's window on the arm, where there is a display.
+        """Open MuJoCo's window with the arm; it needs a display.
 
-        The window shows how things are each time that its method `show` is called:
+        The window shows the present state each time that its method `show` is called:
 
             with sim.window() as window:
                 while window.running:
@@ -762,7 +766,7 @@ class Simulator:
         return Viewer(self._studio.model, lambda: self.positions, towards(self.arm, self.mounting))
 
     def _connect_gripper(self, hand: Hand | None, runtime: SimulationRuntime) -> None:
-        """Put the gripper's electronics at its port, or at its signals."""
+        """Connect the gripper's electronics to its port, or to its signals."""
         self._rules.devices.clear()
         if hand is None:
             return
@@ -773,7 +777,7 @@ class Simulator:
             self.cabinet.tool_serial.peer = DhSlave(hand)
         else:
             self._rules.devices.append(ValveGripper(hand))
-        # What it holds hangs there by itself, whatever load the program tells of.
+        # The gripped thing itself is the load, whatever load the program sets.
         runtime.carry(0.0, (0.0, 0.0, 0.0))
 
     # -- inside --------------------------------------------------------------------------------
@@ -789,7 +793,7 @@ class Simulator:
         return self._controller
 
     def _network(self, up: bool | None) -> None:
-        """The controller's network came up (True), went down for a restart, or for good (None)."""
+        """Handle the network: it is up (True), down for a restart (False), or for good (None)."""
         if self._server is not None:
             self._server.refuse(not up, last_answers=up is None)
         if self._status is not None:

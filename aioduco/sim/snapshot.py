@@ -1,7 +1,7 @@
-"""What is known of arm and controller after a cycle, for readers without a lock.
+"""State of arm and controller after a cycle, for readers without a lock.
 
-A cycle makes one of it, and most are read by nobody: what can be derived is derived when it is
-asked for.
+Each cycle makes a snapshot, and most are never read. So values that can be derived are derived
+only on access.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ class SimulationSnapshot:
     torques, temperatures and `positions` stay those of the real one.
 
     Args:
-        known: what the controller knows of the arm.
-        reading: the physics.
-        qdd: joint accelerations of the arm that the controller knows of [rad/s²]. Shape (6,).
-        setpoint: what the drives have followed up to this instant.
+        known: the controller's measurements of the arm.
+        reading: state of the physics.
+        qdd: joint accelerations of the arm that `known` describes [rad/s²]. Shape (6,).
+        setpoint: set-point that the drives have followed up to this instant.
         view: the controller's state.
-        external: torques of what pushes at the joints from outside, as observed [N m]. Six.
+        external: observed external torques at the joints [N m]. Six.
         warmth: temperatures of joints and drive boards [°C]. Shapes (6,).
     """
 
@@ -61,7 +61,7 @@ class SimulationSnapshot:
         self._warmth = warmth
 
     def seen(self, view: ControllerState) -> SimulationSnapshot:
-        """Give the same arm with another state of the controller."""
+        """Give a snapshot of the same arm with another state of the controller."""
         if view is self.view:
             return self
         return SimulationSnapshot(
@@ -91,12 +91,12 @@ class SimulationSnapshot:
 
     @property
     def wrench(self) -> Vector:
-        """What acts on the flange, in its frame, the load's weight included [N, N m]. (6,)"""
+        """Force and torque on the flange, in its frame, with the load's weight [N, N m]. (6,)"""
         return self._known.wrench
 
     @property
     def positions(self) -> Vector:
-        """Positions of everything that moves, the joints first [rad, m]."""
+        """Positions of all moving parts, the joints first [rad, m]."""
         return self._reading.positions
 
     @property
@@ -106,20 +106,20 @@ class SimulationSnapshot:
 
     @property
     def target_torque(self) -> Vector:
-        """What the set-point's motion needs [N m]. Shape (6,)."""
+        """Joint torques that the motion of the set-point needs [N m]. Shape (6,)."""
         return self._reading.target_torque
 
     @property
     def external_torque(self) -> Vector:
-        """Of what pushes at the joints from outside, as observed [N m]. Shape (6,)."""
+        """Observed external torques at the joints [N m]. Shape (6,)."""
         return np.array(self._external)
 
     @property
     def joint_temperature(self) -> Vector:
-        """Of the joints [°C]. Shape (6,)."""
+        """Temperatures of the joints [°C]. Shape (6,)."""
         return self._warmth[0]
 
     @property
     def board_temperature(self) -> Vector:
-        """Of the drive boards [°C]. Shape (6,)."""
+        """Temperatures of the drive boards [°C]. Shape (6,)."""
         return self._warmth[1]

@@ -1,4 +1,4 @@
-"""A simulator for the program that started this process, until that program lets go of it."""
+"""A simulator for the program that started this process, until that program's channel closes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SWITCH_INTERVAL", "main", "serve"]
 
-#: how long one thread of a simulator's own process keeps another from running [s]
+#: how long one thread of a simulator's own process may keep another from running [s]
 SWITCH_INTERVAL = 0.0005
 
 
@@ -28,22 +28,23 @@ def serve(
     held_by: ValueChannel,
     answer: Callable[[Simulator], bool] | None = None,
 ) -> None:
-    """Run a simulator until it is to end: also on SIGTERM, SIGINT, and when a client shuts it down.
+    """Run a simulator until its channel closes, SIGTERM or SIGINT comes, or a client shuts it down.
 
     Args:
         options: arguments of `Simulator`.
-        tell: is told where it listens, as JSON takes it.
-        held_by: the channel whose end is the end of the simulator.
-        answer: reads what comes over it and answers; whether it goes on. None to read nothing.
+        tell: called with the simulator's addresses, in types that JSON has.
+        held_by: channel of the program that uses the simulator; when it closes, the simulator ends.
+        answer: reads a request from the channel and replies; returns whether the simulator
+            continues. None to read nothing.
     """
-    # This process is the simulator's alone: a command need not wait for as long as other threads
-    # compute, such as one that plans a motion.
+    # Only the simulator uses this process. With a short interval a command does not wait long for a
+    # thread that computes, such as one that plans a motion.
     sys.setswitchinterval(SWITCH_INTERVAL)
     heard = answer or (lambda _: not held_by.ended())
     ours, others = socket.socketpair()
     ours.setblocking(False)
     others.setblocking(False)
-    # The handlers do nothing: their signal arrives as a byte on the socket, at any moment.
+    # The handlers do nothing: each signal arrives as a byte on the socket, at any moment.
     signal.set_wakeup_fd(others.fileno(), warn_on_full_buffer=False)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: None)
@@ -66,7 +67,7 @@ def main(arguments: list[str]) -> int:
     channel = ValueChannel.of(arguments)
 
     def answer(sim: Simulator) -> bool:
-        """Say where everything is, whatever was asked."""
+        """Reply with all positions, whatever the request is."""
         try:
             channel.receive()
             channel.send(sim.positions)

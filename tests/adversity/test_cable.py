@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+from contextlib import AsyncExitStack, asynccontextmanager
 from typing import TYPE_CHECKING
 
 import anyio
 import pytest
 
 import aioduco
-from aioduco.errors import HeartbeatLost, StopUnconfirmed, TaskError, TaskStopped, TaskUnknown
+from aioduco.errors import (
+    DucoError,
+    HeartbeatLost,
+    StopUnconfirmed,
+    TaskError,
+    TaskStopped,
+    TaskUnknown,
+)
 from aioduco.models.enums import Outcome
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
 
@@ -17,7 +26,7 @@ from .guards import BOTH, one_guard
 from .program import LEFT, RIGHT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator
 
     from aioduco.sim import Simulator
     from aioduco.supervision.settings import GuardKind
@@ -60,6 +69,27 @@ def connect(
     )
 
 
+@asynccontextmanager
+async def moving(
+    sim: Simulator, proxy: FaultProxy, guard: GuardKind | None
+) -> AsyncIterator[tuple[aioduco.Robot, aioduco.Task]]:
+    """A robot whose arm moves slowly; opened again if a busy machine answers its beats too late."""
+    for attempt in itertools.count(1):
+        async with AsyncExitStack() as stack:
+            try:
+                robot = await stack.enter_async_context(connect(proxy, guard))
+                await robot.bring_up()
+                task = await robot.motion.movej2(LEFT, v=0.05, a=4.0).start()
+                await eventually_async(lambda: sim.moving)
+            except DucoError:
+                if attempt == 20:
+                    raise
+                await stack.aclose()
+                continue
+            yield robot, task
+            return
+
+
 def freeze(proxy: FaultProxy) -> None:
     """Nothing passes, and nobody is told."""
     proxy.freeze()
@@ -80,10 +110,7 @@ async def test_for_good(
     guard: GuardKind | None,
 ) -> None:
     async def program() -> None:
-        async with connect(proxy, guard) as robot:
-            await robot.bring_up()
-            task = await robot.motion.movej2(LEFT, v=0.05, a=4.0).start()
-            await eventually_async(lambda: sim.moving)
+        async with moving(sim, proxy, guard) as (robot, task):
             pull(proxy)
             # what the heartbeat is for
             await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
@@ -133,10 +160,7 @@ async def test_for_longer_than_the_heartbeat(
     guard: GuardKind | None,
 ) -> None:
     """The controller has stopped the arm; the program learns so, and may go on."""
-    async with connect(proxy, guard) as robot:
-        await robot.bring_up()
-        task = await robot.motion.movej2(LEFT, v=0.05, a=4.0).start()
-        await eventually_async(lambda: sim.moving)
+    async with moving(sim, proxy, guard) as (robot, task):
         pull(proxy)
         await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
         proxy.clear()

@@ -1,5 +1,6 @@
 """The controller as state machines: no clock, no thread, no wire, no physics.
 
-`state_machine.Controller` takes commands between cycles and what the sensors say in each cycle, and
-returns what the drives get. May import `planner`, `force`, `cabinet`, `cycle` and `refusal`.
+`state_machine.Controller` takes commands between cycles. In each cycle it takes the sensors' values
+and returns the command to the drives. This package may import `planner`, `force`, `cabinet`,
+`cycle` and `refusal`.
 """

@@ -1,4 +1,4 @@
-"""The tasks of force control, and what force control does to the queue of motions."""
+"""The tasks of force control, and its effects on the queue of motions."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 
 __all__ = ["FC_MOVE", "ForceTasks"]
 
-#: the motion without a path of its own, which ends well when its conditions hold
+#: the motion without a path of its own, which ends successfully when its conditions hold
 FC_MOVE = "fc_move"
-#: in hand guiding the set-points are where the arm is, so that an offset would run away
+#: in hand guiding the set-points follow the arm's position, so an offset would grow without end
 _GUIDING = "teach_mode"
 
 
 class ForceTasks:
-    """Stands between the motions and the drives.
+    """Force control between the motions and the drives.
 
-    Invariants: without force control the set-points of the motions are those of the drives; with
-    it a motion that begins from a stand is planned from where the arm is; the arm gives way only
-    while a motion runs.
+    Invariants: without force control the drives get the set-points of the motions; with force
+    control a motion that begins at rest is planned from where forces have moved the arm; the arm
+    gives way only while a motion runs.
 
     Args:
         tasks: the table that holds the tasks' states.
         motion: the queue of motions.
-        control: what the arm does about forces.
-        sensed: what is known of the arm at the start.
+        control: reaction of the arm to forces.
+        sensed: measurements of the arm at the start.
 
     Attributes:
-        control: what the arm does about forces.
-        sensed: what is known of the arm in this cycle.
+        control: reaction of the arm to forces.
+        sensed: measurements of the arm in this cycle.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class ForceTasks:
 
     @property
     def sensor(self) -> ForceSensor:
-        """How the signal of the force sensor is read."""
+        """How the controller interprets the signal of the force sensor."""
         return self.control.sensor
 
     @property
@@ -81,7 +81,7 @@ class ForceTasks:
         return self._finish("fc_start")
 
     def stop(self) -> int:
-        """End force control (fc_stop) when the arm stands; a motion that runs is a fault."""
+        """End force control (fc_stop) when the arm stands; a running motion is a fault."""
         if not self.control.active:
             return self._finish("fc_stop")
         id_ = self._tasks.new("fc_stop")
@@ -96,7 +96,7 @@ class ForceTasks:
         return id_
 
     def combine(self, logic: Sequence[int]) -> int:
-        """Combine the conditions, and have them begin anew (fc_wait_logic)."""
+        """Combine the conditions, and restart them (fc_wait_logic)."""
         sensed = self.sensed
         self.control.conditions.begin(
             logic, sensed.time, lambda what: self.control.measure(what, sensed)
@@ -104,21 +104,21 @@ class ForceTasks:
         return self._finish("fc_wait_logic")
 
     def tare(self, direction: Sequence[bool], value: Sequence[float]) -> int:
-        """Set what the sensor reads now (fc_force_set_value)."""
+        """Set the present reading of the sensor (fc_force_set_value)."""
         control = self.control
         sensed, turn = self.sensed, control.turn(self.sensed)
         control.sensor = control.sensor.tared(sensed.wrench, turn, direction, value)
         return self._finish("fc_force_set_value")
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
-        """Know of a load [kg], and of its centre in the flange's frame [m]."""
+        """Set the load [kg], and its centre in the flange's frame [m]."""
         self.control.sensor = self.control.sensor.carrying(mass, centre)
 
     def admit(self, name: str) -> int | None:
-        """Make ready for a motion.
+        """Prepare for a motion.
 
         Returns:
-            A task that has ended, if the motion is skipped; None if it may begin.
+            The id of a task that has ended, if the motion is skipped; None if it may begin.
         """
         control = self.control
         if not control.active:
@@ -143,7 +143,7 @@ class ForceTasks:
     # -- the cycle ---------------------------------------------------------------------------
 
     def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
-        """Give the set-point of the drives for that of the motions."""
+        """Give the drives' set-point for the motions' set-point."""
         control, motion, sensed = self.control, self._motion, self.sensed
         if not control.active:
             return setpoint
@@ -160,17 +160,17 @@ class ForceTasks:
         return setpoint
 
     def take_alarm(self) -> str:
-        """Which watched force was too large since this was asked last; empty if none."""
+        """Text about a watched force that was too large since the last call; empty if none was."""
         alarm, self._alarm = self._alarm, ""
         return alarm
 
     def powered(self) -> None:
-        """The arm was enabled, or is so no more: its sensor is tared."""
+        """Tare the sensor, because the arm was enabled or disabled."""
         control, sensed = self.control, self.sensed
         control.sensor = control.sensor.tared(sensed.wrench, control.turn(sensed))
 
     def cut(self) -> None:
-        """The drives have no power."""
+        """End force control, because the drives have no power."""
         if self.control.active:
             self._end(TaskState.INTERRUPT)
 

@@ -1,6 +1,6 @@
-"""What the controller watches in each cycle, without clock or physics.
+"""Monitors that the controller runs in each cycle, without clock or physics.
 
-Whether the arm stands, whether it has hit something, whether the heartbeat goes on.
+They detect whether the arm stands, whether it has hit something, and whether the heartbeat is lost.
 """
 
 from __future__ import annotations
@@ -22,29 +22,29 @@ __all__ = ["LEVELS", "CollisionDetector", "Standstill"]
 
 #: joint speed above which an arm counts as moving [rad/s]
 _SPEED = 2e-3
-#: and above which it does more than swing out at the end of a motion [rad/s]
+#: joint speed above which an arm does more than swing at the end of a motion [rad/s]
 _TURNING = 0.1
-#: time below it that counts as standing: a joint that swings is slow at its turning points [s]
+#: time at low speed that counts as standing: a swinging joint is slow at its turning points [s]
 _REST = 0.02
-#: time after the set-points stand, after which an arm counts as standing in any case [s]
+#: time after the last motion of the set-points at which an arm counts as standing in any case [s]
 _PATIENCE = 0.5
-#: by level of detection, torque from outside that is a collision, as a share of a joint's largest.
+#: by level of detection: external torque that is a collision, as a share of a joint's largest.
 #: That a higher level is more sensitive, and the shares, are assumptions.
 LEVELS = {0: math.inf, 1: 0.5, 2: 0.4, 3: 0.3, 4: 0.2, 5: 0.12}
 #: time over which a torque is smoothed, as an observer of momentum does [s]; an assumption
 SMOOTHING = 0.008
-#: what a controller takes, in milliseconds; anything else is moved to the nearer end
+#: range of heartbeat times that a controller accepts [ms]; other times are limited to it
 SHORTEST, LONGEST = 200, 60_000
-#: what a beat without a time agrees on [ms] (manual 1.3.1)
+#: heartbeat time of a beat that gives none [ms] (manual 1.3.1)
 AGREED = 1000
 _NONE = (0.0,) * 6
 
 
 class Standstill:
-    """Tells cycle by cycle whether the arm stands.
+    """Detects in each cycle whether the arm stands.
 
     Attributes:
-        turning: whether a joint is faster than one that swings out.
+        turning: whether a joint is faster than one that swings at the end of a motion.
     """
 
     def __init__(self) -> None:
@@ -56,36 +56,36 @@ class Standstill:
         """Whether the arm stands, or has trembled for so long that it counts as standing.
 
         Args:
-            sensed: what is known of the arm.
+            sensed: measurements of the arm.
             commanded: whether its set-points move.
         """
         if commanded:
             self._commanded = sensed.time
         speeds = sensed.qd.tolist()
-        # Plain floats: for six of them they are several times as fast as arrays. The length of the
-        # vector tells where it is clear: it is at least the largest of six, and at most 2.45 times.
+        # Plain floats: for six values they are several times as fast as arrays. The length of the
+        # vector decides clear cases: it is 1 to 2.45 times the largest of the six speeds.
         fastest = math.hypot(*speeds)
         if _SPEED < fastest <= 2.5 * _TURNING:
             fastest = max(map(abs, speeds))
         self.turning = fastest > _TURNING
         if fastest > _SPEED:
             self._last_motion = sensed.time
-        # Less than a cycle earlier: whether it is the same cycle must not hang on a rounding.
+        # A tolerance of less than a cycle: the cycle must not depend on rounding.
         if sensed.time - self._last_motion >= _REST - 1e-9:
             return True
         return sensed.time - self._commanded > _PATIENCE
 
 
 class CollisionDetector:
-    """Watches the torques from outside, joint by joint.
+    """Watches the external torques, joint by joint.
 
     Args:
         effort: largest torques of the joints [N m]. Shape (6,).
 
     Attributes:
-        level: of detection: 0 for none, 1 to 5, more sensitive with each.
+        level: level of detection: 0 for none, or 1 to 5, each more sensitive than the one before.
         axis: joint of a collision that was not reset, 1 to 6, or 0.
-        torque: from outside, smoothed, of the six joints [N m]; never changed in place.
+        torque: smoothed external torques of the six joints [N m]; never changed in place.
     """
 
     def __init__(self, effort: Vector) -> None:
@@ -97,24 +97,24 @@ class CollisionDetector:
         self._time: float | None = None
 
     def reset(self) -> None:
-        """Begin anew, as when brakes have held the arm."""
+        """Restart, for instance after brakes have held the arm."""
         self.torque = _NONE
         self._time = None
 
     def update(self, time: float, external: Vector) -> int:
-        """Take the torques of one cycle.
+        """Process the torques of one cycle.
 
         Args:
-            time: of the simulation [s].
-            external: what the motion needed beyond the drives' torques [N m]. Shape (6,).
+            time: simulated time [s].
+            external: torques that the motion needed beyond those of the drives [N m]. Shape (6,).
 
         Returns:
-            The joint that a collision is seen at, 1 to 6, or 0.
+            The joint at which a collision is detected, 1 to 6, or 0.
         """
         passed = 0.0 if self._time is None else time - self._time
         self._time = time
         gain = passed / (passed + SMOOTHING)
-        # One by one: half the time of a loop over six, and a quarter of what an array takes.
+        # Written out: this takes half the time of a loop over six, and a quarter of an array's.
         a, b, c, d, e, f = self.torque
         u, v, w, x, y, z = external.tolist()
         self.torque = smooth = (
@@ -126,7 +126,7 @@ class CollisionDetector:
             f + gain * (z - f),
         )
         if not self.level or math.hypot(*smooth) <= LEVELS[self.level] * self._weakest:
-            return 0  # all of them together would not do at the weakest joint
+            return 0  # even all torques together would be no collision at the weakest joint
         shares = [abs(torque) / most for torque, most in zip(smooth, self._effort, strict=True)]
         largest = max(shares)
         return shares.index(largest) + 1 if largest > LEVELS[self.level] else 0
@@ -135,12 +135,12 @@ class CollisionDetector:
 class HeartbeatWatchdog:
     """The watchdog behind rpc_heartbeat (manual 1.3.1). The first beat arms it, a loss disarms it.
 
-    Times are those of the network, not of the simulation: a client beats by its own clock,
-    however fast simulated time goes.
+    Times are real, not simulated: a client sends beats by its own clock, however fast simulated
+    time runs.
 
     Attributes:
-        time: in which the next beat is due [ms].
-        slack: for how long after that it may still come [s].
+        time: time within which the next beat is due [ms].
+        slack: delay after that with which the beat may still come [s].
     """
 
     def __init__(self) -> None:
@@ -150,14 +150,14 @@ class HeartbeatWatchdog:
 
     @property
     def armed(self) -> bool:
-        """Whether a missing beat would be noticed."""
+        """Whether a missing beat would be detected."""
         return self._due is not None
 
     def beat(self, now: float, time: int) -> float:
-        """A beat has come; the next is due within `time` milliseconds, 0 for the usual time.
+        """Take a beat; the next is due within `time` milliseconds, 0 for the default time.
 
         Returns:
-            How long after its time it came [s]; 0 for in time.
+            The delay of the beat after its due time [s]; 0 if it is in time.
         """
         late = 0.0 if self._due is None else max(0.0, now - self._due)
         self.time = min(max(time, SHORTEST), LONGEST) if time else AGREED
@@ -169,7 +169,7 @@ class HeartbeatWatchdog:
         self._due = None
 
     def lost(self, now: float) -> bool:
-        """Whether a beat is overdue; true once."""
+        """Whether a beat is overdue; true once for each loss."""
         if self._due is None or now <= self._due + self.slack:
             return False
         self._due = None

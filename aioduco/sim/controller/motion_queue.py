@@ -25,29 +25,29 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.segments import Segment
 
     Vector = NDArray[np.float64]
-    #: makes the segment of one motion, given the joints [rad] that it starts from
+    #: makes the segment of one motion, given the joints [rad] from which it starts
     Plan = Callable[[Vector], Segment]
 
 __all__ = ["Following", "Planning"]
 
-_IDLE = MotionPhase.IDLE  # looked up once, for the cycle
-#: motions that may wait behind each other; the manual gives no number
+_IDLE = MotionPhase.IDLE  # looked up once, to save time in the cycle
+#: largest number of motions in the queue; the manual gives none
 CAPACITY = 1000
 
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """One motion whose targets come while it runs.
+    """A motion whose targets arrive while it runs.
 
-    Two are equal when the later one can take over from the earlier one while that runs.
+    Two are equal if the later one can take over from the earlier one while that runs.
 
     Attributes:
-        kind: what kind of motion it is: the function's name.
+        kind: kind of the motion: the function's name.
         make: makes the follower for the joints [rad] at which the arm stands. Shape (6,).
         aim: gives a follower of this kind its target; raises PlanError if there is none.
-        alone: whether no other motion is taken while it runs.
-        idle: whether it begins only where nothing else runs.
-        settings: what must be equal for that.
+        alone: whether no other motion is accepted while it runs.
+        idle: whether it begins only if nothing else runs.
+        settings: values that must be equal for a motion to take over.
     """
 
     kind: str
@@ -59,25 +59,25 @@ class Following:
 
     @classmethod
     def behind(cls, kind: str, make: Callable[[Vector], TargetFollower]) -> Following:
-        """One that waits for the motions before it, as those behind it do for it."""
+        """A motion that waits for the motions before it; those behind it wait for it."""
         return cls(kind, make, _no_target, settings=(object(),))
 
     @classmethod
     def once(cls, kind: str, make: Callable[[Vector], TargetFollower]) -> Following:
-        """One that has the controller to itself: nothing else runs, waits or takes over."""
+        """A motion that excludes all others: no other motion runs, waits or takes over."""
         return cls(kind, make, _no_target, alone=True, idle=True, settings=(object(),))
 
 
 def _no_target(_follower: TargetFollower) -> None:
-    """It was made with all that it follows."""
+    """Set no target: the follower was made with all its targets."""
 
 
 class Planning(NamedTuple):
-    """A motion that is being planned aside.
+    """A motion that is being planned outside the cycle.
 
     Attributes:
-        id: of its task.
-        draft: what it is planned from; its `work` is to be done.
+        id: id of its task.
+        draft: inputs of the plan; its method `work` makes the plan.
     """
 
     id: int
@@ -85,19 +85,19 @@ class Planning(NamedTuple):
 
 
 class MotionQueue:
-    """Motion tasks one behind the other, without a clock.
+    """Motion tasks in order, without a clock.
 
-    Those with a path are the mover's, which looks ahead from one to the next. One that follows
-    targets as they come runs alone: it waits until those before it have ended, and those behind it
-    wait here, since they begin where it ends.
+    The mover runs the motions with a path, and looks ahead from one to the next. A motion that
+    follows targets as they arrive runs alone: it waits until the motions before it have ended, and
+    the motions behind it wait here, because they begin where it ends.
 
-    A motion with a path is planned when it comes, or `aside`: then it waits here, too, in its
-    order, until it has been planned by whoever asks for `next_plan` and brings what came of it to
-    `take_plan`. At most one is being planned. Whatever ends its task drops it, and what is brought
-    of it later is not taken.
+    A motion with a path is planned when it is queued, or `aside`. In the latter case it waits here,
+    too, in order: the thread that calls `next_plan` plans it and hands the result to `take_plan`.
+    At most one motion is being planned. When its task ends, the plan is dropped, and `take_plan`
+    ignores a later result.
 
-    Invariants: every task that was appended ends exactly once; none is told to be stopped or
-    paused before the arm stands.
+    Invariants: every appended task ends exactly once; no task becomes stopped or paused before the
+    arm stands.
 
     Args:
         tasks: the table that holds the tasks' states.
@@ -105,7 +105,7 @@ class MotionQueue:
         q: joints at the start [rad]. Shape (6,).
 
     Attributes:
-        phase: what the queue is doing; it alone says so.
+        phase: present phase of the queue, and the only record of it.
         failures, faults: messages for the error list, and of safety stops, until they are taken.
     """
 
@@ -120,14 +120,14 @@ class MotionQueue:
         self._waiting_for_rest: list[int] = []
         self._at_rest = True
         self._triggers = Triggers()
-        self._blending: dict[int, None] = {}  # have a blend radius, and are waited for
+        self._blending: dict[int, None] = {}  # have a blend radius and an unanswered call
         self._time = 0.0
         self._follower: TargetFollower | None = None
         self._following: tuple[int, Following] | None = None
         self._behind: deque[tuple[int, Plan | Following]] = deque()
-        self.aside: bool = False  # whether motions are planned by another, and not when they come
-        self._unplanned: deque[tuple[int, Plan]] = deque()  # before those behind
-        self._planning: Planning | None = None  # the first of them
+        self.aside: bool = False  # whether another thread plans motions, not `append`
+        self._unplanned: deque[tuple[int, Plan]] = deque()  # these are before `_behind`
+        self._planning: Planning | None = None  # the first of `_unplanned`
         self.failures: list[str] = []
         self.faults: list[str] = []
 
@@ -138,17 +138,17 @@ class MotionQueue:
 
     @property
     def axes(self) -> Mapping[int, float]:
-        """Where external axes shall be by number [rad or m], as far as motions have moved them."""
+        """Set-points of external axes by number [rad or m], for those that motions have moved."""
         return self._mover.axes
 
     @property
     def following(self) -> Following | None:
-        """What the running motion follows; None if it has a path."""
+        """The running motion if it follows targets; None if it has a path."""
         return None if self._following is None else self._following[1]
 
     @property
     def last(self) -> Following | None:
-        """What the last motion in the queue follows; None if it has a path."""
+        """The last motion in the queue if it follows targets; None if it has a path."""
         if not self._behind:
             return self.following
         last = self._behind[-1][1]
@@ -161,7 +161,7 @@ class MotionQueue:
 
     @property
     def progress(self) -> float:
-        """How much of its way the running motion with a path has made, 0 to 1."""
+        """Progress of the running motion along its path, 0 to 1."""
         return self._mover.progress
 
     @property
@@ -170,27 +170,27 @@ class MotionQueue:
         return self._mover.setpoint if self._follower is None else self._follower.setpoint
 
     def reset(self, q: Vector) -> None:
-        """Stand at q [rad], where brakes have held the arm. Nothing may be queued."""
+        """Restart at q [rad], where brakes have held the arm. The queue must be empty."""
         assert not self._queue
         self._at_rest = True
         self._leave(q)
         self.phase = MotionPhase.IDLE
 
     def _leave(self, q: Vector) -> None:
-        """Nothing is followed any more; the arm stands at q [rad]."""
+        """Drop the follower, and restart the mover at q [rad], where the arm stands."""
         self._follower = self._following = None
         self._mover = self._make(q)
         self._mover.set_speed(self._speed)
 
     def set_speed(self, fraction: float) -> None:
-        """Global speed, 0.01 to 1."""
+        """Set the global speed, 0.01 to 1."""
         self._speed = fraction
         self._mover.set_speed(fraction)
         if self._follower is not None:
             self._follower.set_speed(fraction)
 
     def append(self, id_: int, plan: Plan, triggers: MotionTriggers | None = None) -> None:
-        """Queue a motion, with what it triggers on its way."""
+        """Queue a motion with its triggers."""
         self._enter(id_)
         if triggers is not None:
             self._triggers.add(id_, triggers)
@@ -210,7 +210,7 @@ class MotionQueue:
             return
 
         def checked(start: Vector) -> Segment:
-            # Here and not by the mover's event: it may plan the next motion before it tells.
+            # Checked here, not at the mover's event: it may plan the next motion before the event.
             if id_ not in self._queue:
                 raise PlanError("parameter", "the motion before it failed")
             try:
@@ -229,25 +229,25 @@ class MotionQueue:
 
     @property
     def time_left(self) -> float:
-        """Time until the running motion is at its end [s]; 0.0 where that is not known."""
+        """Time until the running motion is at its end [s]; 0.0 if unknown."""
         return 0.0 if self._follower is not None else self._mover.time_left
 
     @property
     def unplanned(self) -> int | None:
-        """The last motion that is still to be planned; None if there is none."""
+        """Id of the last motion that is not planned yet; None if there is none."""
         return self._unplanned[-1][0] if self._unplanned else None
 
     @property
     def planning(self) -> Planning | None:
-        """What is being planned; None also once it was dropped."""
+        """The motion that is being planned; None if there is none, or if it was dropped."""
         return self._planning
 
     def awaits_plan(self, id_: int) -> bool:
-        """Whether a motion is still to be planned."""
+        """Whether a motion still waits for its plan."""
         return any(waiting[0] == id_ for waiting in self._unplanned)
 
     def next_plan(self) -> Planning | None:
-        """What is to be planned next, from now on; None if there is nothing."""
+        """Begin to plan the next motion, and give it; None if there is none."""
         if not self._unplanned:
             return None
         id_, plan = self._unplanned[0]
@@ -255,27 +255,29 @@ class MotionQueue:
         return self._planning
 
     def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
-        """Take what came of planning a motion, unless it was dropped meanwhile."""
+        """Take the result of planning a motion, unless the plan was dropped meanwhile."""
         if self._planning is not planning:
             return
         self._planning = None
         if isinstance(came, PlanError):
             self._fail(planning.id, came)
             self._settle()
-        elif self._mover.take(came):  # else what it was planned from has changed: once more
+        elif self._mover.take(came):  # else its inputs have changed: it is planned again
             self._unplanned.popleft()
             if came.segment.radius > 0.0:
                 self._blending[planning.id] = None
 
     def read_ahead(self, part: int, count: int) -> None:
-        """Answer blocking calls as early as programs read on, so that their motions can blend.
+        """Answer blocking calls as early as programs read ahead, so that motions can blend.
 
-        A client that waits for a motion sends the next one only then. So the call for one with a
-        blend radius is answered before its end, whether another motion follows or not.
+        A client that waits for a motion sends the next one only after the answer. So the call for a
+        motion with a blend radius is answered before its end, whether another motion follows or
+        not.
 
         Args:
-            part: how much of its way a motion has made by then [%].
-            count: if that is 0: how many motions are known then, the running one included.
+            part: progress of a motion at which its call is answered [%].
+            count: if `part` is 0: number of motions, the running one included, whose calls are
+                answered.
         """
         if not self._blending or self.phase is not MotionPhase.RUNNING:
             return
@@ -291,7 +293,7 @@ class MotionQueue:
             self._tasks.pass_on(id_)
 
     def follow(self, id_: int, following: Following) -> None:
-        """Queue a motion whose targets come while it runs; one of its kind is taken over."""
+        """Queue a motion whose targets arrive while it runs; it takes over from an equal one."""
         self._enter(id_)
         last = self._behind[-1] if self._behind else self._following
         if last is None or last[1] != following:
@@ -315,11 +317,11 @@ class MotionQueue:
         self._end(last[0], TaskState.INTERRUPT, "another target took over")
 
     def finish(self, kinds: tuple[str, ...], control: int) -> None:
-        """End what follows targets of some kinds, in good order.
+        """End the motions of some kinds that follow targets, in an orderly way.
 
         Args:
-            kinds: of what is to end.
-            control: a task that ends when the arm stands.
+            kinds: kinds of the motions to end.
+            control: id of a task that ends when the arm stands.
         """
         for id_, waiting in tuple(self._behind):
             if isinstance(waiting, Following) and waiting.kind in kinds:
@@ -336,14 +338,14 @@ class MotionQueue:
         """Decelerate along the path and drop the queue.
 
         Args:
-            state: what the motions end as, once the arm stands.
-            message: why, for people.
-            control: a task that ends then, too.
+            state: final state of the motions, once the arm stands.
+            message: the reason, for people.
+            control: id of a task that ends at the same time.
         """
         if control is not None:
             self._tasks.set(control, TaskState.RUNNING)
             self._waiting_for_rest.append(control)
-        # A fault during a stop is what counts; a stop during a fault changes nothing.
+        # A fault during a stop replaces its reason; a stop during a fault changes nothing.
         if self.phase is not MotionPhase.STOPPING or state is TaskState.ERROR:
             self._ending = (state, message)
         self.phase = MotionPhase.STOPPING
@@ -355,9 +357,9 @@ class MotionQueue:
         self._settle()
 
     def curtail(self, message: str) -> None:
-        """End the running motion before its end, and skip those behind it.
+        """End the running motion early, and skip the motions behind it.
 
-        One without an end of its own has done what it was to do; one with a path has not.
+        A motion without an end of its own counts as finished, a motion with a path as interrupted.
         """
         for id_ in tuple(self._queue)[1:]:
             self._end(id_, TaskState.INTERRUPT, f"skipped: {message}")
@@ -365,21 +367,21 @@ class MotionQueue:
         self.stop(TaskState.FINISHED if endless else TaskState.INTERRUPT, message)
 
     def yield_to(self, q: Vector) -> None:
-        """Stand at q [rad], where the arm is, instead of slowing down along the path.
+        """Stand at q [rad], where the arm is, instead of decelerating along the path.
 
-        Only what is being stopped may end like this: the tasks end when the arm stands.
+        Only for motions that are being stopped: their tasks end when the arm stands.
         """
         assert self.phase is MotionPhase.STOPPING or not self._queue
         self._leave(q)
 
     def cut(self, message: str, q: Vector) -> None:
-        """The brakes fall at q [rad]: every motion ends with an error, wherever the arm is."""
+        """End every motion with an error at once: the brakes have closed at q [rad]."""
         self._ending = (TaskState.ERROR, message)
         self._end_all()
         self.reset(q)
 
     def pause(self, control: int | None = None) -> None:
-        """Decelerate along the path and keep the queue; ends the control task at rest."""
+        """Decelerate along the path and keep the queue; the control task ends at rest."""
         if control is not None:
             self._tasks.set(control, TaskState.RUNNING)
             self._waiting_for_rest.append(control)
@@ -391,7 +393,7 @@ class MotionQueue:
         self._settle()
 
     def resume(self) -> None:
-        """Go on where a pause stopped."""
+        """Resume after a pause."""
         if self.phase not in (MotionPhase.PAUSING, MotionPhase.PAUSED):
             return
         self.phase = MotionPhase.RUNNING
@@ -407,10 +409,10 @@ class MotionQueue:
         """The set-point of the next cycle.
 
         Args:
-            time: of the simulation [s].
+            time: simulated time [s].
             q: actual joints [rad]. Shape (6,).
             qd: actual joint speeds [rad/s]. Shape (6,).
-            at_rest: whether the arm itself stands: it comes to rest after its set-points.
+            at_rest: whether the arm itself stands, which is later than its set-points.
         """
         self._at_rest, self._time = at_rest, time
         if self._follower is not None:
@@ -425,7 +427,7 @@ class MotionQueue:
         if self._behind:
             self._go_on()
         elif mover.moving:
-            return tick.setpoint  # most cycles: nothing settles
+            return tick.setpoint  # most cycles: no task ends or pauses
         if self.phase is not _IDLE or self._waiting_for_rest:
             self._settle()
         return tick.setpoint
@@ -436,7 +438,7 @@ class MotionQueue:
         failure = follower.failure
         if failure is not None and failure is not failed and self.phase is not MotionPhase.STOPPING:
             self._give_up(failure)
-            if self._follower is not follower:  # the arm stood, so it has ended at once
+            if self._follower is not follower:  # the arm stood, so the motion has ended at once
                 return setpoint
         if follower.ended and self.phase is not MotionPhase.STOPPING:
             assert self._following is not None
@@ -448,12 +450,12 @@ class MotionQueue:
         return setpoint
 
     def _give_up(self, failure: FollowError) -> None:
-        """What follows cannot go on: everything ends with it when the arm stands."""
+        """Handle a follower that cannot continue: all motions end with it when the arm stands."""
         (self.faults if failure.kind == "fault" else self.failures).append(str(failure))
         self.stop(TaskState.ERROR, str(failure))
 
     def _go_on(self) -> None:
-        """Begin with the motions behind the one that has ended, as far as it can be."""
+        """Begin the motions behind the one that has ended, as far as possible."""
         while self._behind and self._follower is None and self.phase is MotionPhase.RUNNING:
             id_, waiting = self._behind[0]
             if not isinstance(waiting, Following):
@@ -478,14 +480,14 @@ class MotionQueue:
 
     def _note(self, id_: int, event: str) -> None:
         if id_ not in self._queue:
-            return  # ended before the mover came to tell
+            return  # its task ended before the mover's event
         if event == "started":
             self._tasks.set(id_, TaskState.RUNNING)
         elif event == "finished":
             self._end(id_, TaskState.FINISHED, reached=True)
         elif event == "blended":
             self._end(id_, TaskState.INTERRUPT, "blended into the next motion", reached=True)
-        # "stopped" is told when the arm stands, see `_settle`; "failed" was told by the plan.
+        # `_settle` sets "stopped" when the arm stands; the plan has already set "failed".
 
     def _settle(self) -> None:
         """End or pause tasks once the arm stands."""
@@ -493,7 +495,7 @@ class MotionQueue:
             return
         if not self._queue and self.phase is not MotionPhase.STOPPING:
             self.phase = MotionPhase.IDLE
-            if self._mover.paused:  # all that was paused came to nothing
+            if self._mover.paused:  # all paused motions have ended
                 self._mover.resume()
         if not self._at_rest:
             return
@@ -511,7 +513,7 @@ class MotionQueue:
             self._finish_waiting()
 
     def _fail(self, id_: int, error: PlanError) -> None:
-        """A motion cannot be planned: those behind it counted on its end, so they go, too."""
+        """End a motion that cannot be planned, and those behind it, which begin at its end."""
         mismatch = error.code == "parameter"
         state = TaskState.PARAMETER_MISMATCH if mismatch else TaskState.ERROR
         message = str(error)

@@ -1,4 +1,4 @@
-"""Settings that change how the motions that come are planned."""
+"""Settings for the planning of later motions."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["OptimizationSwitches", "WeaveSelection"]
 
 @dataclass(slots=True)
 class OptimizationSwitches:
-    """What is switched on.
+    """The switches of the optimization.
 
     Attributes:
-        speed: in automatic mode speeds are as high as the arm allows, whatever a motion asks for.
+        speed: in automatic mode speeds are as high as the arm allows, whatever a motion requests.
         acceleration: accelerations are as high as the drives allow.
-        singularity: a line through a singularity is gone around in joint space.
+        singularity: a line through a singularity goes around it in joint space.
         vibration: starts and stops are smoothed; on from the beginning.
     """
 
@@ -39,8 +39,8 @@ class WeaveSelection:
     """The weave that was set, and the one that is in use.
 
     Attributes:
-        chosen: the latest that was set; it is used from the next `enable` on.
-        active: laid over the paths that come; None while it is switched off.
+        chosen: the latest weave that was set; the next enable_combine_motion makes it active.
+        active: the weave that is added to later paths; None while it is switched off.
     """
 
     chosen: Weave | None = None

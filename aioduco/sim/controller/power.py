@@ -16,14 +16,14 @@ _OFF, _DISABLED, _ENABLED = RobotState.POWER_OFF, RobotState.DISABLE, RobotState
 
 @dataclass(frozen=True, slots=True)
 class PowerChange:
-    """A way from one state of the robot to another.
+    """A change from one state of the robot to another.
 
     Attributes:
-        sources: states from which it can be gone.
+        sources: states in which the change can begin.
         there: states in which nothing is left to do.
-        steps: how long each step takes [s], and the state that it ends in.
-        safe: whether it needs a safety controller without a stop.
-        stands: whether the arm has to stand before the first step.
+        steps: duration of each step [s], and the state at its end.
+        safe: whether the change is possible only while no safety stop holds.
+        stands: whether the arm must stand before the first step.
     """
 
     sources: frozenset[RobotState]
@@ -63,8 +63,8 @@ PowerEvent = tuple[Literal["begun", "ended"], str]
 class PowerControl:
     """State of the robot, without a clock: `time` is an argument.
 
-    Changes go one after the other, in the order in which they were asked for; whether one is
-    legal is decided when its turn comes.
+    Changes run one after the other, in the order of the requests. When its turn comes, each is
+    checked for being legal.
     """
 
     def __init__(self, tasks: TaskTable) -> None:
@@ -86,17 +86,17 @@ class PowerControl:
         return None if self._current is None else self._current[1]
 
     def request(self, name: str) -> int:
-        """Ask for a change; the id of its task."""
+        """Request a change, and return the id of its task."""
         id_ = self._tasks.new(name)
         self._waiting.append((id_, name))
         return id_
 
     def tick(self, time: float, *, safe: bool, standing: bool) -> list[PowerEvent]:
-        """Go on with the change under way, or begin the next; what began and what ended.
+        """Continue the change under way, or begin the next; return what began and what ended.
 
         Args:
             time: simulated time [s].
-            safe: whether the safety controller stops nothing.
+            safe: whether no safety stop holds.
             standing: whether the arm stands.
         """
         events: list[PowerEvent] = []
@@ -107,14 +107,14 @@ class PowerControl:
                     continue
                 events.append(("begun", name))
                 if CHANGES[name].stands:
-                    break  # let the controller stop the arm before it is asked whether it stands
+                    break  # the controller must stop the arm before `standing` counts
             if self._go_on(time, standing):
                 events.append(("ended", self._end()))
-            break  # an end has effects on what the next change needs
+            break  # the end of a change affects the conditions of the next one
         return events
 
     def drop_waiting(self, state: TaskState, message: str) -> None:
-        """End the changes towards power that have not begun; those away from it stay."""
+        """End the waiting changes towards power; those away from power remain."""
         waiting, self._waiting = self._waiting, deque()
         for id_, name in waiting:
             if CHANGES[name].safe:
@@ -123,7 +123,7 @@ class PowerControl:
                 self._waiting.append((id_, name))
 
     def cut(self, message: str) -> None:
-        """The drives lose their power at once; a change that was to end with power fails."""
+        """Cut the drives' power at once; a change that was to end with power fails."""
         if self._current is not None and CHANGES[self._current[1]].steps[-1][1] is not _OFF:
             self._tasks.set(self._current[0], TaskState.ERROR, message)
             self._current = None
@@ -139,7 +139,7 @@ class PowerControl:
             self._tasks.set(id_, TaskState.ILLEGAL, f"{name} during a safety stop")
         else:
             self._current = id_, name
-            # Already there: the change is gone through with no steps, so that it has its effects.
+            # Already there: the change runs without steps, so that it still has its effects.
             self._steps = deque(change.steps if self.state in change.sources else ())
             self._due = None
             self._tasks.set(id_, TaskState.RUNNING)
@@ -147,7 +147,7 @@ class PowerControl:
         return False
 
     def _go_on(self, time: float, standing: bool) -> bool:
-        """Take the steps that are due; whether none is left."""
+        """Take the steps that are due; return whether none is left."""
         assert self._current is not None
         change = CHANGES[self._current[1]]
         while self._steps:
@@ -156,7 +156,7 @@ class PowerControl:
                 if not standing and change.stands:
                     return False
                 self._due = time + duration
-            # A cycle early rather than one late, whatever the rounding of a sum of cycles.
+            # Rather a cycle early than a cycle late, whatever the rounding of a sum of cycles.
             if time < self._due - 1e-9:
                 return False
             self.state = state

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ProgramExecution", "ProgramRun", "RunningProgram"]
 
-# Looked up once, for the cycle.
+# Looked up once, to save time in the cycle.
 _IDLE, _RUNNING = MotionPhase.IDLE, MotionPhase.RUNNING
-#: by whether the mode is manual
+#: state of a running program, by whether the mode is manual
 _GOES_ON = {False: ProgramState.RUNNING, True: ProgramState.TASK_RUNNING}
 _HALTING = {
     MotionPhase.STOPPING: ProgramState.STOPPING,
@@ -37,28 +37,28 @@ class RunningProgram(Protocol):
     """One run of a program."""
 
     def go_on(self, passed: float) -> bool:
-        """Go on by a cycle, in which one call is made at most.
+        """Run one cycle, in which the program makes at most one call.
 
         Args:
-            passed: time since the cycle before [s].
+            passed: time since the previous cycle [s].
 
         Returns:
             Whether the program is over.
 
         Raises:
-            ProgramError: It cannot go on.
+            ProgramError: The program cannot continue.
         """
         ...
 
     def close(self) -> None:
-        """End it; `go_on` is not called again."""
+        """End the run; `go_on` is not called again."""
 
 
 class ProgramExecution:
-    """At most one program, which makes its calls as a client would, from within the cycle.
+    """Runs at most one program, which makes its calls like a client, but within the cycle.
 
-    Invariants: no call is made while the program is paused, or once it is to end; its task ends,
-    or is told to be paused, when the arm stands.
+    Invariants: the program makes no call while it is paused, or after its end was requested; its
+    task ends or becomes paused when the arm stands.
     """
 
     def __init__(self, tasks: TaskTable) -> None:
@@ -78,16 +78,16 @@ class ProgramExecution:
 
     @property
     def running(self) -> bool:
-        """Whether the program goes on by itself."""
+        """Whether the program proceeds by itself: it is not paused, or is about to end."""
         return self.active and not (self._paused and self._ending is None)
 
     @property
     def excludes(self) -> bool:
-        """Whether a motion that comes now is not the program's own, and has to wait for its end."""
+        """Whether a motion that arrives now is refused, because it is not the program's own."""
         return self.active and not self.calling
 
     def state(self, motion: MotionPhase, *, manual: bool) -> ProgramState:
-        """State of the program, and of motions without one (manual 1.2)."""
+        """State of the program, or of motions without a program (manual 1.2)."""
         if motion is _IDLE:
             if self._current is None:
                 lags = self._now < self._lags_until
@@ -99,13 +99,13 @@ class ProgramExecution:
         return _GOES_ON[manual]
 
     def watch(self, time: float, motion: MotionPhase, lag: float) -> None:
-        """Begin a cycle, and note what runs: the state says so for `lag` after its end [s]."""
+        """Begin a cycle; after anything that runs, the state reads stopping for `lag` [s]."""
         self._passed, self._now = time - self._now, time
         if self._current is not None or motion is not _IDLE:
             self._lags_until = time + lag
 
     def begin(self, id_: int, run: RunningProgram) -> None:
-        """Run a program; `id_` is its task. None may be active."""
+        """Run a program; `id_` is its task. No other program may be active."""
         assert self._current is None
         self._current, self._paused, self._ending = (id_, run), False, None
         self._tasks.set(id_, TaskState.RUNNING)
@@ -115,13 +115,13 @@ class ProgramExecution:
         self._paused = self.active
 
     def resume(self) -> None:
-        """Go on with the calls."""
+        """Resume the calls."""
         self._paused = False
         if self._current is not None:
             self._tasks.set(self._current[0], TaskState.RUNNING)
 
     def end(self, state: TaskState, message: str) -> None:
-        """End the program when the arm stands; of several reasons a fault counts, or the first."""
+        """End the program at rest; of several reasons a fault counts, or else the first one."""
         if self.active and (self._ending is None or state is TaskState.ERROR):
             self._ending = (state, message)
 
@@ -138,13 +138,13 @@ class ProgramExecution:
             self._tasks.set(id_, TaskState.PAUSED)
 
     def tick(self, motion: MotionPhase) -> str:
-        """Go on by the cycle that `watch` has begun.
+        """Run the cycle that `watch` has begun.
 
         Args:
-            motion: what the motions as a whole are doing.
+            motion: phase of the motions as a whole.
 
         Returns:
-            Why the program cannot go on; empty if it can. The caller ends it, and its motions.
+            Why the program cannot continue; empty if it can. The caller ends it, and its motions.
         """
         self.settle(motion)
         if self._current is None or self._paused or self._ending is not None:
@@ -165,20 +165,20 @@ class ProgramExecution:
 
 
 class ProgramRun:
-    """One run of a program, made of its calls.
+    """One run of a program, as a sequence of its calls.
 
-    A call waits until the task that it makes has ended, and the program cannot go on when it ended
-    badly. A motion with a blend radius is not waited for while motions follow: the next one has to
-    be known for the two to blend. How far ahead it is read is set as the manual has it.
+    A call waits until its task has ended; the program cannot continue after a task that failed.
+    The run does not wait for a motion with a blend radius while motions follow: the next motion
+    must be known for the two to blend. How far the program is read ahead is set as in the manual.
 
     Args:
-        name: of the program, for messages.
+        name: name of the program, for messages.
         script: the program.
         make: makes a call of the wire; raises Pending where a client would wait.
-        tasks: what the tasks of the calls are asked for.
-        ahead: what set_blend_ahead has set: from which part of a motion on the next one is read
-            [%]; and if that is 0, how many are.
-        progress: how much of its way the running motion has made, 0 to 1.
+        tasks: table of the calls' tasks.
+        ahead: values of set_blend_ahead: part of a motion from which on the next one is read [%];
+            and if that is 0, number of motions that are read ahead.
+        progress: progress of the running motion, 0 to 1.
     """
 
     def __init__(
@@ -207,9 +207,9 @@ class ProgramRun:
         self._over = False
 
     def go_on(self, passed: float) -> bool:
-        """Go on by a cycle; see `RunningProgram`."""
+        """Run one cycle; see `RunningProgram`."""
         self._sleep -= passed
-        # Half a cycle for the rounding of a sum of cycles.
+        # A tolerance of half a cycle for the rounding of a sum of cycles.
         if self._sleep > 0.5 * passed:
             return False
         self._sleep = 0.0
@@ -271,7 +271,7 @@ class ProgramRun:
             raise self._error(f"{name}: {exc!r}") from exc
         if blends:
             self._ahead.append((name, answer))
-            return int(TaskState.INTERRUPT)  # the end of a motion that blends
+            return int(TaskState.INTERRUPT)  # the final state of a motion that blends
         return answer
 
     def _ended(self, name: str, id_: int) -> bool:

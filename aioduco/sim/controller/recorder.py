@@ -51,14 +51,14 @@ class Recorder:
         pose: Callable[[Vector], tuple[float, ...]],
         keep: Callable[[RecordedTrack], None],
     ) -> None:
-        """Record from the next cycle on. Nothing may be recorded at the moment.
+        """Record from the next cycle on. No other recording may be active.
 
         Args:
-            track: what is filled.
+            track: track to fill.
             mode: BY_POSITION or BY_TIME.
-            interval: from point to point: sum of the joints' ways [rad], or time [s].
-            pose: the pose that is recorded for joints [rad].
-            keep: told of the track when its recording ends.
+            interval: interval of the points: sum of the joints' movements [rad], or time [s].
+            pose: gives the pose that is recorded for joints [rad].
+            keep: called with the track when its recording ends.
         """
         assert self._recording is None
         self._recording = _Recording(track, mode, interval, pose, keep)
@@ -70,10 +70,10 @@ class Recorder:
             recording.keep(recording.track)
 
     def tick(self, time: float, q: Vector) -> bool:
-        """Take a point if one is due.
+        """Record a point if one is due.
 
         Args:
-            time: of the simulation [s].
+            time: simulated time [s].
             q: actual joints [rad]. Shape (6,).
 
         Returns:
@@ -86,11 +86,11 @@ class Recorder:
             now.due = time
         elif now.mode == BY_POSITION and float(np.abs(q - now.last).sum()) < now.interval:
             return False
-        # A nanosecond for the rounding of a sum of cycles.
+        # A tolerance of a nanosecond for the rounding of a sum of cycles.
         if now.mode == BY_TIME and time < now.due - 1e-9:
             return False
         now.last = q
-        # Idle cycles are ticked in one: a point that has been missed is not made up for.
+        # One tick may stand for many idle cycles: missed points are not made up for.
         now.due = max(now.due, time - now.interval) + now.interval
         now.track.joints.append(tuple(q.tolist()))
         now.track.poses.append(now.pose(q))

@@ -1,4 +1,4 @@
-"""Safety stops and the emergency stop (manual 1.2, SafetyState), and who may move the arm."""
+"""Safety stops and the emergency stop (manual 1.2, SafetyState), and when the arm may move."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ class SafetyController:
         return SafetyState.POWER_OFF if robot is RobotState.POWER_OFF else SafetyState.RUN
 
     def trip(self, category: SafetyState) -> None:
-        """A safety stop; of two the graver holds."""
+        """Begin a safety stop; of two stops the more severe one holds."""
         if self.fault is None or category > self.fault:
             self.fault = category
 
     def clear(self) -> None:
-        """The power was off: nothing holds any more but the button."""
+        """Clear the stop after the power was off; a pressed button still holds."""
         self.fault = SafetyState.STOP0 if self.emergency_stop else None
 
 
@@ -77,7 +77,7 @@ class Admission:
         return f"{self._power.changing} is under way" if self._power.changing is not None else ""
 
     def motion(self, following: Following | None = None) -> str:
-        """Why a motion is not taken."""
+        """Why a motion is not accepted."""
         if reason := self.moving():
             return reason
         if self._execution.excludes:
@@ -85,7 +85,7 @@ class Admission:
         return "the queue of motions is full" if self._motion.full else self._taken(following)
 
     def program(self) -> str:
-        """Why a program does not begin."""
+        """Why a program may not begin."""
         if reason := self.motion():
             return reason
         if self._execution.active:
@@ -93,7 +93,7 @@ class Admission:
         return "" if self._motion.phase is MotionPhase.IDLE else "other motions are running"
 
     def _taken(self, following: Following | None) -> str:
-        """Tell which running motion admits no other one."""
+        """Why the motions in the queue admit no other one."""
         last = self._motion.last
         if last is not None and last == following:
             return ""  # it takes over

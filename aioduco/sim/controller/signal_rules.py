@@ -1,4 +1,4 @@
-"""Rules from outputs to inputs, as cylinders with a sensor are: a pure state machine."""
+"""Rules by which inputs follow outputs, like a cylinder's sensor: a pure state machine."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _TOOL = "tool"
 
 
 class SignalDevice(Protocol):
-    """What is wired to signals, such as a gripper on a valve."""
+    """A device that is wired to signals, such as a gripper on a valve."""
 
     def tick(self, time: float, signals: Signals, /) -> None:
-        """One cycle: look at the outputs, set the inputs."""
+        """Run one cycle: read the outputs, set the inputs."""
         ...
 
 
@@ -29,7 +29,7 @@ class SignalRule:
     Attributes:
         output: number of a general output, 1 to 16; "tool 1" and "tool 2" are those of the tool.
         input: number of a general input, likewise.
-        after: by how much it follows [s].
+        after: delay with which it follows [s].
         inverted: whether it is on while the output is off.
 
     Raises:
@@ -53,7 +53,7 @@ class SignalRule:
 
 
 def place(signal: int | str) -> tuple[bool, int]:
-    """Whether a signal is one of the tool, and its number; 0 for what names none."""
+    """Whether a signal is one of the tool, and its number; 0 for a text that names no signal."""
     if not isinstance(signal, str):
         return False, signal
     kind, _, num = signal.strip().rpartition(" ")
@@ -62,10 +62,10 @@ def place(signal: int | str) -> tuple[bool, int]:
 
 
 class SignalRules:
-    """Carries out rules, cycle by cycle; an input is as its rule says from the first one on.
+    """Carries out rules in each cycle; from the first cycle on, an input has its rule's state.
 
     Attributes:
-        devices: what is wired to the signals besides; rules have the last word.
+        devices: further devices that are wired to the signals; rules override them.
     """
 
     def __init__(self) -> None:
@@ -75,22 +75,22 @@ class SignalRules:
 
     @property
     def busy(self) -> bool:
-        """Whether an input is to change."""
+        """Whether an input is going to change."""
         return bool(self._due) or None in self._last.values()
 
     def add(self, rule: SignalRule) -> None:
-        """Carry out one more rule; one for the same input is replaced."""
+        """Add a rule, which replaces a rule for the same input."""
         target = place(rule.input)
         self._last = {one: on for one, on in self._last.items() if place(one.input) != target}
         self._due = [due for due in self._due if place(due[1].input) != target]
         self._last[rule] = None
 
     def tick(self, time: float, signals: Signals) -> None:
-        """One cycle.
+        """Run one cycle.
 
         Args:
-            time: of the simulation [s].
-            signals: whose outputs are watched, and whose inputs are set.
+            time: simulated time [s].
+            signals: signals whose outputs are watched and whose inputs are set.
         """
         if not self._last and not self.devices:
             return
@@ -104,7 +104,7 @@ class SignalRules:
                 self._last[rule] = on
                 after = 0.0 if before is None else rule.after
                 self._due.append((time + after, rule, on is not rule.inverted))
-        # A nanosecond for the rounding of a sum of cycles.
+        # A tolerance of a nanosecond for the rounding of a sum of cycles.
         now = [due for due in self._due if due[0] <= time + 1e-9]
         if not now:
             return

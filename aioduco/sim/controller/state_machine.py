@@ -1,15 +1,16 @@
 """The controller as a state machine: no clock, no thread, no wire, no physics.
 
-`tick` is called once per cycle with what the arm's sensors say, and answers with what its drives
-get. Commands come between ticks; each makes a task and returns its id. Motions are planned when
-they come, or after `plan_aside` by who runs the controller, beside other commands and ticks.
+`tick` is called once per cycle with the values of the arm's sensors, and returns the command to its
+drives. Commands come between ticks; each makes a task and returns its id. Motions are planned when
+they are queued, or after `plan_aside` by the code that runs the controller, while other commands
+and ticks go on.
 
 Invariants:
 - set-points reach the drives only while the robot is enabled and no STOP0 holds;
-- a stop is accepted in every state, and needs nothing else to end first;
-- what a safety stop ended stays ended: only power off, power on, enable lead out of it;
-- while the controller simulates, the arm's brakes hold, and set-points move a simulated arm, which
-  follows them exactly and is what everything else here knows as the arm.
+- a stop is accepted in every state, and does not wait for anything else to end;
+- tasks that a safety stop has ended stay ended: only power off, power on, enable end the stop;
+- while the controller simulates, the arm's brakes hold, and set-points move a simulated arm. That
+  arm follows them exactly, and everything else in this module uses it as the arm.
 """
 
 from __future__ import annotations
@@ -58,8 +59,8 @@ __all__ = ["DEVIATION", "Controller", "ControllerState"]
 
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
 DEVIATION = 0.2
-_ERRORS = 20  # the latest that the error list holds
-# Named here for the cycle: a member of an enumeration takes ten times as long to look up.
+_ERRORS = 20  # number of the latest messages in the error list
+# Named here for use in the cycle: looking up a member of an enumeration takes ten times as long.
 _ENABLED, _STOP1, _MANUAL = RobotState.ENABLE, SafetyState.STOP1, OperationMode.MANUAL
 _IDLE, _PAUSED = MotionPhase.IDLE, MotionPhase.PAUSED
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
@@ -72,8 +73,8 @@ class ControllerState(NamedTuple):
     """The controller's state at one instant, for readers without a lock.
 
     Attributes:
-        robot, program, safety, mode: as get_robot_state tells them.
-        moving: whether the arm moves, as robotmoving tells it: what swings out does not.
+        robot, program, safety, mode: as get_robot_state reports them.
+        moving: whether the arm moves, as robotmoving reports it: without the swing after a motion.
         emergency_stop: whether the emergency stop is pressed.
         collision_axis: joint that detected a collision, 1 to 6, or 0.
         error: 1 while a safety stop holds, else 0.
@@ -82,9 +83,9 @@ class ControllerState(NamedTuple):
         tool: the tool in use.
         wobj: the work object in use.
         force_control: whether force control is on.
-        sensor: how the signal of the force sensor is read.
+        sensor: how the controller interprets the signal of the force sensor.
         standing: whether the arm has stood for a while.
-        simulation: whether motions move the controller's own simulation, and the arm stands.
+        simulation: whether motions move the controller's own simulation, while the arm stands.
     """
 
     robot: RobotState
@@ -109,9 +110,9 @@ class _Simulation(NamedTuple):
     """The controller's own simulation.
 
     Attributes:
-        arm: what the simulated arm has reached, which is the latest set-point.
-        bare: what the force sensor showed without load and force when the real arm was left.
-        axes: where the external axes were then.
+        arm: set-point that the simulated arm has reached, which is the latest one.
+        bare: signal of the force sensor without load and force when the simulation began.
+        axes: positions of the external axes at that time.
     """
 
     arm: JointSetPoint
@@ -125,7 +126,7 @@ class Controller:
     Args:
         mover: makes a mover that stands at the given joints [rad].
         q: the arm's joints at the start [rad]. Shape (6,).
-        force: what the arm does about forces.
+        force: reaction of the arm to forces.
     """
 
     def __init__(self, mover: Callable[[Vector], Mover], q: Vector, force: ForceControl) -> None:
@@ -142,7 +143,7 @@ class Controller:
         self.recorder: Recorder = Recorder()
         self.rules: SignalRules = SignalRules()
         self.read_ahead: tuple[int, int] = (0, 1)
-        self.last_motion: str = ""  # the function of the motion that was taken last
+        self.last_motion: str = ""  # the function of the motion that was accepted last
         self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
@@ -160,11 +161,11 @@ class Controller:
         self._standstill = Standstill()
         self._errors: tuple[str, ...] = ()
         self._speed = 100.0
-        self._told: tuple[object, ...] = ()  # what the latest view was made of
+        self._told: tuple[object, ...] = ()  # values from which the latest view was made
         self._view: ControllerState | None = None
-        self._jog = 0  # the task of the latest step
+        self._jog = 0  # id of the task of the latest step
 
-    # -- what others ask ---------------------------------------------------------------------
+    # -- state for other modules -------------------------------------------------------------
 
     @property
     def safety(self) -> SafetyState:
@@ -179,15 +180,15 @@ class Controller:
 
     @property
     def moving(self) -> bool:
-        """Whether the arm moves, or is to move in the next cycle."""
+        """Whether the arm moves, or is going to move in the next cycle."""
         return self._motion.moving or self.force.moving or not self._at_rest
 
     @property
     def in_motion(self) -> bool:
-        """Whether the arm moves otherwise than by what is left of a motion that has ended.
+        """Whether the arm moves, apart from the swing after a motion that has ended.
 
-        While it is brought to rest it counts as moving: a stop that was accepted within a cycle
-        has found out in no cycle yet whether the arm stands.
+        During a stop or a pause it counts as moving: right after a stop is accepted, no cycle has
+        yet checked whether the arm stands.
         """
         halting = self._motion.phase in (MotionPhase.STOPPING, MotionPhase.PAUSING)
         return halting or self._motion.moving or self.force.moving or self._standstill.turning
@@ -199,7 +200,7 @@ class Controller:
 
     @property
     def progress(self) -> float:
-        """How much of its way the running motion has made, 0 to 1."""
+        """Progress of the running motion along its path, 0 to 1."""
         return self._motion.progress
 
     @property
@@ -209,17 +210,17 @@ class Controller:
 
     @property
     def sensed(self) -> SensedState:
-        """What is known of the arm in this cycle: of the simulated one while there is one."""
+        """Measurements of the arm in this cycle; of the simulated arm while there is one."""
         return self._sensed
 
     @property
     def simulated(self) -> JointSetPoint | None:
-        """Where the simulated arm is; None while motions move the real one."""
+        """Set-point that the simulated arm has reached; None while motions move the real arm."""
         return None if self._simulation is None else self._simulation.arm
 
     @property
     def starting(self) -> bool:
-        """Whether the controller is starting again, and serves no client."""
+        """Whether the controller restarts, and serves no client."""
         return self._power.state in _BOOTING
 
     @property
@@ -232,11 +233,11 @@ class Controller:
         return self._power.busy or self.moving or changing
 
     def view(self) -> ControllerState:
-        """The state, for readers; the same object for as long as nothing of it changes."""
+        """The state, for readers; the same object for as long as the state does not change."""
         motion, control = self._motion, self.force.control
         safety, frames = self._safety, self.frames
         phase = motion.phase
-        # All that the state hangs on, cheaply read: most cycles change nothing of it.
+        # All values on which the state depends, cheap to read: most cycles change none of them.
         told = (
             self._power.state,
             self._execution.state(phase, manual=self.mode is _MANUAL),
@@ -281,14 +282,14 @@ class Controller:
             self._simulation is not None,
         )
 
-    # -- commands: each is a task, and returns its id ----------------------------------------
+    # -- commands: each makes a task, and returns its id -------------------------------------
 
     def change_power(self, name: str) -> int:
-        """power_on, power_off, enable, disable, shutdown or restart."""
+        """Request power_on, power_off, enable, disable, shutdown or restart."""
         return self._power.request(name)
 
     def move(self, name: str, plan: Plan, triggers: MotionTriggers | None = None) -> int:
-        """Queue a motion, with what it triggers on its way."""
+        """Queue a motion with its triggers."""
         if reason := self._admission.motion():
             return self.reject(name, TaskState.ILLEGAL, reason)
         if (skipped := self.force.admit(name)) is not None:
@@ -300,7 +301,7 @@ class Controller:
         return id_
 
     def follow(self, name: str, following: Following) -> int:
-        """Queue a motion whose targets come while it runs."""
+        """Queue a motion whose targets arrive while it runs."""
         if reason := self._admission.motion(following):
             return self.reject(name, TaskState.ILLEGAL, reason)
         if (skipped := self.force.admit(name)) is not None:
@@ -312,20 +313,20 @@ class Controller:
         return id_
 
     def end_following(self, name: str, *kinds: str) -> int:
-        """End what follows targets of some kinds; ends itself when the arm stands."""
+        """End the motions of some kinds that follow targets; this task ends at rest."""
         id_ = self.tasks.new(name)
         self._motion.finish(kinds, id_)
         return id_
 
     def jog(self, name: str, plan: Plan) -> int:
-        """One step of a jog, which begins only where nothing else runs."""
+        """Queue one step of a jog, which begins only if nothing else runs."""
         if self._motion.phase is not MotionPhase.IDLE:
             return self.reject(name, TaskState.ILLEGAL, "other motions are running")
         self._jog = self.move(name, plan)
         return self._jog
 
     def end_jog(self, name: str) -> int:
-        """End a jog, whether it goes on or is a step; ends itself when the arm stands."""
+        """End a jog, continuous or a step; this task ends at rest."""
         if self.tasks.state(self._jog).ended or self._jog == 0:
             return self.end_following(name, "move_jog")
         id_ = self.tasks.new(name)
@@ -333,7 +334,7 @@ class Controller:
         return id_
 
     def run_program(self, run: RunningProgram) -> int:
-        """Run a program, which needs the arm to itself."""
+        """Run a program; it begins only if nothing else runs."""
         if reason := self._admission.program():
             return self.reject("run_program", TaskState.ILLEGAL, reason)
         id_ = self.tasks.new("run_program")
@@ -341,20 +342,20 @@ class Controller:
         return id_
 
     def stop(self) -> int:
-        """End every task; ends itself when the arm stands."""
+        """End every task; this task ends when the arm stands."""
         id_ = self.tasks.new("stop")
         self._power.drop_waiting(TaskState.STOPPED, "stopped")
         self._halt(TaskState.STOPPED, "stopped", id_)
         return id_
 
     def abort(self) -> int:
-        """End the running motion and those behind it; ends itself when the arm stands."""
+        """End the running motion and those behind it; this task ends when the arm stands."""
         id_ = self.tasks.new("abort")
         self._halt(TaskState.INTERRUPT, "aborted", id_)
         return id_
 
     def pause(self) -> int:
-        """Pause every motion; ends when the arm stands."""
+        """Pause the program and every motion; this task ends when the arm stands."""
         id_ = self.tasks.new("pause")
         self._execution.pause()
         self._motion.pause(id_)
@@ -362,7 +363,7 @@ class Controller:
         return id_
 
     def resume(self) -> int:
-        """Go on with the motions that were paused."""
+        """Resume the paused program and motions."""
         paused = self.program in (ProgramState.PAUSED, ProgramState.PAUSING)
         if paused and (reason := self._admission.moving()):
             return self.reject("resume", TaskState.ILLEGAL, reason)
@@ -371,7 +372,7 @@ class Controller:
         return self.finish("resume")
 
     def switch_mode(self, mode: OperationMode) -> int:
-        """Manual or automatic; motions that run are paused."""
+        """Switch the mode; a running program and running motions are paused."""
         if mode is not self.mode:
             self.mode = mode
             self._execution.pause()
@@ -380,9 +381,9 @@ class Controller:
         return self.finish("switch_mode")
 
     def simulate(self, on: bool) -> int:
-        """Have motions move a simulated arm from where the real one stands, or the real one again.
+        """Let motions move a simulated arm from where the real one stands, or the real arm again.
 
-        The real one is then where its brakes have held it, and so are the set-points.
+        After the latter, the real arm is where its brakes have held it, and so are the set-points.
         """
         if on is (self._simulation is not None):
             return self.finish("simulation")
@@ -402,66 +403,66 @@ class Controller:
         return id_
 
     def set_speed(self, percent: float) -> int:
-        """Global speed [%]."""
+        """Set the global speed [%]."""
         self._speed = percent
         self._motion.set_speed(percent / 100.0)
         return self.finish("speed")
 
     def finish(self, name: str) -> int:
-        """A task that is done at once."""
+        """Make a task that is finished at once."""
         id_ = self.tasks.new(name)
         self.tasks.set(id_, TaskState.FINISHED)
         return id_
 
     def reject(self, name: str, state: TaskState, message: str) -> int:
-        """A task that ends at once without having been done."""
+        """Make a task that ends at once without having been carried out."""
         id_ = self.tasks.new(name)
         self.tasks.set(id_, state, message)
         self.note_error(f"{name}: {message}")
         return id_
 
-    # -- motions that are planned aside ------------------------------------------------------
+    # -- motions that are planned outside the cycle ------------------------------------------
 
     def plan_aside(self) -> None:
-        """Have motions wait for `next_plan` and `take_plan` from now on."""
+        """Let motions wait for `next_plan` and `take_plan` from now on."""
         self._motion.aside = True
 
     @property
     def time_left(self) -> float:
-        """Time until the running motion is at its end [s]; 0.0 where that is not known."""
+        """Time until the running motion is at its end [s]; 0.0 if unknown."""
         return self._motion.time_left
 
     @property
     def unplanned(self) -> int | None:
-        """The last motion that is still to be planned; None if there is none."""
+        """Id of the last motion that is not planned yet; None if there is none."""
         return self._motion.unplanned
 
     @property
     def planning(self) -> Planning | None:
-        """What is being planned; None also once it was dropped."""
+        """The motion that is being planned; None if there is none, or if it was dropped."""
         return self._motion.planning
 
     def awaits_plan(self, id_: int) -> bool:
-        """Whether a motion is still to be planned."""
+        """Whether a motion still waits for its plan."""
         return self._motion.awaits_plan(id_)
 
     def next_plan(self) -> Planning | None:
-        """What is to be planned next; None if there is nothing."""
+        """Begin to plan the next motion, and give it; None if there is none."""
         return self._motion.next_plan()
 
     def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
-        """Take what came of planning a motion, unless it was dropped meanwhile."""
+        """Take the result of planning a motion, unless the plan was dropped meanwhile."""
         self._motion.take_plan(planning, came)
         self._collect_failures()
 
-    # -- what is not a task ------------------------------------------------------------------
+    # -- actions without a task --------------------------------------------------------------
 
     def note_error(self, message: str) -> None:
         """Add to the error list."""
         self._errors = (*self._errors, message)[-_ERRORS:]
 
     def fault(self, category: SafetyState, message: str) -> None:
-        """A safety stop: STOP0 cuts the power, STOP1 stops and then cuts it, STOP2 stops."""
+        """Begin a safety stop: STOP0 cuts power, STOP1 stops the arm first, STOP2 only stops it."""
         self.note_error(message)
         self._safety.trip(category)
         if category is SafetyState.STOP0:
@@ -470,38 +471,38 @@ class Controller:
             self._halt(TaskState.ERROR, message)
 
     def press_emergency_stop(self) -> None:
-        """The emergency stop of the pendant is pressed, or its circuit is open."""
+        """Handle a pressed emergency stop of the pendant, or its open circuit."""
         if not self._safety.emergency_stop:
             self._safety.emergency_stop = True
             self.fault(SafetyState.STOP0, "emergency stop pressed")
 
     def release_emergency_stop(self) -> None:
-        """The button is released; the safety stop stays until the power was off."""
+        """Release the button; the safety stop remains until the power was off."""
         self._safety.emergency_stop = False
 
     def collide(self, joint: int, touched: str = "") -> None:
-        """A joint, 1 to 6, has detected a collision: the arm stands where it is, and yields.
+        """Handle a collision that a joint has detected: the arm stops where it is, and yields.
 
         Args:
-            joint: which one.
-            touched: what touches what, if that is known: a controller does not know it.
+            joint: the joint, 1 to 6.
+            touched: text about the contacts, if known; a real controller has no such information.
         """
         if self._power.state is not RobotState.ENABLE:
             return
         self.collisions.axis = joint
         known = touched and f" (simulator: {touched})"
         self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞{known}")
-        if not self.force.active:  # it has moved the set-points away from those of the motions
+        if not self.force.active:  # which has moved the set-points away from the motions'
             self._motion.yield_to(self._sensed.q)
 
     def reset_collision(self) -> None:
-        """Take back the warning; the safety stop stays."""
+        """Clear the warning; the safety stop remains."""
         self.collisions.axis = 0
 
     # -- the cycle ---------------------------------------------------------------------------
 
     def tick(self, sensed: SensedState) -> DriveCommand:
-        """One cycle."""
+        """Run one cycle."""
         self._real = sensed
         self.rules.tick(sensed.time, self.signals)
         if self._leaving:
@@ -520,7 +521,7 @@ class Controller:
         return DriveCommand(JointSetPoint.at_rest(sensed.q), brake=True)
 
     def _tick(self, sensed: SensedState) -> DriveCommand:
-        """One cycle, whichever arm it is of; what has nothing to do is not called."""
+        """Run one cycle of the real or simulated arm; idle parts are not called."""
         motion, force, power, time = self._motion, self.force, self._power, sensed.time
         self._sensed = force.sensed = sensed
         self._execution.watch(time, motion.phase, self.program_lag)
@@ -584,7 +585,7 @@ class Controller:
         return ""
 
     def _leave_simulation(self) -> None:
-        """The real arm is the arm again. Nothing may be queued."""
+        """Switch back to the real arm. The queue must be empty."""
         if self._simulation is None:
             return
         self.external_axes.positions.update(self._simulation.axes)
@@ -616,7 +617,7 @@ class Controller:
             self._errors = ()
 
     def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
-        """End the program and every motion when the arm stands, and the control task then."""
+        """End the program, every motion and the control task when the arm stands."""
         self._execution.end(state, message)
         self._motion.stop(state, message, control)
         self._execution.settle(self._motion.phase)
@@ -629,7 +630,7 @@ class Controller:
         self.force.cut()
 
     def _lose_heartbeat(self) -> None:
-        """Stop the arm, which is no safety stop: the next program may move it."""
+        """Stop the arm without a safety stop: the next program may move it."""
         if self._motion.phase is not MotionPhase.IDLE or self._power.busy or self._execution.active:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
@@ -644,9 +645,9 @@ class Controller:
 
 
 def _deviation(wanted: Vector, q: Vector) -> str:
-    """Tell which joint is too far from its set-point; empty if none."""
+    """Text about the joint that is too far from its set-point; empty if none is."""
     if math.dist(wanted.tolist(), q.tolist()) <= DEVIATION:
-        return ""  # so is each by itself; of six, plain floats are faster than arrays
+        return ""  # then each joint is near enough; for six, plain floats are faster than arrays
     deviation = np.abs(wanted - q)
     if deviation.max() <= DEVIATION:
         return ""

@@ -7,13 +7,13 @@ from enum import Enum, auto
 
 from aioduco.models.enums import TaskState
 
-#: ids rise from here (1063 has been seen on a real controller)
+#: ids count up from here (1063 was seen on a real controller)
 FIRST_ID = 1000
 _LAST_ID = 2**31 - 1
 
 
 class MotionPhase(Enum):
-    """What the queue as a whole is doing."""
+    """Phase of the queue as a whole."""
 
     IDLE = auto()
     RUNNING = auto()
@@ -27,12 +27,12 @@ class ControllerTask:
     """One task.
 
     Attributes:
-        id: what a call that does not block returns.
-        name: the function that made it.
-        state: where it is; a state that has `ended` is the last.
-        message: why it ended so, for people.
-        passed: whether a blocking call was answered before its end, so that the motion that it
-            is to blend into can come.
+        id: id that a non-blocking call returns.
+        name: the function that made the task.
+        state: present state; a state with `ended` is final.
+        message: the reason for that state, for people.
+        passed: whether a blocking call was answered before the task's end, so that the client can
+            send the next motion, into which this one blends.
     """
 
     id: int
@@ -43,9 +43,9 @@ class ControllerTask:
 
 
 class TaskTable:
-    """All tasks of a controller, without a clock and without waiters.
+    """All tasks of a controller, without a clock and without waiting callers.
 
-    A task that has ended never changes again. Of the ended ones the latest `keep` are remembered:
+    A task that has ended never changes again. Of the ended tasks only the latest `keep` are stored:
     a client that streams makes a thousand tasks a second.
     """
 
@@ -54,21 +54,21 @@ class TaskTable:
         self._next = FIRST_ID
         self._running: dict[int, ControllerTask] = {}
         self._ended: dict[int, ControllerTask] = {}
-        #: what `take_answered` would give
+        #: ids that the next `take_answered` returns
         self.news: dict[int, None] = {}
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {len(self._running)} running, {len(self._ended)} ended>"
 
     def new(self, name: str) -> int:
-        """Make a task, which is idle at first; its id."""
+        """Make a task, which is idle at first, and return its id."""
         id_ = self._next
         self._next = FIRST_ID if id_ == _LAST_ID else id_ + 1
         self._running[id_] = ControllerTask(id_, name, TaskState.IDLE)
         return id_
 
     def set(self, id_: int, state: TaskState, message: str = "") -> None:
-        """Give a task that has not ended another state.
+        """Set the state of a task that has not ended.
 
         Raises:
             KeyError: There is no such task, or it has ended.
@@ -84,11 +84,11 @@ class TaskTable:
             del self._ended[next(iter(self._ended))]
 
     def get(self, id_: int) -> ControllerTask | None:
-        """A task, or None when the id was never given out or is forgotten."""
+        """A task, or None if the id was never used or is no longer stored."""
         return self._running.get(id_) or self._ended.get(id_)
 
     def state(self, id_: int) -> TaskState:
-        """State of a task; idle, as one not executed, when the id is unknown."""
+        """State of a task; idle, like a task not executed, if the id is unknown."""
         task = self.get(id_)
         return TaskState.IDLE if task is None else task.state
 
@@ -104,13 +104,13 @@ class TaskTable:
             self.news[id_] = None
 
     def answer(self, id_: int) -> TaskState:
-        """What a blocking call is answered; a state that has not `ended` as long as it waits."""
+        """State that answers a blocking call; a state without `ended` while the call must wait."""
         task = self.get(id_)
         if task is None:
             return TaskState.IDLE
         return TaskState.INTERRUPT if task.passed else task.state
 
     def take_answered(self) -> list[int]:
-        """Ids of the tasks that ended, or were passed on, since this was asked last; each once."""
+        """Ids of the tasks that ended or were passed on since the last call; each once."""
         news, self.news = list(self.news), {}
         return news

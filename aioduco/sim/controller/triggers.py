@@ -1,7 +1,6 @@
-"""Triggers along a motion (Op, manual 1.3.5): outputs and registers that are set on the way.
+"""Triggers along a motion (Op, manual 1.3.5): outputs and registers that are set during it.
 
-Whether a trigger is due is decided from how far the motion has come, cycle by cycle; there is
-no clock here.
+In each cycle the progress of the motion decides whether a trigger is due; there is no clock here.
 """
 
 from __future__ import annotations
@@ -33,11 +32,11 @@ if TYPE_CHECKING:
 __all__ = ["MotionTriggers", "PathTrigger", "Triggers", "motion_triggers", "point_trigger"]
 
 _TIME, _DISTANCE = 1, 2
-#: kinds that public programs send and no manual names
+#: kinds that public programs send although no manual names them
 _UNNAMED = (3, 4)
-#: what comes before the number of a bool register; further targets do not fit into the wire's byte
+#: offset of the numbers of bool registers; targets above 127 do not fit into the wire's byte
 _REGISTERS = 100
-#: a point is reached within the first distance, and passed where it was nearest within the other
+#: a point is reached within the first distance; within the second it is passed at the nearest place
 _THERE, _NEAR = 1e-4, 0.02  # [m]
 
 
@@ -46,7 +45,7 @@ class PathTrigger:
     """One trigger.
 
     Attributes:
-        by_time: whether `amount` is a time [s]; or else a distance [m].
+        by_time: whether `amount` is a time [s]; otherwise it is a distance [m].
         amount: from the start, or to the end of the motion; negative after its end.
         fire: sets the output.
     """
@@ -61,12 +60,12 @@ class MotionTriggers:
     """The triggers of one motion that have not fired.
 
     Attributes:
-        start: counted from its start.
-        end: counted to its end, or from it if negative.
-        halt: fired when the motion is paused or stopped; counted to standstill, or from it.
-        tip: position of the tool for joints [rad].
-        points: what is fired where, in order: positions of the flange [m].
-        flange: position of the flange for joints [rad].
+        start: trigger that counts from the start of the motion.
+        end: trigger that counts to the end of the motion, or from it if negative.
+        halt: trigger of a pause or stop, which counts to standstill, or from it if negative.
+        tip: gives the position of the tool for joints [rad].
+        points: positions of the flange [m] and the action at each, in order.
+        flange: gives the position of the flange for joints [rad].
     """
 
     tip: Callable[[Vector], Vector]
@@ -79,11 +78,11 @@ class MotionTriggers:
 
     @property
     def late(self) -> bool:
-        """Whether one is still to fire after the end of the motion."""
+        """Whether a trigger is going to fire after the end of the motion."""
         return self.end is not None and self.end.amount < 0.0
 
     def travel(self, travel: Travel) -> None:
-        """Fire what is due on the way."""
+        """Fire the triggers that are due during the motion."""
         start, end = self.start, self.end
         if start is not None:
             done = travel.elapsed if start.by_time else travel.distance
@@ -97,7 +96,7 @@ class MotionTriggers:
                 end.fire()
 
     def pass_points(self, q: Vector) -> None:
-        """Fire at the points that are passed: where the flange is nearest to them."""
+        """Fire at a point that is passed: where the flange is nearest to it."""
         if not self.points or self.flange is None:
             return
         distance = float(np.linalg.norm(self.flange(q) - self.points[0][0]))
@@ -108,7 +107,7 @@ class MotionTriggers:
             self._distance = distance
 
     def ended(self) -> None:
-        """The motion has reached its end: fire what was to come on the way."""
+        """Fire the remaining triggers of a motion that has reached its end, but no later ones."""
         while self.points:
             self.points.popleft()[1]()
         if self.start is not None:
@@ -119,18 +118,18 @@ class MotionTriggers:
             self.end = None
 
     def beyond(self, time: float, distance: float) -> None:
-        """Fire what is due so long and so far after the end."""
+        """Fire the trigger that is due at this time [s] or distance [m] after the end."""
         end = self.end
         if end is not None and (time if end.by_time else distance) >= -end.amount - 1e-9:
             self.end = None
             end.fire()
 
     def halting(self, left: float, since: float) -> None:
-        """Fire what is due at a pause or stop.
+        """Fire the trigger that is due at a pause or stop.
 
         Args:
             left: time until the arm stands [s].
-            since: time that it has stood [s].
+            since: time for which it has stood [s].
         """
         halt = self.halt
         if halt is None:
@@ -147,17 +146,17 @@ class Triggers:
     def __init__(self) -> None:
         self._ahead: dict[int, MotionTriggers] = {}
         self._behind: list[_Behind] = []
-        self._stood: float | None = None  # since when the arm stands in a pause or after a stop
+        self._stood: float | None = None  # since when the arm has stood in a pause or after a stop
 
     def __bool__(self) -> bool:
         return bool(self._ahead) or bool(self._behind)
 
     def add(self, id_: int, triggers: MotionTriggers) -> None:
-        """A motion was queued."""
+        """Add the triggers of a queued motion."""
         self._ahead[id_] = triggers
 
     def end(self, id_: int, time: float, setpoint: JointSetPoint, *, reached: bool) -> None:
-        """A motion has ended, at its end or before it."""
+        """Handle the end of a motion, which has reached its end or not."""
         triggers = self._ahead.pop(id_, None)
         if triggers is None:
             return
@@ -178,13 +177,13 @@ class Triggers:
         *,
         halting: bool,
     ) -> None:
-        """Fire what is due.
+        """Fire the triggers that are due.
 
         Args:
-            time: of the simulation [s].
-            setpoint: the latest.
-            active: id of the motion that runs.
-            travel: how far it has come.
+            time: simulated time [s].
+            setpoint: the latest set-point.
+            active: id of the running motion.
+            travel: its progress.
             halting: whether it is paused, or being stopped.
         """
         speed, change = np.abs(setpoint.qd).max(), np.abs(setpoint.qdd).max()
@@ -211,10 +210,10 @@ class _Behind:
     """The triggers of a motion that has ended.
 
     Attributes:
-        triggers: what is left of them.
-        since: when it ended [s].
-        at: where the tool is [m]. Shape (3,).
-        way: that it has made since the end [m].
+        triggers: the remaining triggers.
+        since: time at which the motion ended [s].
+        at: position of the tool [m]. Shape (3,).
+        way: distance that the tool has moved since the end [m].
     """
 
     triggers: MotionTriggers
@@ -241,14 +240,14 @@ def motion_triggers(
     """Give the triggers of a motion; None if it has none.
 
     Args:
-        op: as it came.
-        signals: whose outputs are set.
-        tip: position of the tool for joints [rad].
-        forgiving: whether kinds of triggers that no manual names are passed over.
+        op: the triggers as received.
+        signals: signals whose outputs are set.
+        tip: gives the position of the tool for joints [rad].
+        forgiving: decides whether kinds of triggers that no manual names are ignored.
         distance: whether the motion has a length in metres.
 
     Raises:
-        Rejected: a trigger is of no kind, or its target does not exist.
+        Rejected: the kind of a trigger is unknown, or its target does not exist.
     """
     target = partial(_target, signals=signals, forgiving=forgiving)
     start = _trigger(
@@ -270,9 +269,9 @@ def motion_triggers(
 
 
 def point_trigger(op: Op, signals: Signals, forgiving: Forgiving) -> Callable[[], None] | None:
-    """What is to happen when a point is reached; None for nothing.
+    """Give the action for a point that is reached; None for nothing.
 
-    At a point there is neither a way nor a time: all triggers that are on fire at once.
+    A point has neither a length nor a duration, so all its active triggers fire at once.
     """
     found = motion_triggers(op, signals, lambda q: q, forgiving, distance=True)
     if found is None:
@@ -293,7 +292,7 @@ def _trigger(
         return None
     if kind == _TIME:
         return PathTrigger(True, _finite(time) / 1000.0, fire)
-    # The manual: a trigger by distance is without effect on a motion in joint space.
+    # The manual: a trigger by distance has no effect on a motion in joint space.
     return PathTrigger(False, _finite(metres), fire) if distance else None
 
 
@@ -309,7 +308,7 @@ def _target(
         return None
     if kind not in (_TIME, _DISTANCE):
         raise _wrong(f"a trigger is of kind {kind}, but must be 0, 1 or 2")
-    if event:  # which goes before an output (manual 1.3.5)
+    if event:  # an event has priority over an output (manual 1.3.5)
         if event not in signals.events:
             raise _wrong(f"there is no event {event!r}; there are: {', '.join(signals.events)}")
         return signals.events[event]

@@ -1,8 +1,8 @@
-"""External axes that go along with a motion of the arm (外部轴, manual 1.3.14).
+"""External axes that move together with the arm (外部轴, manual 1.3.14).
 
-They share the motion's path: each is a straight line over the distance along it. So one time law
-moves arm and axes; they start and end together, and stay together through pauses, stops and
-changes of the global speed.
+They share the motion's path: the position of each axis is linear in the distance along it. So one
+time law moves arm and axes; they start and end together, and stay synchronous through pauses, stops
+and changes of the global speed.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ __all__ = ["ExternalAxesMove", "blended"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExternalAxesMove:
-    """What external axes do during a motion, in the unit of each: rad or m.
+    """Movement of external axes during a motion, in the unit of each: rad or m.
 
     Attributes:
-        numbers: of the axes.
-        start: where they begin. Shape (n,).
-        end: where they go to. Shape (n,).
+        numbers: numbers of the axes.
+        start: positions at the start. Shape (n,).
+        end: positions at the end. Shape (n,).
         velocity: highest speeds [1/s]. Shape (n,).
         acceleration: highest accelerations [1/s²]. Shape (n,).
-        braking: what their drives can do; a stop uses it [1/s²]. Shape (n,).
-        path: over the distance along the motion's path; None before `segments.carry`.
+        braking: accelerations that their drives can do, which a stop uses [1/s²]. Shape (n,).
+        path: positions over the distance along the motion's path; None before `segments.carry`.
     """
 
     numbers: tuple[int, ...]
@@ -49,23 +49,23 @@ class ExternalAxesMove:
     def limits(
         self, path: Path, nodes: Array, share: float = SHARE, turn: Turn = no_turn
     ) -> PathLimits:
-        """Give what the axes' speeds and accelerations leave along their path."""
+        """Give the limits along the path from the axes' speeds and accelerations."""
         speeds, rates, ways = self.velocity, self.acceleration, path.sample(nodes, turn)
         return axes_limits(nodes, ways, speeds, rates, self.braking, share, turn=turn)
 
 
 def blended(first: ExternalAxesMove, second: ExternalAxesMove, leave: float, enter: float) -> Path:
-    """Give the way of the axes through a blend, which adds up what both motions move them.
+    """Give the path of the axes through a blend: the sum of their movements in both motions.
 
     Args:
-        first: of the motion before the blend.
-        second: of the motion behind it; the same axes.
+        first: movement in the motion before the blend.
+        second: movement in the motion behind it; the same axes.
         leave: distance on the first motion where the blend begins.
         enter: distance on the second motion where it ends.
     """
     assert first.path is not None
     assert second.path is not None
-    # As the arm: the first comes evenly to rest, while the second sets off from it.
+    # Like the arm: the first motion decelerates evenly to rest, while the second accelerates.
     left = first.end - first.path.sample(np.array([leave]))[0, 0]
     gone = second.path.sample(np.array([enter]))[0, 0] - second.start
     coefficients = np.zeros((6, len(left)))

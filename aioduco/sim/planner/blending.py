@@ -1,9 +1,9 @@
-"""Blends (轨迹融合): from one motion into the next without standing at the corner between them.
+"""Blends (轨迹融合): transitions from one motion into the next without a stop at the corner.
 
-The queue of motions is looked at as a whole: where they blend, and how fast each may end. Its
-entries are values. A motion that comes in makes a new queue, which takes long and so is done beside
-the queue that runs; it is taken only if the motion that is running by then can still keep to it:
-otherwise there is no blend, and the old one stands.
+This module computes for the queue of motions as a whole where they blend, and how fast each may
+end. The queue's entries are values. A new motion makes a new queue. That takes long, so it is
+computed while the old queue runs. The new queue is used only if the motion that is running by then
+can still follow it. Otherwise there is no blend, and the old queue remains.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ __all__ = ["Blend", "Entry", "alone", "blend", "joined", "keeps"]
 
 _PIECES = 24
 _LEAST = 1e-6  # radius below which there is no blend [m]
-_SEARCH = 129  # samples in which the blend radius is looked for
-_SHARE = 0.8  # of the acceleration for the bend; the rest is for the speed along it
+_SEARCH = 129  # samples of the search for the blend radius
+_SHARE = 0.8  # share of the acceleration for the bend; the rest changes the speed along it
 
 
 class Blend(NamedTuple):
@@ -43,10 +43,10 @@ class Blend(NamedTuple):
     Attributes:
         leave: distance on the first motion where the blend begins.
         enter: distance on the second motion where it ends.
-        path: of the blend, in the unit of the second motion; it is twice `enter` long.
-        limits: along it.
+        path: path of the blend, in the unit of the second motion; its length is twice `enter`.
+        limits: limits along the path.
         ratio: distance on the second motion per distance on the first where the blend begins.
-        axes: way of the external axes; None if there are none.
+        axes: path of the external axes; None if there are none.
     """
 
     leave: float
@@ -60,8 +60,8 @@ class Blend(NamedTuple):
 def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None:
     """Blend one motion into the next, within the radius of the first.
 
-    While the first motion slows down to its end, the second sets off from its start; what each
-    has moved is added up. Two straight lines give a parabola. A blend takes at most half of each
+    While the first motion decelerates to its end, the second accelerates from its start, and both
+    movements are added. Two straight lines give a parabola. A blend takes at most half of each
     motion.
 
     Args:
@@ -70,8 +70,8 @@ def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None
         turn: called between slices of the work.
 
     Returns:
-        The blend, or None where there can be none and the first motion stops at its end: as
-        between motions with different external axes.
+        The blend; None if none is possible, for instance between motions with different external
+        axes: the first motion then stops at its end.
     """
     if first.path is None or second.path is None or first.radius < _LEAST:
         return None
@@ -120,14 +120,14 @@ def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None
 
 
 class _Corner:
-    """The end of one motion and the start of the next, added up.
+    """The sum of the end of one motion and the start of the next.
 
     Attributes:
         leave: distance on the first motion where the blend begins.
         enter: distance on the second motion where it ends.
-        length: of the blend, in the unit of the second motion.
-        turning: angle that the orientation may turn by [rad].
-        detail: distance between samples that show each of its bends.
+        length: length of the blend, in the unit of the second motion.
+        turning: largest angle by which the orientation may turn [rad].
+        detail: distance between samples that resolves each of its bends.
     """
 
     def __init__(self, first: Segment, second: Segment, leave: float, enter: float) -> None:
@@ -138,14 +138,14 @@ class _Corner:
             segment.curve.turning if segment.curve is not None else 0.0
             for segment in (first, second)
         )
-        # At its ends it goes twice as fast along one of the two as at its middle.
+        # At its ends the blend moves twice as fast along one of the two curves as at its middle.
         self.detail = 0.5 * min(
             segment.curve.detail if segment.curve is not None else math.inf
             for segment in (first, second)
         )
 
     def _distances(self, s: Array) -> tuple[Array, Array]:
-        # One slows down evenly while the other speeds up.
+        # One decelerates evenly while the other accelerates.
         u = s / self.length
         return (
             self.leave + (self._first.length - self.leave) * (2.0 * u - u * u),
@@ -153,7 +153,7 @@ class _Corner:
         )
 
     def joints(self, s: Array) -> Array:
-        """Give the joints [rad], added up joint by joint. Shape (n,) to (n, 6)."""
+        """Give the joints [rad], summed joint by joint. Shape (n,) to (n, 6)."""
         one, two = self._distances(s)
         assert self._first.path is not None
         assert self._second.path is not None
@@ -161,7 +161,7 @@ class _Corner:
         return q - self._second.q_start
 
     def poses(self, s: Array) -> Array:
-        """Give the tool centre point, positions and turns added up. Shape (n,) to (n, 4, 4)."""
+        """Give the tool centre point from summed positions and turns. Shape (n,) to (n, 4, 4)."""
         assert self._first.curve is not None
         assert self._second.curve is not None
         one, two = self._distances(s)
@@ -175,13 +175,13 @@ class _Corner:
 
 
 def _reach(segment: Segment, *, backwards: bool, radius: float | None = None) -> float | None:
-    """Give the distance along a motion, from one end, at which the tool is the radius away."""
+    """Give the distance along a motion, from one end, at which the tool is one radius away."""
     radius = segment.radius if radius is None else radius
     along = np.linspace(0.0, 0.5 * segment.length, _SEARCH)
     points = segment.tcp(segment.length - along if backwards else along)[:, :3, 3]
     away = np.linalg.norm(points - points[0], axis=1)
     if away.max() < 1e-6:
-        return None  # only turns: a radius says nothing about it
+        return None  # the motion only turns: a radius does not apply
     outside = np.flatnonzero(away >= radius)
     if not len(outside):
         return float(along[-1])
@@ -197,13 +197,13 @@ class Entry:
     Attributes:
         key: the motion's key.
         segment: the motion.
-        path: the blend into it and what is left of its own path; None when it stays where it is.
+        path: the blend into it and the rest of its own path; None if it does not move.
         limits: along that path.
         blend: the blend into it, which is the first part of its path.
         blends: whether it ends in a blend into the next motion.
         exit: highest (ds/dt)² at its end that the motions after it allow.
         back: highest (ds/dt)² at each node of its limits.
-        axes: way of the external axes along the path; None if they stay where they are.
+        axes: path of the external axes along `path`; None if they do not move.
     """
 
     key: int
@@ -223,10 +223,10 @@ class Entry:
 
 
 def alone(key: int, segment: Segment, turn: Turn = no_turn) -> Entry:
-    """Give the entry of a motion that begins and ends at a stand.
+    """Give the entry of a motion that begins and ends at rest.
 
     Args:
-        key: of the motion.
+        key: the motion's key.
         segment: the motion.
         turn: called between slices of the work.
     """
@@ -244,7 +244,7 @@ def joined(queue: tuple[Entry, ...], new: Entry, turn: Turn = no_turn) -> tuple[
         turn: called between slices of the work.
 
     Returns:
-        The new queue; None where the last motion stops at its end.
+        The new queue; None if the last motion stops at its end.
     """
     corner = blend(queue[-1].segment, new.segment, turn) if queue else None
     if corner is None:
@@ -254,12 +254,12 @@ def joined(queue: tuple[Entry, ...], new: Entry, turn: Turn = no_turn) -> tuple[
 
 
 def keeps(entry: Entry, at: float, speed: float) -> bool:
-    """Whether a motion that runs can keep to another entry of it.
+    """Whether a running motion can follow another entry for the same motion.
 
     Args:
-        entry: the other one.
+        entry: the other entry.
         at: distance along its path.
-        speed: highest ds/dt there by the law that it follows.
+        speed: highest ds/dt there by the time law that the motion follows now.
     """
     if entry.path is None or entry.limits is None:
         return True
@@ -296,12 +296,12 @@ def _enter(entry: Entry, corner: Blend, turn: Turn) -> Entry:
     turn()
     limits = corner.limits.then(limits)
     turn()
-    # Its end is still at a stand, but the nodes are others.
+    # The motion still ends at rest, but its nodes have changed.
     return replace(entry, path=path, limits=limits, blend=corner, axes=axes, exit=-1.0)
 
 
 def _settle(queue: tuple[Entry, ...], turn: Turn) -> tuple[Entry, ...]:
-    """Carry from the last motion to the first how fast each may end."""
+    """Compute how fast each motion may end, from the last one to the first."""
     settled = list(queue)
     exit_ = 0.0
     for i in range(len(queue) - 1, -1, -1):

@@ -1,8 +1,8 @@
 """Curves of the tool centre point in space, with their orientations.
 
-A curve knows its length and gives poses for distances along it. Its unit is the metre, or the
-radian for a curve that only turns. Lines and arcs have a formula for their length; spirals and
-splines are measured by a table.
+A curve has a length and gives poses for distances along it. Its unit is the metre, or the radian
+for a curve that only turns. The length of lines and arcs is given by a formula, that of spirals and
+splines by a table.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 POINT = 1e-6  # positions closer than this are the same point [m]
-_TABLE = 2000  # points in which a curve's length is measured
+_TABLE = 2000  # number of steps in which a curve's length is measured
 
 
 class Curve(Protocol):
@@ -49,17 +49,17 @@ class Curve(Protocol):
 
     @property
     def length(self) -> float:
-        """Distance from the first pose to the last: metres, or radians where it only turns."""
+        """Distance from the first pose to the last: metres, or radians if the curve only turns."""
         ...
 
     @property
     def turning(self) -> float:
-        """Angle that the orientation turns by from the first pose to the last [rad]."""
+        """Angle by which the orientation turns from the first pose to the last [rad]."""
         ...
 
     @property
     def detail(self) -> float:
-        """Distance between samples that show each of its bends; infinite if `turning` says it."""
+        """Sampling distance that resolves each bend; infinite if length and `turning` suffice."""
         ...
 
     def poses(self, s: Array) -> Array:
@@ -79,13 +79,13 @@ def _poses(rotations: Array, points: Array) -> Array:
 class StraightLine:
     """A straight line; the orientation turns at a constant rate the shorter way.
 
-    Where start and end are one point it only turns, and its length is the angle.
+    If start and end are the same point, it only turns, and its length is the angle.
 
     Attributes:
         start: first pose. Shape (4, 4).
         end: last pose. Shape (4, 4).
         turn: rotation vector from the first to the last orientation, in the first [rad]. (3,)
-        length: metres, or radians where it only turns.
+        length: metres, or radians if it only turns.
     """
 
     start: Array
@@ -123,10 +123,10 @@ class Arc:
 
     Attributes:
         start: first pose. Shape (4, 4).
-        centre: of the circle [m]. Shape (3,).
-        axis: unit normal of the circle; the arc turns about it by the right hand. Shape (3,).
-        angle: from the first pose to the last [rad].
-        radius: of the circle [m].
+        centre: centre of the circle [m]. Shape (3,).
+        axis: unit normal of the circle; the arc turns right-handed about it. Shape (3,).
+        angle: angle from the first pose to the last [rad].
+        radius: radius of the circle [m].
         turn: rotation vector by which the orientation turns, in the base [rad]. Shape (3,).
     """
 
@@ -144,12 +144,12 @@ class Arc:
 
     @property
     def turning(self) -> float:
-        """Angle that the orientation turns by [rad]."""
+        """Angle by which the orientation turns [rad]."""
         return float(np.linalg.norm(self.turn))
 
     @property
     def detail(self) -> float:
-        """Infinite: its length and `turning` say how it bends."""
+        """Infinite: its length and `turning` determine how it bends."""
         return math.inf
 
     def poses(self, s: Array) -> Array:
@@ -174,11 +174,11 @@ def arc_through(start: Array, via: Array, end: Array, mode: int, *, full: bool =
 
     Args:
         start: first pose. Shape (4, 4).
-        via: a pose whose position is on the arc; its orientation plays no part. Shape (4, 4).
+        via: a pose whose position is on the arc; its orientation is ignored. Shape (4, 4).
         end: last pose, or another point of a full circle. Shape (4, 4).
         mode: 0 to turn to the orientation of the end, 1 to keep that of the start, 2 to keep it
             relative to the tangent.
-        full: go round the whole circle and back to the start.
+        full: whether to go round the whole circle and back to the start.
 
     Raises:
         PlanError: the points are on a line or coincide, or the mode is unknown.
@@ -196,7 +196,7 @@ def arc_through(start: Array, via: Array, end: Array, mode: int, *, full: bool =
     centre = a + np.cross(normal, ab) * (ac @ ac) / (2 * area**2)
     centre += np.cross(ac, normal) * (ab @ ab) / (2 * area**2)
     spoke = a - centre
-    # The axis is such that the start, the via point and the end follow each other rightwards.
+    # About this axis the start, the via point and the end follow each other right-handed.
     angle = math.atan2(axis @ np.cross(spoke, c - centre), spoke @ (c - centre)) % (2 * math.pi)
     if full:
         angle = 2 * math.pi
@@ -210,16 +210,16 @@ def arc_through(start: Array, via: Array, end: Array, mode: int, *, full: bool =
 
 
 class ByLength:
-    """A curve given over any parameter u from 0 to 1, travelled by its length instead.
+    """A curve given over any parameter u from 0 to 1, converted to the distance along it.
 
     Args:
         poses: poses over u. Shape (n,) to (n, 4, 4).
         turn: called between slices of the work.
 
     Attributes:
-        length: of the curve of the positions [m].
-        turning: angle that the orientation turns by, along the way [rad].
-        detail: infinite, as `turning` and the length say how it bends.
+        length: length of the curve of the positions [m].
+        turning: angle by which the orientation turns along the curve [rad].
+        detail: infinite, as `turning` and the length determine how it bends.
     """
 
     detail: float = math.inf
@@ -266,21 +266,21 @@ def spiral(
 ) -> ByLength:
     """Give a spiral from the start (manual 1.3.5, move_spiral).
 
-    It winds about the z axis of the centre, its radius and its height changing evenly with the
-    angle. (The manual names a centre pose, but no axis: z is an assumption.)
+    It winds about the z axis of the centre; its radius and its height change evenly with the angle.
+    (The manual names a centre pose, but no axis: z is an assumption.)
 
     Args:
         start: first pose. Shape (4, 4).
         centre: a pose whose z axis is that of the spiral. Shape (4, 4).
-        turns: whole turns and parts; positive is by the right hand about z.
-        axial: way along z [m].
-        radius: at the end [m].
-        end: a last pose; if given, it says the radius, the way along z and the orientation, and
-            the turns are those nearest to `turns` that end there. Shape (4, 4).
+        turns: number of turns, with fractions; positive is right-handed about z.
+        axial: distance along z [m].
+        radius: radius at the end [m].
+        end: last pose; if given, it determines the radius, the distance along z and the
+            orientation, and the turns are those nearest to `turns` that end there. Shape (4, 4).
         turn: called between slices of the work.
 
     Raises:
-        PlanError: the start is on the axis, or there is no way to go.
+        PlanError: the start is on the axis, the radius is negative, or the spiral has no length.
     """
     back = np.linalg.inv(centre)
     first = (back @ start)[:3, 3]
@@ -322,11 +322,11 @@ def spline(start: Array, targets: Sequence[Array], turn: Turn = no_turn) -> ByLe
 
     Args:
         start: first pose. Shape (4, 4).
-        targets: poses to go through, the last one to end at. Shapes (4, 4).
+        targets: poses through which the curve goes; it ends at the last one. Shapes (4, 4).
         turn: called between slices of the work.
 
     Raises:
-        PlanError: there is no target, or two poses that follow each other are at one point.
+        PlanError: there is no target, or two successive poses are at the same point.
     """
     through = np.array([start, *targets])
     chords = np.linalg.norm(np.diff(through[:, :3, 3], axis=0), axis=1)

@@ -1,11 +1,11 @@
-"""Followers make set-points cycle by cycle where no path is known beforehand.
+"""Followers make set-points cycle by cycle where no path is known in advance.
 
 Servo targets, velocities, hand guiding, the realtime queue and the track pool have one thing in
-common: the next target comes while the arm moves. A follower turns what it knows into one
-set-point per cycle. It has no clock and no thread; each `tick` is one cycle.
+common: the next target arrives while the arm moves. A follower computes one set-point per cycle
+from the targets so far. It has no clock and no thread; each `tick` is one cycle.
 
-Whatever a follower does, its set-points keep these invariants: a joint whose way to its limit is
-used up by braking brakes; no joint is told to turn faster than it can; and a stop decelerates
+The set-points of every follower keep these invariants: the arm brakes when the braking distance of
+a joint reaches its limit; no joint is commanded faster than it can turn; and a stop decelerates
 from the present speeds, whatever the target.
 """
 
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Failure", "FollowError", "FollowerChain", "StandingFollower", "TargetFollower"]
 
-_FASTER = 1.02  # share of a joint's largest speed that a set-point may have, for rounding
+_FASTER = 1.02  # highest speed of a set-point as a share of the joint's largest, for rounding
 Failure: TypeAlias = Literal["error", "fault"]
 
 
 class FollowError(Exception):
-    """There is no further set-point; the arm slows down.
+    """There is no further set-point; the arm decelerates.
 
     Attributes:
         kind: "error": the task ends. "fault": it is a safety stop.
@@ -46,7 +46,7 @@ class FollowError(Exception):
 
 
 class TargetFollower(ABC):
-    """One motion whose targets come while it runs.
+    """A motion whose targets arrive while it runs.
 
     Args:
         arm: the arm.
@@ -54,10 +54,10 @@ class TargetFollower(ABC):
         cycle: time between two ticks [s].
 
     Attributes:
-        failure: why it ended before it was told to; None if it did not.
+        failure: why it has failed; None if it has not.
     """
 
-    #: what a set-point is that a joint cannot follow
+    #: kind of the failure if a joint cannot follow a set-point
     severity: ClassVar[Failure] = "error"
 
     def __init__(self, arm: Arm, q: Array, cycle: float) -> None:
@@ -66,7 +66,7 @@ class TargetFollower(ABC):
         self._cycle = cycle
         self._setpoint = JointSetPoint.at_rest(q)
         self._speed = 1.0
-        self._then: Literal["", "stand", "end"] = ""  # what comes after slowing down
+        self._then: Literal["", "stand", "end"] = ""  # the next action after slowing down
         self._hard = np.array(arm.acceleration) * STOPPING
         self._fastest = np.array(arm.velocity) * _FASTER
         self._lower, self._upper = np.array(arm.lower), np.array(arm.upper)
@@ -79,7 +79,7 @@ class TargetFollower(ABC):
 
     @property
     def ended(self) -> bool:
-        """Whether it stands and will not move again."""
+        """Whether the motion stands and will not move again."""
         return self._ended
 
     @property
@@ -90,30 +90,30 @@ class TargetFollower(ABC):
         return self._then != "stand" or bool(self._setpoint.qd.any())
 
     def set_speed(self, fraction: float) -> None:
-        """Set the global speed, 0.01 to 1, for those followers that it applies to."""
+        """Set the global speed, 0.01 to 1, which only some followers use."""
         self._speed = fraction
 
     def pause(self) -> None:
-        """Slow down and stand until `resume`."""
+        """Decelerate and stand until `resume`."""
         if not self._then:
             self._then = "stand"
 
     def resume(self) -> None:
-        """Go on after a pause."""
+        """Resume after a pause."""
         if self._then == "stand":
             self._then = ""
             self._resumed()
 
     def stop(self) -> None:
-        """Slow down as fast as the drives can, and end."""
+        """Decelerate as fast as the drives can, and end."""
         self._then = "end"
 
     def finish(self) -> None:
-        """End in good order; by a stop unless there is a gentler way."""
+        """End in an orderly way: by a stop, unless the follower has a gentler way."""
         self.stop()
 
     def tick(self, q: Array, qd: Array) -> JointSetPoint:
-        """Go on by one cycle.
+        """Run one cycle.
 
         Args:
             q: actual joints [rad]. Shape (6,).
@@ -143,14 +143,14 @@ class TargetFollower(ABC):
         """
 
     def _resumed(self) -> None:  # noqa: B027 - nothing to do for those who have no memory
-        """Take note that the arm was slowed down since the last set-point."""
+        """Adapt to a pause, which has slowed the arm down since the last set-point."""
 
     def _end(self) -> None:
         self._ended = True
         self._setpoint = JointSetPoint.at_rest(self._setpoint.q)
 
     def _slow_down(self) -> None:
-        """Slow all joints down together, so that their way keeps its direction."""
+        """Decelerate all joints together, so that their motion keeps its direction."""
         last = self._setpoint
         left = float((np.abs(last.qd) / self._hard).max())
         if left <= self._cycle:
@@ -187,14 +187,14 @@ class TargetFollower(ABC):
 
 
 class StandingFollower(TargetFollower):
-    """Commands the joints to be where they were at the start, until it is stopped."""
+    """Commands the joints to their positions at the start, until it is stopped."""
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
         return self._setpoint
 
 
 class FollowerChain(TargetFollower):
-    """Followers of which each begins where the one before it has come to rest.
+    """A sequence of followers: each begins where the one before it has come to rest.
 
     Args:
         arm: the arm.
@@ -223,20 +223,20 @@ class FollowerChain(TargetFollower):
         return not self._ended and self._part.moving
 
     def pause(self) -> None:
-        """Slow down along the way, and stand until `resume`."""
+        """Decelerate along the path, and stand until `resume`."""
         self._part.pause()
 
     def resume(self) -> None:
-        """Go on after a pause."""
+        """Resume after a pause."""
         self._part.resume()
 
     def stop(self) -> None:
-        """Slow down, and end: no further part begins."""
+        """Decelerate, and end: no further part begins."""
         self._parts.clear()
         self._part.stop()
 
     def tick(self, q: Array, qd: Array) -> JointSetPoint:
-        """Go on by one cycle."""
+        """Run one cycle."""
         if self._ended:
             return self._setpoint
         self._setpoint = self._next(q, qd)

@@ -16,28 +16,29 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-    #: for joints [rad], the matrix that leaves of a joint motion what gives way. Shape (6, 6)
+    #: for joints [rad], the matrix that gives the yielding part of a joint motion. Shape (6, 6)
     Giving = Callable[[Array], Array]
 
 __all__ = ["HandGuidingFollower", "cartesian_giving", "joint_giving"]
 
 _GIVING = 0.8  # share of a joint's speed that the drives do not resist; an assumption
-_STICKING = 0.01  # speed below which a joint counts as not pushed, and is held [rad/s]
-_LOOSE = 0.001  # distance by which a held joint has to be pushed to come loose [rad]
-_FLAT = 1e-3  # singular values below this share of the largest count as none
+_STICKING = 0.01  # the joints are held when all are slower than this [rad/s]
+_LOOSE = 0.001  # the held joints are released when one is pushed further than this [rad]
+_FLAT = 1e-3  # singular values below this share of the largest count as zero
 
 
 class HandGuidingFollower(TargetFollower):
-    """Commands the joints to be where they are, as far as they give way.
+    """Commands the joints to their actual positions, as far as they give way.
 
-    What the drives do against gravity they do anyway; of the speed they command a part, so that
-    what is left damps the motion. A joint that hardly moves is held until it is pushed away.
+    The drives compensate gravity in any case. The commanded speed is a part of the actual speed,
+    and the difference damps the motion. Once all joints hardly move, they are held until one of
+    them is pushed away.
 
     Args:
         arm: the arm.
         q: joints at the start, where the arm stands [rad]. Shape (6,).
         cycle: time between two ticks [s].
-        giving: what gives way; None for everything.
+        giving: the part of a motion that gives way; None for all of it.
     """
 
     def __init__(self, arm: Arm, q: Array, cycle: float, giving: Giving | None = None) -> None:
@@ -60,7 +61,7 @@ class HandGuidingFollower(TargetFollower):
 
 
 def joint_giving(joints: Sequence[bool]) -> Giving:
-    """Some of the joints give way."""
+    """Let some of the joints give way."""
     matrix = np.diag(np.array(joints, dtype=float))
     return lambda _q: matrix
 
@@ -68,13 +69,13 @@ def joint_giving(joints: Sequence[bool]) -> Giving:
 def cartesian_giving(
     arm: Arm, directions: Sequence[bool], tool: Array, frame: Array | None
 ) -> Giving:
-    """The tool gives way along and about some axes.
+    """Let the tool give way along and about some axes.
 
     Args:
         arm: the arm.
-        directions: which of x, y, z and the turns about them.
+        directions: whether it gives way along x, y, z and about them.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        frame: whose axes they are, in the base; None for the tool's own. Shape (3, 3).
+        frame: orientation of the axes in the base; None for the tool's own. Shape (3, 3).
     """
     mask = np.diag(np.array(directions, dtype=float))
 

@@ -1,4 +1,4 @@
-"""Limits of paths: what speeds and accelerations of joints and tool leave along a path."""
+"""Limits along paths, from the speeds and accelerations of joints and tool."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SHARE = 0.5
 STOPPING = 0.5
 """Share of the drives' acceleration that a stop uses. An assumption."""
 
-_ACROSS = 0.98  # of the acceleration goes into a bend at most, so that some is left along it
+_ACROSS = 0.98  # largest share of the acceleration for a bend, so that some is left along it
 _STRAIGHT = 1e-6  # curvature that is only rounding [1/m]
 _HIGHEST = 1e6  # stands for unlimited in arithmetic
 
@@ -48,8 +48,8 @@ def joint_limits(
         joints: q, dq/ds and d²q/ds² there. Shape (n + 1, 3, 6).
         v: joint speed [rad/s]; one, or one for each node.
         a: joint acceleration [rad/s²]; one, or one for each node.
-        share: of the acceleration that the bends of the path may take at most; what they leave is
-            for changes of the speed along it.
+        share: largest share of the acceleration for the bends of the path; the rest is for changes
+            of the speed along it.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
         turn: called between slices of the work.
     """
@@ -74,10 +74,10 @@ def axes_limits(
     Args:
         nodes: distances along the path. Shape (n + 1,).
         axes: positions, and their first and second derivatives there. Shape (n + 1, 3, k).
-        speeds: highest, of each axis. Shape (k,) or (n + 1, k).
-        rates: highest accelerations, likewise.
+        speeds: highest speeds of the axes. Shape (k,) or (n + 1, k).
+        rates: highest accelerations of the axes, in the same shapes.
         braking: accelerations that a stop uses. Shape (k,).
-        share: of the acceleration that the bends of the path may take at most.
+        share: largest share of the acceleration for the bends of the path.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
         turn: called between slices of the work.
     """
@@ -108,7 +108,7 @@ def axes_limits(
 
 
 def _least(values: Array, turn: Turn) -> list[float]:
-    """Give the less of both ends of each piece."""
+    """Give the smaller of the values at both ends of each piece."""
     return listed(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST), turn)
 
 
@@ -132,9 +132,9 @@ def tool_limits(
         points: the tool centre point there [m]. Shape (n + 1, 3).
         v: its speed [m/s]; one, or one for each node.
         a: its acceleration [m/s²].
-        share: of the acceleration that the bends of the path may take at most, where the path's
-            parameter is not the distance, and so the acceleration along it is not square to that
-            across it; None where it is.
+        share: largest share of the acceleration for the bends of the path, if the path's parameter
+            is not the distance, so that the acceleration along the path is not perpendicular to the
+            one across it; None if the parameter is the distance.
         turn: called between slices of the work.
     """
     velocity, acceleration = differentiate(points, float(nodes[1]), turn)
@@ -143,7 +143,7 @@ def tool_limits(
         stretch[part] = np.linalg.norm(velocity[part], axis=1)
         curvature[part] = np.linalg.norm(acceleration[part], axis=1)
     if stretch.max() < _STRAIGHT:
-        stretch = np.ones_like(stretch)  # it only turns, and its unit is the radian
+        stretch = np.ones_like(stretch)  # the path only turns, and its unit is the radian
     curvature[curvature < _STRAIGHT] = 0.0
     most = _ACROSS if share is None else share
     with np.errstate(divide="ignore"):

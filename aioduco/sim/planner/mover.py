@@ -1,13 +1,14 @@
 """The mover: one set-point per controller cycle, along a queue of motions.
 
-It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call. What
-takes long to plan need not hold the cycles up: `draft` says what it is planned from, which
-never changes, `Draft.work` plans it wherever there is time, and `take` puts it into the queue.
+It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call. A long
+plan need not delay the cycles: `draft` gives its inputs, which never change, `Draft.work` plans the
+motion on any thread, and `take` puts it into the queue.
 
-Along the path of the running motion a `TimeLaw` says how fast the arm may be at each place. Most of
-the time the arm keeps to it ("tracking"), at the global speed: time then runs slower by that
-factor. To pause, to stop and to change the global speed the arm leaves it and speeds up or slows
-down along the path ("ramping"), always below the law, until it stands or meets the law again.
+A `TimeLaw` gives the highest speed of the arm at each place of the running motion's path. Most of
+the time the arm follows the law ("tracking"), at the global speed: time then runs slower by that
+factor. To pause, to stop and to change the global speed, the arm leaves the law and accelerates or
+decelerates along the path ("ramping"). It stays below the law until it stands or meets the law
+again.
 """
 
 from __future__ import annotations
@@ -44,12 +45,12 @@ __all__ = [
 MotionEventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
 
 
-_SOON = 1e-9  # what rounding adds to a time [s]
-_MOST = 300_000  # pieces of all paths in the queue: what memory there is for them is bounded
+_SOON = 1e-9  # tolerance for the rounding of a time [s]
+_MOST = 300_000  # largest number of pieces of all paths in the queue, to bound their memory
 
 
 class MotionEvent(NamedTuple):
-    """Something that happened to a motion in a cycle.
+    """An event of a motion in a cycle.
 
     Attributes:
         key: the motion's key.
@@ -64,14 +65,14 @@ class MotionEvent(NamedTuple):
 
 
 class Travel(NamedTuple):
-    """How far the active motion has come, from the blend into it to the blend out of it.
+    """Progress of the active motion, from the blend into it to the blend out of it.
 
     Attributes:
-        elapsed: time that it has moved [s].
-        distance: way behind it, in the unit of its path: metres of the tool centre point, or
-            radians of the joint that turns furthest.
-        left: way ahead of it.
-        law: that it keeps to.
+        elapsed: time for which it has moved [s].
+        distance: distance that it has moved, in the unit of its path: metres of the tool centre
+            point, or radians of the joint that turns furthest.
+        left: distance that is left.
+        law: its time law.
         speed: global speed, 0.01 to 1.
     """
 
@@ -83,11 +84,11 @@ class Travel(NamedTuple):
 
     @property
     def remaining(self) -> float:
-        """Time to its end at the global speed, if nothing comes in between [s]."""
+        """Time to its end at the global speed, if nothing changes before [s]."""
         return (self.law.duration - self.law.time(self.distance)) / self.speed
 
     def ends_within(self, time: float) -> bool:
-        """Whether it ends within a time [s]; lays no more of the law than it takes to tell."""
+        """Whether it ends within a time [s]; computes the law only as far as this needs."""
         return self.law.over(self.law.time(self.distance) + (time + _SOON) * self.speed)
 
 
@@ -95,10 +96,10 @@ class Drafted(NamedTuple):
     """A motion that has been planned.
 
     Attributes:
-        draft: what it was planned from.
+        draft: the inputs of the plan.
         segment: the motion.
-        alone: its entry, if it begins at a stand.
-        joined: the queue with it, if the one before it blends into it.
+        alone: its entry, if it begins at rest.
+        joined: the queue with it, if the motion before it blends into it.
     """
 
     draft: Draft
@@ -108,15 +109,16 @@ class Drafted(NamedTuple):
 
 
 class Draft(NamedTuple):
-    """What a motion is planned from: values, which nothing changes while it is planned.
+    """Inputs of a motion's plan: values that do not change while it is planned.
 
     Attributes:
-        key: names the motion in events.
+        key: name of the motion in events.
         plan: makes the motion for the joints [rad] at which it begins. Shape (6,).
         start: joints at which it begins [rad]. Shape (6,).
         queue: the motions before it, the running one first.
-        axes: where those leave external axes, by number.
-        rest: what is left of motions that have ended; long ones take long to be freed.
+        axes: positions at which those leave external axes, by number.
+        rest: data of motions that have ended, to be freed in slices: for long motions this takes
+            long.
     """
 
     key: int
@@ -133,7 +135,7 @@ class Draft(NamedTuple):
             turn: called between slices of the work; may raise PlanDropped.
 
         Raises:
-            PlanError: from `plan`, or the motion cannot be behind those before it.
+            PlanError: from `plan`, or the motion cannot follow those before it.
         """
         while self.rest:
             self.rest.pop()
@@ -152,7 +154,7 @@ class Draft(NamedTuple):
 
 
 class MoverTick(NamedTuple):
-    """The outcome of a cycle: the set-point, and what happened, in order."""
+    """The outcome of a cycle: the set-point, and the events in order."""
 
     setpoint: JointSetPoint
     events: tuple[MotionEvent, ...] = ()
@@ -165,7 +167,7 @@ class Mover:
         arm: the arm.
         q: joints at the start [rad]. Shape (6,).
         cycle: time between two ticks [s].
-        settling: how long a motion that stands at its end goes on before it is finished [s].
+        settling: gives the time for which a motion stands at its end before it is finished [s].
     """
 
     def __init__(
@@ -179,7 +181,7 @@ class Mover:
         self._arm = arm
         self._cycle = cycle
         self._settling = settling
-        self._stood = 0.0  # time since the active motion stands at its end
+        self._stood = 0.0  # time for which the active motion has stood at its end
         self._speed = 1.0
         self._pausing = False
         self._events: list[MotionEvent] = []
@@ -195,7 +197,7 @@ class Mover:
         self._elapsed = 0.0  # time that the active motion has moved
         self._law_piece = self._path_piece = self._axes_piece = 0
         self._axes: dict[int, float] = {}
-        self._rest: list[object] = []  # of motions that have ended, until another is drafted
+        self._rest: list[object] = []  # data of motions that have ended, until the next draft
 
     @property
     def setpoint(self) -> JointSetPoint:
@@ -204,7 +206,7 @@ class Mover:
 
     @property
     def axes(self) -> Mapping[int, float]:
-        """Where external axes shall be by number [rad or m], as far as they have been moved."""
+        """Set-points of external axes by number [rad or m], for those that were moved."""
         return self._axes
 
     @property
@@ -219,7 +221,7 @@ class Mover:
 
     @property
     def moving(self) -> bool:
-        """Whether the set-point moves, or is about to."""
+        """Whether the set-point moves, or is about to move."""
         return bool(self._queue) and (self._v > 0.0 or not self._pausing)
 
     @property
@@ -234,7 +236,7 @@ class Mover:
 
     @property
     def progress(self) -> float:
-        """How much of its way the active motion has made, 0 to 1."""
+        """Progress of the active motion along its path, 0 to 1."""
         if not self._queue:
             return 1.0
         length = self._queue[0].length
@@ -242,7 +244,7 @@ class Mover:
 
     @property
     def time_left(self) -> float:
-        """Time until the active motion is at its end [s]; 0.0 while that may change by itself."""
+        """Time until the active motion is at its end [s]; 0.0 before its start and in a ramp."""
         law = self._law
         if law is None or not self._tracking or self._pausing or self._stopping:
             return 0.0
@@ -250,7 +252,7 @@ class Mover:
 
     @property
     def travel(self) -> Travel | None:
-        """How far the active motion has come; None before it has started."""
+        """Progress of the active motion; None before it has started."""
         if self._law is None:
             return None
         return Travel(self._elapsed, self._s, self._law.end - self._s, self._law, self._speed)
@@ -259,17 +261,17 @@ class Mover:
         """Put a motion at the end of the queue.
 
         Args:
-            key: names the motion in events.
+            key: name of the motion in events.
             plan: makes the motion for the joints [rad], shape (6,), at which it begins: the end
                 of the motion before it, or where the arm stands. Called at once.
 
         Raises:
-            PlanError: from `plan`; the queue is as it was.
+            PlanError: from `plan`; the queue is unchanged.
         """
         self.take(self.draft(key, plan).work())
 
     def draft(self, key: int, plan: Callable[[Array], Segment]) -> Draft:
-        """Give what a motion at the end of the queue is planned from; arguments as of `append`.
+        """Give the inputs for planning a motion at the end of the queue; arguments as of `append`.
 
         Raises:
             PlanError: the arm is stopping.
@@ -281,14 +283,15 @@ class Mover:
         return Draft(key, plan, self._end, self._queue, axes, rest)
 
     def take(self, drafted: Drafted) -> bool:
-        """Put a motion that was drafted at the end of the queue.
+        """Put a drafted motion at the end of the queue.
 
-        Cycles may have gone by since. Motions that have ended meanwhile are no longer before it,
-        and if the arm has come too far to blend into it, the motion before it stops at its end.
+        Cycles may have run since the draft. Motions that have ended meanwhile are no longer before
+        it. If the arm has come too far for the blend into it, the motion before it stops at its
+        end.
 
         Returns:
-            Whether it was put there. Not where it was drafted behind another motion than the last
-            one, or for another place: it has to be drafted again.
+            Whether it was put there. It was not if it was drafted behind a motion that is not the
+            last one, or for another start: it must be drafted again.
         """
         queue, before = self._queue, drafted.draft.queue
         last = queue[-1] is before[-1] if queue and before else not queue
@@ -315,16 +318,16 @@ class Mover:
         return self._queue[-1].segment.q_end if self._queue else self._setpoint.q
 
     def pause(self) -> None:
-        """Slow down along the path, at the motion's own acceleration, and stand."""
+        """Decelerate along the path, at the motion's own acceleration, and stand."""
         self._pausing = True
         self._tracking = False
 
     def resume(self) -> None:
-        """Go on along the path after a pause."""
+        """Resume along the path after a pause."""
         self._pausing = False
 
     def stop(self) -> None:
-        """Slow down along the path as fast as the drives can, stand, and drop the queue."""
+        """Decelerate along the path as fast as the drives can, stand, and drop the queue."""
         if self._queue and self._v > 0.0:
             self._stopping = True
             self._tracking = False
@@ -332,7 +335,7 @@ class Mover:
             self._drop()
 
     def reset(self, q: Array) -> None:
-        """Stand at q [rad] at once and drop the queue, as when brakes have held the arm there."""
+        """Stand at once at q [rad], where brakes have held the arm, and drop the queue."""
         self._drop()
         self._setpoint = JointSetPoint.at_rest(q)
 
@@ -345,7 +348,7 @@ class Mover:
             self._tracking = False
 
     def tick(self) -> MoverTick:
-        """Go on by one cycle."""
+        """Run one cycle."""
         if self._queue and not (self._pausing and self._v == 0.0):
             self._advance()
         if not self._events:
@@ -389,7 +392,7 @@ class Mover:
         self._law_piece = self._path_piece = self._axes_piece = 0
 
     def _at_rest_by_law(self) -> bool:
-        # Where the law stands itself, there is nothing to ramp up to; a wait goes on.
+        # Where the law itself stands, there is no speed to ramp up to; a wait continues.
         assert self._law is not None
         if self._v == 0.0 and self._law.speed(self._s) == 0.0:
             if self._law.at(self._time)[1] != self._s:
@@ -398,7 +401,7 @@ class Mover:
         return self._tracking
 
     def _track(self, time: float) -> None:
-        """Keep to the law, to the given time of it."""
+        """Follow the law up to a given time of the law."""
         law = self._law
         assert law is not None
         if law.over(time):
@@ -414,7 +417,7 @@ class Mover:
         self._set(s, v * self._speed, a * self._speed**2)
 
     def _ramp(self, law: TimeLaw) -> None:
-        """Speed up or slow down towards the law, or to a stand."""
+        """Accelerate or decelerate towards the law, or to rest."""
         piece = law.piece(self._s, self._law_piece)
         braking = self._pausing or self._stopping
         down = braking or self._v > self._speed * law.speed(self._s, piece)
@@ -440,14 +443,14 @@ class Mover:
         if not braking and (v <= highest if down else v >= highest):
             v = highest
             self._time, self._tracking = law.time(s), True
-        # A law that slows down faster than the motion's own limit is followed down.
+        # If the law decelerates faster than the motion's own limit, the arm follows the law.
         v = min(v, highest) if braking else v
         self._set(s, v, (v - self._v) / self._cycle if v > 0.0 else 0.0)
         if v == 0.0 and self._stopping:
             self._drop()
 
     def _enter_blend(self, law_speed: float, v: float) -> float:
-        """Take over the speeds of the motion before, and give the ratio of the units."""
+        """Take over the speeds of the previous motion, and give the ratio of the units."""
         corner = self._queue[0].blend
         assert corner is not None
         self._events.append(MotionEvent(self._queue[0].key, "started"))
@@ -458,7 +461,7 @@ class Mover:
         return corner.ratio
 
     def _settles(self, law: TimeLaw) -> bool:
-        """Stand at the end of the active motion for a while; whether it goes on to."""
+        """Stand for a cycle at the end of the active motion if it still settles; return whether."""
         if law.end_speed > 0.0 or self._stopping or self._stood >= self._settling() - 1e-9:
             return False
         self._stood += self._cycle
@@ -484,7 +487,7 @@ class Mover:
         return False
 
     def _left_by_queue(self) -> dict[int, float]:
-        """Tell where the motions in the queue leave external axes."""
+        """Give the positions at which the motions in the queue leave external axes."""
         return {number: end for entry in self._queue for number, end in _ends(entry).items()}
 
     def _set(self, s: float, v: float, a: float) -> None:
@@ -503,6 +506,6 @@ class Mover:
 
 
 def _ends(entry: Entry) -> dict[int, float]:
-    """Tell where a motion leaves external axes."""
+    """Give the positions at which a motion leaves external axes."""
     move = entry.segment.axes
     return {} if move is None else dict(zip(move.numbers, move.end.tolist(), strict=True))

@@ -1,7 +1,7 @@
-"""Paths in joint space: where the joints are for a distance along the path.
+"""Paths in joint space: the joints as a function of the distance along the path.
 
-Besides the path this module has the set-point that comes of it in each cycle, and the error of a
-motion that has none.
+This module also has the set-point of the joints for one cycle, and the error of a motion that
+cannot be planned.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ PlanCode: TypeAlias = Literal["unreachable", "singular", "limits", "parameter"]
 class Path:
     """Joint angles as polynomials of degree five in the distance s along the path.
 
-    s is in the unit that the motion's speed is given in: metres of the tool centre point, or
-    radians of the joint that turns furthest. A path is immutable; slices share its polynomials.
+    s is in the unit of the motion's speed: metres of the tool centre point, or radians of the joint
+    that turns furthest. A path is immutable; slices share its polynomials.
 
     Attributes:
-        bounds: where one polynomial ends and the next begins, rising.
+        bounds: distances at which one polynomial ends and the next begins, rising.
     """
 
     __slots__ = ("_coefficients", "_gains", "_origins", "bounds")
@@ -109,7 +109,7 @@ class Path:
         return self.bounds[-1]
 
     def nodes(self) -> Array:
-        """Give the bounds and the places half-way between them, where limits are looked at."""
+        """Give the bounds and the distances half-way between them, at which limits are computed."""
         bounds = np.array(self.bounds)
         both = np.empty(2 * len(bounds) - 1)
         both[::2] = bounds
@@ -117,14 +117,14 @@ class Path:
         return both
 
     def piece(self, s: float, hint: int = 0) -> int:
-        """Give the index of the polynomial for s, looking forward from `hint`."""
+        """Give the index of the polynomial for s, searching forward from `hint`."""
         bounds, last = self.bounds, len(self._gains) - 1
         while hint < last and s >= bounds[hint + 1]:
             hint += 1
         return hint
 
     def _place(self, s: float) -> int:
-        """Give the index of the polynomial for s, however far it is."""
+        """Give the index of the polynomial for any s."""
         return min(max(bisect_right(self.bounds, s) - 1, 0), len(self._gains) - 1)
 
     def state(self, piece: int, s: float, v: float, a: float) -> Array:
@@ -200,7 +200,7 @@ class Path:
         return Path(bounds, self._origins[part], self._gains[part], self._coefficients[part])
 
     def then(self, other: Path) -> Path:
-        """Give this path followed by another one, whose distances are moved to follow on."""
+        """Give this path followed by another one, whose distances are shifted accordingly."""
         shift = self.end - other.start
         return Path(
             self.bounds + [bound + shift for bound in other.bounds[1:]],
@@ -212,7 +212,7 @@ class Path:
 
 @cache
 def _edges() -> tuple[Array, Array]:
-    """Give the weights of the first and second derivative at each of seven even samples."""
+    """Give the weights of the first and second derivative at each of seven equidistant samples."""
     power = np.arange(_STENCIL)
     first, second = np.zeros((_STENCIL, _STENCIL)), np.zeros((_STENCIL, _STENCIL))
     for row in range(_STENCIL):
@@ -223,7 +223,7 @@ def _edges() -> tuple[Array, Array]:
 
 
 def differentiate(values: Array, step: float, turn: Turn = no_turn) -> tuple[Array, Array]:
-    """Differentiate even samples by central differences, one-sided ones at the ends.
+    """Differentiate equidistant samples by central differences, one-sided ones at the ends.
 
     Args:
         values: at least seven samples. Shape (n, k).
@@ -263,7 +263,7 @@ class PlanError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointSetPoint:
-    """What the joints shall do at the end of a cycle.
+    """Commanded state of the joints at the end of a cycle.
 
     Attributes:
         q: joint angles [rad]. Shape (6,).
@@ -277,5 +277,5 @@ class JointSetPoint:
 
     @classmethod
     def at_rest(cls, q: Array) -> JointSetPoint:
-        """Stand at q [rad]."""
+        """Give the set-point of an arm that stands at q [rad]."""
         return cls(np.array(q, dtype=float), np.zeros(6), np.zeros(6))

@@ -1,9 +1,9 @@
 """The realtime queue and its follower (实时控制, manual 1.3.15): one point per cycle.
 
-The manual says that the first point has to be where the arm is, that commands pass a filter of a
-bandwidth, and that missing data are watched. How far the first point may be off, how many points
-fit, that the filter is a low-pass of first order, and what the arm does while data are missing
-(it goes on as the last point said) are assumptions.
+The manual says that the first point must be where the arm is, that commands pass a filter with a
+bandwidth, and that missing data are monitored. These are assumptions: how far the first point may
+be off, how many points fit into the queue, that the filter is a first-order low-pass, and that the
+arm continues with the last point while data are missing.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _JUMP = 0.1  # largest change of a joint in one cycle that is still the same bra
 
 
 class Follow(IntEnum):
-    """What of a point is followed."""
+    """The quantity of a point that is followed."""
 
     JOINTS = RealtimeMode.JOINT_POSITION
     JOINT_SPEEDS = RealtimeMode.JOINT_VELOCITY
@@ -47,13 +47,13 @@ class Follow(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class RealtimeCommand:
-    """One point; what is empty was not given.
+    """One point; an empty field was not given.
 
     Attributes:
-        joints: [rad], six or none.
-        joint_speeds: [rad/s], six or none.
-        pose: of the tool in the work object. Shape (4, 4), or None.
-        twist: of the tool, along the work object's axes [m/s, rad/s], six or none.
+        joints: joints [rad], six or none.
+        joint_speeds: joint speeds [rad/s], six or none.
+        pose: pose of the tool in the work object. Shape (4, 4), or None.
+        twist: velocity of the tool, along the work object's axes [m/s, rad/s], six or none.
     """
 
     joints: tuple[float, ...] = ()
@@ -62,7 +62,7 @@ class RealtimeCommand:
     twist: tuple[float, ...] = ()
 
     def values(self, what: Follow) -> Array | None:
-        """What is to be followed; None when it was not given."""
+        """The values of the followed quantity; None if they were not given."""
         if what is Follow.POSE:
             return self.pose
         given = {
@@ -74,19 +74,19 @@ class RealtimeCommand:
 
 
 class RealtimeQueue(Fifo[RealtimeCommand]):
-    """The queue."""
+    """The queue of points for realtime control."""
 
 
 def mismatch(
     arm: Arm, q: Array, command: RealtimeCommand, what: Follow, tool: Array, wobj: Array
 ) -> str:
-    """Tell how a first point differs from the state of the arm, which stands; empty if not.
+    """Text about how a first point differs from the state of the arm at rest; empty if not.
 
     Args:
         arm: the arm.
         q: its joints [rad]. Shape (6,).
         command: the first point.
-        what: is followed.
+        what: the followed quantity.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         wobj: work object in the base frame. Shape (4, 4).
     """
@@ -120,10 +120,10 @@ class RealtimeFollower(TargetFollower):
         arm: the arm.
         q: joints at the start [rad]. Shape (6,).
         cycle: time between two ticks [s].
-        queue: of the points.
-        what: is followed.
-        bandwidth: of the filter of the points [Hz].
-        patience: time without a point after which it is a fault [s].
+        queue: queue of the points.
+        what: the followed quantity.
+        bandwidth: bandwidth of the points' filter [Hz].
+        patience: time without a point after which there is a fault [s].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         wobj: work object in the base frame. Shape (4, 4).
     """

@@ -42,27 +42,27 @@ __all__ = [
 ]
 
 _STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
-_SAME = 1e-4  # poses that differ by less are one, where a spline begins [m, rad]
-_SLOWEST = 0.02  # share of the speed asked for, below which a path counts as singular
+_SAME = 1e-4  # poses that differ by less are the same, at the start of a spline [m, rad]
+_SLOWEST = 0.02  # share of the requested speed, below which a path counts as singular
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
-    """One motion: where it goes and how fast it may.
+    """One motion: its path and its limits.
 
     Attributes:
         arm: the arm.
-        path: joints over the distance along the path; None when the motion stays where it is.
-        limits: along the path.
+        path: joints over the distance along the path; None if the motion does not move the arm.
+        limits: limits along the path.
         q_start: joints at the start [rad]. Shape (6,).
         q_end: joints at the end [rad]. Shape (6,).
         radius: distance of the tool centre point from the end, where it may blend into the next
             motion [m]; zero to stop at the end.
-        v: speed asked for [m/s, or rad/s for joint moves].
-        a: acceleration asked for [m/s², or rad/s²].
+        v: requested speed [m/s, or rad/s for joint moves].
+        a: requested acceleration [m/s², or rad/s²].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        curve: of the tool centre point; None for a joint move, and where the tool leaves it.
-        axes: what external axes do meanwhile; None if they stay where they are.
+        curve: curve of the tool centre point; None for a joint move, and if the tool leaves it.
+        axes: movement of external axes meanwhile; None if they do not move.
     """
 
     arm: Arm
@@ -97,16 +97,16 @@ class Segment:
 
 
 def carry(segment: Segment, before: Mapping[int, float], turn: Turn = no_turn) -> Segment:
-    """Let the external axes of a motion go along with it.
+    """Let the external axes of a motion move with it.
 
     Args:
-        segment: the motion, with what its axes shall do.
-        before: where the motions before it leave external axes, by number.
+        segment: the motion, with the movement of its axes.
+        before: positions at which the motions before it leave external axes, by number.
         turn: called between slices of the work.
 
     Returns:
-        The motion, whose limits are those of the arm and of the axes. If the arm stays where it
-        is, the path is that of the axes alone, and one long.
+        The motion, with the limits of both arm and axes. If the arm does not move, the path is that
+        of the axes alone, and its length is one.
     """
     move = segment.axes
     assert move is not None
@@ -184,8 +184,8 @@ def line_move(
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
-    Where it only turns, v and a are taken as rad/s and rad/s². (The manual says that they are
-    converted in proportion, but not by which; that it is one to one is an assumption.)
+    If it only turns, v and a are taken as rad/s and rad/s². (The manual says that they are
+    converted in proportion, but gives no factor; a factor of one is an assumption.)
 
     Args:
         arm: the arm.
@@ -195,8 +195,8 @@ def line_move(
         a: its acceleration [m/s²].
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: to lay over the path.
-        around: leave the path near singularities instead of refusing it.
+        weave: weave to add to the path.
+        around: whether to leave the path near singularities instead of refusing it.
         turn: called between slices of the work.
 
     Raises:
@@ -236,8 +236,8 @@ def arc_move(
         mode: orientation: 0 turns to that of the target, 1 keeps that of the start, 2 keeps it
             relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: to lay over the path.
-        around: leave the path near singularities instead of refusing it.
+        weave: weave to add to the path.
+        around: whether to leave the path near singularities instead of refusing it.
         turn: called between slices of the work.
 
     Raises:
@@ -267,7 +267,7 @@ def circle_move(
 
     Args:
         arm: the arm.
-        q0: joints at the start and, but for whole turns, at the end [rad]. Shape (6,).
+        q0: joints at the start and, apart from whole turns, at the end [rad]. Shape (6,).
         first: pose of the flange at a point of the circle, in the base frame. Shape (4, 4).
         second: pose of the flange at a later point of it. Shape (4, 4).
         v: speed of the tool centre point [m/s].
@@ -275,8 +275,8 @@ def circle_move(
         r: blend radius [m].
         mode: orientation: 1 keeps that of the start, 2 keeps it relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: to lay over the path.
-        around: leave the path near singularities instead of refusing it.
+        weave: weave to add to the path.
+        around: whether to leave the path near singularities instead of refusing it.
         turn: called between slices of the work.
 
     Raises:
@@ -312,16 +312,16 @@ def spiral_move(
         arm: the arm.
         q0: joints at the start [rad]. Shape (6,).
         centre: pose whose z axis is that of the spiral, in the base frame. Shape (4, 4).
-        turns: positive by the right hand about z.
+        turns: number of turns; positive is right-handed about z.
         v: speed of the tool centre point [m/s].
         a: its acceleration [m/s²].
         r: blend radius [m].
-        axial: way along z [m]; the target's, if there is one.
-        radius: at the end [m]; the target's, if there is one.
+        axial: distance along z [m]; the target's, if there is one.
+        radius: radius at the end [m]; the target's, if there is one.
         target: pose of the flange at the end, in the base frame. Shape (4, 4).
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: to lay over the path.
-        around: leave the path near singularities instead of refusing it.
+        weave: weave to add to the path.
+        around: whether to leave the path near singularities instead of refusing it.
         turn: called between slices of the work.
 
     Raises:
@@ -357,11 +357,11 @@ def spline_move(
         a: its acceleration [m/s²].
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: to lay over the path.
-        around: leave the path near singularities instead of refusing it.
+        weave: weave to add to the path.
+        around: whether to leave the path near singularities instead of refusing it.
         turn: called between slices of the work.
-        apart: whether the first pose must not be where the motion begins, as behind another
-            spline; else it may be.
+        apart: whether the first pose must differ from the start of the motion, as behind another
+            spline; otherwise it may be the same.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -378,7 +378,7 @@ def spline_move(
 
 
 def _same(one: Array, other: Array) -> bool:
-    """Whether two poses are the same, but for the digits in which poses are written down."""
+    """Whether two poses are the same within the precision in which poses are written."""
     turn = rotvec_from_matrix(one[:3, :3].T @ other[:3, :3])
     return bool(np.linalg.norm(one[:3, 3] - other[:3, 3]) < _SAME and np.linalg.norm(turn) < _SAME)
 
@@ -426,9 +426,9 @@ def _cartesian(
 def _followed(
     arm: Arm, q0: Array, curve: Curve, laid: Curve, v: float, a: float, tool: Array, turn: Turn
 ) -> tuple[Path, PathLimits]:
-    """Give the path of the joints along a curve as it is laid, with a weave or without; its limits.
+    """Give the joints' path along `laid`, which is `curve` with or without a weave, and its limits.
 
-    Speed and acceleration are those along the curve; a weave has only the joints' limits.
+    Speed and acceleration are those along `curve`; only the joints limit the weave.
     """
     path = trace(arm, q0, laid, tool, turn)
     nodes = path.nodes()

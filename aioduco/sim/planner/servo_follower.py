@@ -1,15 +1,15 @@
-"""The servo follower: each joint goes to its target for itself (manual 1.3.5, servoj).
+"""The servo follower: each joint moves to its target independently (manual 1.3.5, servoj).
 
-Each joint accelerates by kp times its distance from the target, and kd times the rate of that
-distance, within its largest speed and acceleration, and never faster than it can brake before the
-target. The target is smoothed by two low-pass filters in a row. (Names, units and ranges of the
-parameters are the manual's; what the controller does with them is not published: all of this is an
+Each joint accelerates by kp times its distance from the target plus kd times the rate of that
+distance. It stays within its largest speed and acceleration, and is never so fast that it cannot
+brake before the target. Two low-pass filters in series smooth the target. (Names, units and ranges
+of the parameters are the manual's. How the controller uses them is not published: all of this is an
 assumption.)
 
-Why the distance's rate, and not the joint's speed: the manual calls kd a derivative gain, and
-smoothing a help where the differences of the points over time are uneven, so their rate is used. A
-public driver was tuned to 400 and 80 to follow better than 200 and 25. With a damping of the speed
-alone it would follow worse, by kd/kp behind.
+kd acts on the rate of the distance, not on the joint's speed, for these reasons. The manual calls
+kd a derivative gain. It recommends smoothing where the differences of the points over time are
+uneven, so the controller uses their rate. A public driver was tuned to 400 and 80 to follow better
+than 200 and 25. If kd only damped the speed, the joint would follow worse, with a lag of kd/kp.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ __all__ = ["ServoFollower", "ServoTuning"]
 _SPEED_SMOOTHING = 1e-3  # time constant for a smooth_vel of 1 [s]
 _ACCELERATION_SMOOTHING = 1e-2  # time constant for a smooth_acc of 1 [s]
 _STEEPEST = 1e4  # stands for an acceleration without a limit [rad/s²]
-_THERE, _STILL = 5e-5, 5e-4  # when a joint is at its target, and stands [rad, rad/s]
-_HOLD = 0.05  # time there before it ends, so that a stream of slow targets is one motion [s]
+_THERE, _STILL = 5e-5, 5e-4  # tolerances for a joint at its target, and at rest [rad, rad/s]
+_HOLD = 0.05  # time at the target before the end: a stream of slow targets is one motion [s]
 
 
 @dataclass(frozen=True, slots=True)
 class ServoTuning:
-    """How a target is followed.
+    """Parameters for following a target.
 
     Attributes:
         v: largest joint speed [rad/s].
@@ -57,7 +57,7 @@ class ServoTuning:
 
 
 class ServoFollower(TargetFollower):
-    """Goes to a target that may be replaced at any time.
+    """Moves to a target that may be replaced at any time.
 
     Args:
         arm: the arm.
@@ -78,13 +78,13 @@ class ServoFollower(TargetFollower):
         return self._target
 
     def aim(self, target: Array, tuning: ServoTuning) -> None:
-        """Go to other joints from now on [rad]. Shape (6,)."""
+        """Set other joints as the target [rad], shape (6,), and how to follow it."""
         self._target = target
         self._held = 0.0
         self._tuning = tuning
 
     def _resumed(self) -> None:
-        # The filters forget where the target was while the arm stood.
+        # The filters restart from the arm's position: targets during the pause do not count.
         self._once = self._twice = self._setpoint.q
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors

@@ -1,9 +1,9 @@
-"""Work in slices: a long plan lets others have their turn in between.
+"""Work in slices: a long plan yields to other threads in between.
 
-Planning runs beside the controller's cycles and commands. What plans calls its `turn` between two
-slices of the work; who runs it lets others go on there, and drops a plan that nobody waits for any
-more by raising `PlanDropped`. How long a path is cut depends on the path alone, never on the time
-that a slice takes, so a plan comes out the same on every machine.
+Planning runs while the controller's cycles and commands go on. The planning code calls its `turn`
+between two slices of the work. There the caller of the plan yields to other threads, or raises
+`PlanDropped` if the plan is no longer needed. The slices depend on the path alone, never on the
+time that a slice takes, so a plan has the same result on every machine.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ __all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "Turn", "listed", "no_turn", "s
 
 Turn: TypeAlias = Callable[[], None]
 
-#: samples or nodes of a path that are worked at between two turns
+#: number of samples or nodes of a path that are processed between two turns
 SLICE = 64
-#: the same for what is but a few operations on each
+#: the same for work with only a few operations on each
 LONG_SLICE = 512
 
 
 class PlanDropped(Exception):
-    """Nobody waits for a plan any more; not an error of what plans, which must let it through."""
+    """A plan is no longer needed. This is not an error: planning code must not catch it."""
 
 
 def no_turn() -> None:
-    """Go on at once: nobody else has to have a turn."""
+    """Continue at once: no other thread needs a turn."""
 
 
 def slices(count: int, turn: Turn, size: int = SLICE) -> Iterator[slice]:
-    """Cut so many samples into slices, with a turn after each.
+    """Cut a number of samples into slices, with a turn after each.
 
     Args:
-        count: of the samples.
+        count: number of samples.
         turn: called after each slice.
-        size: of a slice.
+        size: number of samples in a slice.
     """
     for begin in range(0, count, size):
         yield slice(begin, min(begin + size, count))

@@ -1,12 +1,12 @@
-"""The fastest way along a path: how far along it an arm is at a time.
+"""The fastest motion along a path: the distance along it as a function of time.
 
 With x = (ds/dt)², a constant acceleration is a straight line of x over s. Between two nodes of a
-path the fastest x is the least of three lines: what can be reached from behind, what is allowed
-there, and what can still be braked for what is ahead. One pass from each end finds them all, and
-the time law is exact for the limits as they are given at the nodes.
+path the highest x is the least of three lines: the x that acceleration can reach from the previous
+node, the x that is allowed there, and the x from which braking can still meet the limits ahead. One
+pass from each end finds them all, and the time law is exact for the limits at the nodes.
 
-The pass from behind goes no further than it is asked about: a law of many thousand nodes costs no
-more at its beginning than one of two, and the arm reaches its later pieces one by one.
+The forward pass goes only as far as the law was queried. So a law of many thousand nodes costs no
+more at its beginning than a law of two, and its later pieces are computed as the arm reaches them.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
 
 __all__ = ["PathLimits", "TimeLaw", "allowed", "backward", "fastest"]
 
-_SHORTEST = 1e-9  # length of a piece, of the whole
-_SAME = 1e-9  # accelerations closer than this, of their size, are one
+_SHORTEST = 1e-9  # least length of a piece, as a share of the whole
+_SAME = 1e-9  # accelerations with a smaller relative difference are the same
 _DONE = object()
 
 
 class PathLimits(NamedTuple):
-    """What limits the motion along a path, in the path's own unit of length.
+    """Limits of the motion along a path, in the path's own unit of length.
 
     Attributes:
         nodes: distances s, rising.
         ceiling: highest (ds/dt)² at each node.
-        push: highest acceleration along the path between nodes, as far as the joints limit it.
+        push: highest acceleration along the path between nodes that the joints allow.
         total: highest acceleration of the tool centre point between nodes, along and across the
             path together; infinite where only the joints count.
-        curvature: of the path of the tool centre point between nodes.
+        curvature: curvature of the path of the tool centre point between nodes.
         brake: acceleration along the path between nodes that the arm's drives can do; a stop
             uses it.
-        waits: nodes at which the motion stands for a time, and how long [s].
+        waits: distances of the nodes at which the motion stands, and for how long [s].
     """
 
     nodes: list[float]
@@ -53,7 +53,7 @@ class PathLimits(NamedTuple):
     waits: tuple[tuple[float, float], ...] = ()
 
     def least(self, other: PathLimits) -> PathLimits:
-        """Give what is within both these limits and others at the same nodes, of joints alone."""
+        """Give the stricter of these limits and others at the same nodes, which are of joints."""
         return self._replace(
             ceiling=list(map(min, self.ceiling, other.ceiling)),
             push=list(map(min, self.push, other.push)),
@@ -81,7 +81,7 @@ class PathLimits(NamedTuple):
         return min(self.push[piece], math.sqrt(max(total * total - across * across, 0.0)))
 
     def at(self, s: float, v: float) -> tuple[float, float]:
-        """Give the acceleration that the motion may use at distance s, and a stop, at ds/dt = v."""
+        """Give the accelerations for the motion and for a stop, at distance s and ds/dt = v."""
         piece = min(max(bisect_right(self.nodes, s) - 1, 0), len(self.push) - 1)
         along = self.along(piece, v * v)
         return along, max(along, self.brake[piece])
@@ -110,7 +110,7 @@ class PathLimits(NamedTuple):
         return (1.0 - part) * self.ceiling[piece] + part * self.ceiling[piece + 1]
 
     def then(self, other: PathLimits) -> PathLimits:
-        """Give these limits followed by others, whose distances are moved to follow on."""
+        """Give these limits followed by others, whose distances are shifted accordingly."""
         shift = self.nodes[-1] - other.nodes[0]
         joint = min(self.ceiling[-1], other.ceiling[0])
         return PathLimits(
@@ -127,9 +127,9 @@ class PathLimits(NamedTuple):
 class TimeLaw:
     """Distance over time, in pieces of constant acceleration.
 
-    A law from `fastest` is laid as far as it has been asked about. That changes no answer, only
-    when the work is done, so a law belongs to one thread at a time. What is asked of the whole of
-    it (its duration and the speed at its end) lays all of it.
+    A law from `fastest` is computed ("laid") only as far as it was queried. That changes no result,
+    only the time of the work. But a query may extend the law, so only one thread at a time may use
+    it. A query about the whole law (its duration or the speed at its end) computes all of it.
 
     Attributes:
         start: s at the beginning.
@@ -151,7 +151,7 @@ class TimeLaw:
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]
         self._rate: list[float] = []
-        self._ahead: Iterator[None] | None = None  # lays it to the next node
+        self._ahead: Iterator[None] | None = None  # each step lays the law to the next node
         self._goal = start
         self.start: float = start
         self._end = start
@@ -176,29 +176,29 @@ class TimeLaw:
         return self._end_speed
 
     def over(self, t: float) -> bool:
-        """Whether it has come to its end at time t [s]."""
+        """Whether the law has ended at time t [s]."""
         self._lay(to_time=t)
         return self._ahead is None and t >= self._duration
 
     def lay_by(self, ahead: Iterator[None], goal: float) -> None:
-        """Have it laid to `goal` by an iterator, of which each step lays some more of it."""
+        """Set the iterator that lays the law to `goal`; each of its steps extends the law."""
         self._ahead, self._goal = ahead, goal
 
     def _lay(self, *, to: float = math.inf, to_time: float = math.inf) -> None:
-        """Lay it beyond a distance, and beyond a time [s], as far as it goes."""
+        """Extend the law until it is beyond a distance or a time [s], or at its end."""
         while self._ahead is not None and (self._s[-1] <= to and self._t[-1] <= to_time):
             if next(self._ahead, _DONE) is _DONE:
                 self._ahead = None
 
     def extend(self, end: float, x: float) -> None:
-        """Go on to distance `end`, where (ds/dt)² is x, at a constant acceleration."""
+        """Extend the law to distance `end`, where (ds/dt)² is x, at a constant acceleration."""
         length = end - self._end
         if length <= 1e-15 * abs(end):
             return  # a corner that rounding has put on top of another
         speed = math.sqrt(max(x, 0.0))
         rate = 0.5 * (speed - self._end_speed) * (speed + self._end_speed) / length
         self._duration += 2.0 * length / (speed + self._end_speed)
-        # A piece that grows keeps its acceleration: what was asked of it before stays true.
+        # A piece that grows keeps its acceleration: results of earlier queries stay true.
         if self._rate and abs(rate - self._rate[-1]) <= _SAME * max(abs(rate), 1.0):
             self._s.pop()
             self._v.pop()
@@ -211,8 +211,8 @@ class TimeLaw:
         self._end, self._end_speed = end, speed
 
     def wait(self, time: float) -> None:
-        """Stand for a time [s] where it has come to a stand."""
-        self._v[-1] = self._end_speed = 0.0  # but for rounding it is
+        """Extend the law by a wait of some time [s] at its end, where it stands."""
+        self._v[-1] = self._end_speed = 0.0  # apart from rounding, it is 0 already
         self._duration += time
         self._rate.append(0.0)
         self._s.append(self._end)
@@ -220,13 +220,13 @@ class TimeLaw:
         self._t.append(self._duration)
 
     def piece(self, s: float, hint: int = 0) -> int:
-        """Give the index of the piece at distance s, looking forward from `hint`."""
+        """Give the index of the piece at distance s, searching forward from `hint`."""
         if self._s[-1] <= s and self._ahead is not None:
             self._lay(to=s)
         return max(min(bisect_right(self._s, s, hint) - 1, len(self._rate) - 1), hint)
 
     def at(self, t: float, hint: int = 0) -> tuple[int, float, float, float]:
-        """Give the piece, s, ds/dt and d²s/dt² at time t [s], looking forward from `hint`."""
+        """Give the piece, s, ds/dt and d²s/dt² at time t [s], searching forward from `hint`."""
         if self._t[-1] <= t and self._ahead is not None:
             self._lay(to_time=t)
         last = len(self._rate) - 1
@@ -252,8 +252,8 @@ def backward(limits: PathLimits, x: float, turn: Turn = no_turn) -> list[float]:
     """Give the highest (ds/dt)² at each node from which x at the last node can be reached.
 
     Args:
-        limits: of the whole path.
-        x: at its last node.
+        limits: limits of the whole path.
+        x: (ds/dt)² at its last node.
         turn: called between slices of the work.
     """
     nodes, ceiling = limits.nodes, limits.ceiling
@@ -269,10 +269,10 @@ def backward(limits: PathLimits, x: float, turn: Turn = no_turn) -> list[float]:
 
 
 def allowed(limits: PathLimits, back: Sequence[float], s: float) -> float:
-    """Give the highest (ds/dt)² at distance s, of `back` as `backward` gave it."""
+    """Give the highest (ds/dt)² at distance s; `back` is the result of `backward`."""
     i = min(max(bisect_right(limits.nodes, s) - 1, 0), len(limits.nodes) - 2)
     braking = back[i + 1] + 2.0 * _rate(limits, i, back[i + 1]) * (limits.nodes[i + 1] - s)
-    # What is reached by rounding is allowed.
+    # An excess by rounding is allowed.
     return min(braking, limits._ceiling_at(i, s)) * (1.0 + 1e-9) + 1e-15
 
 
@@ -290,9 +290,9 @@ def fastest(limits: PathLimits, back: Sequence[float], start: float, speed: floa
     """Give the fastest law from a point of the path.
 
     Args:
-        limits: of the whole path.
-        back: what `backward` gave for them.
-        start: distance s to begin at.
+        limits: limits of the whole path.
+        back: result of `backward` for these limits.
+        start: distance s at which the law begins.
         speed: ds/dt there; not more than what `backward` allows.
 
     Returns:
@@ -306,7 +306,7 @@ def fastest(limits: PathLimits, back: Sequence[float], start: float, speed: floa
 def _laid(
     law: TimeLaw, limits: PathLimits, back: Sequence[float], start: float, speed: float
 ) -> Iterator[None]:
-    """Lay the fastest law from node to node."""
+    """Lay the fastest law, one node per step."""
     nodes, ceiling = limits.nodes, limits.ceiling
     waits = dict(limits.waits)
     x = speed * speed
@@ -332,10 +332,10 @@ def _laid(
 
 
 def _least(lines: tuple[tuple[float, float], ...], length: float) -> list[tuple[float, float]]:
-    """Give the corners of the least of some lines, each a value at zero and a slope.
+    """Give the corners of the minimum of some lines, each given by its value at zero and its slope.
 
     Returns:
-        Places after zero, up to `length`, and the least value there.
+        Places after zero, up to `length`, and the minimum there.
     """
     corners = []
     place = 0.0

@@ -1,9 +1,9 @@
 """From curves of the tool to paths of the joints: inverse kinematics along a curve.
 
-Near a singularity (奇异点规避, manual 1.3.11) `pass_singularities` leaves the curve: outside the
-neighbourhood of the singularity the tool keeps to it; from where it enters one to where it leaves
-it, all joints go over smoothly to the nearest configuration behind it, and the tool is only near
-its curve.
+Near a singularity (奇异点规避, manual 1.3.11) `pass_singularities` leaves the curve. Outside the
+neighbourhood of the singularity the tool follows the curve. From the entry into the neighbourhood
+to the exit, all joints move smoothly to the nearest configuration behind it, and the tool is only
+near its curve.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ STRIDE = 0.35
 """Largest step of a joint between samples: more is a jump to another branch [rad]."""
 
 _EXACT = 1e-5  # largest deviation of the path from the curve [rad of a joint]
-_SPACING = 0.01  # distance of samples to begin with [m]
-_TURNING = 0.05  # angle between samples to begin with [rad]
-_FEWEST, _MOST = 24, 3072  # samples, if no bend needs more
+_SPACING = 0.01  # initial distance of samples [m]
+_TURNING = 0.05  # initial angle between samples [rad]
+_FEWEST, _MOST = 24, 3072  # least and largest number of samples, if no bend needs more
 _NAMES = ("shoulder", "elbow", "wrist")
 NEAR = 0.08
 """Singular value below which the joints go over. An assumption."""
 
-_SAMPLES = 600  # in which the neighbourhoods are looked for
-_LEAST = 4  # samples on the curve between two of them
-_PIECES = 96  # of a passage
+_SAMPLES = 600  # samples of the search for the neighbourhoods
+_LEAST = 4  # least number of samples on the curve between two neighbourhoods
+_PIECES = 96  # polynomials of a passage
 
 
 def follow(
@@ -86,12 +86,12 @@ def follow(
             lost += (part.start + missed).tolist()
             beyond |= bool(np.isnan(solutions[missed]).any(axis=-1).all(axis=-1).any())
         elif not lost:
-            # On from where the slice before ends, which has been unwrapped.
+            # Continue from the end of the previous slice, which is already unwrapped.
             begin = max(part.start - 1, 0)
             q[begin : part.stop] = np.unwrap(q[begin : part.stop], axis=0)
     if lost:
         if not beyond:
-            # Every pose is in reach, but from another shoulder, elbow or wrist.
+            # Every pose is in reach, but with another shoulder, elbow or wrist configuration.
             raise PlanError("singular", "the path passes through a singularity")
         ends = flange(s[[lost[0], lost[-1]]])
         missing = max(shortfall(arm.geometry, end) for end in ends)
@@ -130,7 +130,7 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, turn: Turn = no_turn) 
     Args:
         arm: the arm.
         q0: joints at the beginning of the curve [rad]. Shape (6,).
-        curve: of the tool centre point in the base frame.
+        curve: curve of the tool centre point in the base frame.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         turn: called between slices of the work.
 
@@ -154,20 +154,20 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, turn: Turn = no_turn) 
 def fit(
     joints: Callable[[Array], Array], length: float, count: float, turn: Turn = no_turn
 ) -> tuple[Path, Array]:
-    """Give a path through samples of a function, as many as it takes to be exact between them.
+    """Give a path through samples of a function, so many that it is exact between them.
 
     Args:
         joints: joint angles over distance. Shape (n,) to (n, 6).
-        length: to which distance, from zero.
-        count: samples to begin with.
+        length: distance at the end of the path, which begins at zero.
+        count: initial number of samples.
         turn: called between slices of the work; `joints` has turns of its own.
 
     Returns:
-        The path, within 10 µrad of the function half-way between its samples; and the samples,
-        these between them included.
+        The path, which is within 10 µrad of the function half-way between its samples; and the
+        samples, including those half-way.
 
     Raises:
-        PlanError: the function jumps; or what it raises.
+        PlanError: the function jumps, or it raises this error itself.
     """
     pieces = math.ceil(max(count, _FEWEST))
     most = max(2 * pieces, _MOST)
@@ -208,7 +208,7 @@ def pass_singularities(
     Args:
         arm: the arm.
         q0: joints at the beginning of the curve [rad]. Shape (6,).
-        curve: of the tool centre point in the base frame.
+        curve: curve of the tool centre point in the base frame.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         turn: called between slices of the work.
 
@@ -244,7 +244,7 @@ def passing_limits(arm: Arm, path: Path, v: float, a: float, turn: Turn = no_tur
 
     Args:
         arm: the arm.
-        path: as `pass_singularities` gives it.
+        path: result of `pass_singularities`.
         v: speed along the curve [m/s].
         a: acceleration along it [m/s²].
         turn: called between slices of the work.
@@ -286,7 +286,7 @@ def _stretches(arm: Arm, q0: Array, solutions: Array, turn: Turn) -> list[_Stret
 
 
 def _distance(solutions: Array, q: Array) -> Array:
-    """How far solutions are from joints: the one that turns furthest [rad]; infinite for none."""
+    """Distance from joints to solutions: the largest turn of a joint [rad]; infinite for none."""
     furthest: Array = np.nan_to_num(np.abs(wrap(solutions - q)).max(axis=-1), nan=np.inf)
     return furthest
 
@@ -303,7 +303,7 @@ def _nearest(solutions: Array, q: Array) -> Array:
 def _exact(
     arm: Arm, q: Array, curve: Curve, back: Array, begin: float, length: float, turn: Turn
 ) -> Path:
-    """Give the path along a part of the curve, from zero."""
+    """Give the path along a part of the curve; its distances begin at zero."""
 
     def joints(s: Array) -> Array:
         return follow(arm, q, s, lambda part: curve.poses(begin + part) @ back, turn)
@@ -313,7 +313,7 @@ def _exact(
 
 
 def _passage(q0: Array, q1: Array, before: Path | None, behind: Path | None, length: float) -> Path:
-    """Give a smooth way of the joints from one path to another; straight where there is none."""
+    """Give a smooth joint path from one path to another; straight at an end without a path."""
     straight = (q1 - q0) / length
     q, slope, bend = np.array([q0, q1]), np.array([straight, straight]), np.zeros((2, 6))
     if before is not None:

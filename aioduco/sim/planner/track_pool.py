@@ -1,15 +1,15 @@
 """The track pool and its followers (轨迹池, manual 1.3.12).
 
-A follower goes through the points one after the other, without a stop between them while it can
-see enough of them ahead, at a speed and an acceleration: of the joint that turns furthest, or of
-the tool. Between two points it keeps to a cubic whose slope at a point is the mean way from the
-point before to the one behind it. (The manual says that the points are reached in order; the
-curve between them is an assumption.)
+A follower moves through the points one after the other. It does not stop between them while the
+pool holds enough points ahead. Its speed and acceleration are those of the joint that turns
+furthest, or of the tool. Between two points it follows a cubic, whose slope at a point is the mean
+slope from the previous point to the next one. (The manual says that the points are reached in
+order; the curve between them is an assumption.)
 
-Distances are along the chords from point to point. The follower may go through a point j, at a
-distance d_j, at most at a speed whose square is c_j. So at a distance d it may have a speed whose
-square is at most the least of c_j + 2 a (d_j - d) over all points ahead: a queue of those that
-can be the least is kept, so that a cycle costs the same for a thousand points as for ten.
+Distances are along the chords from point to point. At a point j, at distance d_j, the square of the
+follower's speed may be at most c_j. So at distance d the square may be at most the minimum of
+c_j + 2 a (d_j - d) over all points ahead. A queue holds only the points that can be this minimum,
+so a cycle costs the same for a thousand points as for ten.
 """
 
 from __future__ import annotations
@@ -45,15 +45,15 @@ CAPACITY = 1000
 """Points that fit: into the track pool by manual 1.3.12, into others by assumption."""
 
 T = TypeVar("T")
-_ACROSS = 0.5  # share of the acceleration for the bends of the way; the rest is along it
-_SAME = 1e-9  # points nearer than this are one [m, rad]
-_MARGIN = 0.95  # of the joints' largest speeds, for what chords do not tell of the curve
-_PER_CYCLE = 8  # points that are looked at in one cycle, so that none takes long
+_ACROSS = 0.5  # share of the acceleration for the bends of the path; the rest is along it
+_SAME = 1e-9  # points nearer than this are the same [m, rad]
+_MARGIN = 0.95  # share of the joints' largest speeds, as the curve differs from the chords
+_PER_CYCLE = 8  # largest number of points that a cycle reads, so that no cycle takes long
 _JUMP = 0.1  # largest change of a joint in one cycle that is still the same branch [rad]
 
 
 class Fifo(Generic[T]):
-    """A queue that takes all points of a call or none."""
+    """A queue that accepts all points of a call or none."""
 
     def __init__(self) -> None:
         self._points: deque[T] = deque()
@@ -62,7 +62,7 @@ class Fifo(Generic[T]):
         return len(self._points)
 
     def put(self, points: Iterable[T]) -> bool:
-        """Put all of them in, or none if they do not fit; whether they did."""
+        """Put all points in, or none if they do not fit; return whether they did."""
         new = list(points)
         if len(self._points) + len(new) > CAPACITY:
             return False
@@ -70,24 +70,24 @@ class Fifo(Generic[T]):
         return True
 
     def clear(self) -> None:
-        """Drop all."""
+        """Drop all points."""
         self._points.clear()
 
     def first(self) -> T | None:
-        """The next point, which stays."""
+        """The next point, which stays in the queue; None if there is none."""
         return self._points[0] if self._points else None
 
     def take(self) -> T | None:
-        """The next point; None when there is none."""
+        """Remove the next point and give it; None if there is none."""
         return self._points.popleft() if self._points else None
 
 
 class TrackPool(Fifo[tuple[tuple[float, ...], Any]]):
-    """The track pool (轨迹池): points, each with what is to happen there, or None.
+    """The track pool (轨迹池): points, each with an event, or with None.
 
     Attributes:
-        taken: points that have left it at its front, or were dropped.
-        cleared: how often it was emptied.
+        taken: number of points that were removed from its front, or dropped.
+        cleared: how often it was cleared.
     """
 
     def __init__(self) -> None:
@@ -96,35 +96,35 @@ class TrackPool(Fifo[tuple[tuple[float, ...], Any]]):
         self.cleared: int = 0
 
     def clear(self) -> None:
-        """Drop all."""
+        """Drop all points."""
         self.taken += len(self)
         self.cleared += 1
         super().clear()
 
     def get(self, number: int) -> tuple[tuple[float, ...], Any] | None:
-        """The point of a number, counted from the very first; None if there is none yet."""
+        """The point with a number, counted from the very first; None if there is none yet."""
         index = number - self.taken
         return self._points[index] if index < len(self) else None
 
     def take_to(self, number: int) -> None:
-        """The point of a number, and any before it, leave the pool."""
+        """Remove the point with a number, and all before it."""
         while self.taken <= number and self.take() is not None:
             self.taken += 1
 
 
 @dataclass(slots=True, eq=False)
 class _Node:
-    """A point of the way.
+    """A point of the path.
 
     Attributes:
-        number: of the pool's points, counted from the very first.
-        x: what is interpolated. Shape (n,).
+        number: number of the pool's point, counted from the very first.
+        x: the interpolated quantity. Shape (n,).
         q: joints [rad]. Shape (6,).
-        at: distance from the start of the way.
-        event: what happens there.
-        slope: of x over the distance; None while the next point is not known.
+        at: distance from the start of the path.
+        event: event of the point.
+        slope: slope of x over the distance; None while the next point is not known.
         most: square of the largest speed there, for its bend and its two chords.
-        stretch: how much longer than the chord the way to it is, where it is longest.
+        stretch: largest ratio of lengths along the curve and along the chord, on the way to it.
     """
 
     number: int
@@ -153,14 +153,14 @@ class _Track(TargetFollower):
         self._v, self._a = speed, acceleration
         self._reached = reached
         self._cleared = pool.cleared
-        self._rate = 0.0  # speed along the way
+        self._rate = 0.0  # speed along the path
         self._at = 0.0  # distance
         self._drying = False  # slowing down because there are no more points
         self._here = _Node(pool.taken - 1, *self._first(q), at=0.0)
         self._nodes: deque[_Node] = deque()  # ahead; the arm is between _here and the first
-        self._window: deque[_Node] = deque()  # of them, those that can limit the speed
+        self._window: deque[_Node] = deque()  # those of the nodes that can limit the speed
 
-    # -- what joints and tools do differently -------------------------------------------------
+    # -- differences between joints and tools -------------------------------------------------
 
     @abstractmethod
     def _first(self, q: Array) -> tuple[Array, Array]:
@@ -168,20 +168,20 @@ class _Track(TargetFollower):
 
     @abstractmethod
     def _place(self, values: tuple[float, ...], last: _Node) -> tuple[Array, Array, float]:
-        """Give x, the joints and the distance of a point of the pool from the one before."""
+        """Give x and the joints of a point of the pool, and its distance from the previous one."""
 
     @abstractmethod
     def _joints(self, x: Array) -> Array:
-        """Give the joints for an x on the way."""
+        """Give the joints for an x on the path."""
 
     @abstractmethod
     def _bend(self, second: Array) -> float:
-        """Give the size of a second derivative that the acceleration limits."""
+        """Give the size of a derivative of x, in the unit of the speed and the acceleration."""
 
     # -- looking ahead ------------------------------------------------------------------------
 
     def _look(self) -> None:
-        """Take note of the points that came, and of a pool that was emptied."""
+        """Read new points from the pool, and drop the earlier ones if the pool was cleared."""
         if self._cleared != self._pool.cleared:
             self._cleared = self._pool.cleared
             self._forget()
@@ -204,7 +204,7 @@ class _Track(TargetFollower):
             last = node
 
     def _join(self, last: _Node, node: _Node, length: float) -> None:
-        """Now that what follows a point is known, so is how to go through it."""
+        """Compute slope and speed at a point, now that the next point is known."""
         first = self._nodes and last is self._nodes[-1]
         chord = (node.x - last.x) / length
         with np.errstate(divide="ignore"):
@@ -218,7 +218,7 @@ class _Track(TargetFollower):
         before = self._nodes[-2] if len(self._nodes) > 1 else self._here
         if last.slope is None:
             last.slope = (node.x - before.x) / (node.at - before.at)
-        slope = last.slope  # which stays once the way to the point has begun
+        slope = last.slope  # which does not change once the motion to the point has begun
         last.most = min(last.most, fastest)
         bend = self._bends(before, last, before.slope, slope)
         allowed = _ACROSS * self._a / bend if bend > 0.0 else math.inf
@@ -230,7 +230,7 @@ class _Track(TargetFollower):
         self._limit(last)
 
     def _bends(self, a: _Node, b: _Node, m: Array | None, n: Array) -> float:
-        """Give the sharpest bend between two points, and keep the longest slope."""
+        """Give the sharpest bend between two points, and store the longest slope."""
         length = b.at - a.at
         rise = (b.x - a.x) / length
         m = rise if m is None else m
@@ -269,7 +269,7 @@ class _Track(TargetFollower):
         self._nodes = kept
         self._window = deque(node for node in self._window if node in kept and node is not kept[-1])
 
-    # -- going --------------------------------------------------------------------------------
+    # -- moving -------------------------------------------------------------------------------
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
         self._look()
@@ -292,7 +292,7 @@ class _Track(TargetFollower):
         return self._go(rate)
 
     def _rate_before(self, most: float, at: float) -> float:
-        """The speed for this cycle, so that braking from then on ends at `most`."""
+        """The speed for this cycle from which braking reaches a squared speed of `most` at `at`."""
         change = self._along * self._cycle
         room = most + 2.0 * self._along * max(at - self._at, 0.0)
         return math.sqrt(change * change + room) - change
@@ -342,7 +342,7 @@ class _Track(TargetFollower):
         chord = (b.x - a.x) / length
         m = (a.slope if a.slope is not None else chord) * length
         if b.slope is None and len(self._nodes) == 1:
-            b.slope = chord  # the way to it has begun: what comes later cannot bend it
+            b.slope = chord  # the motion to it has begun: later points cannot bend it
         n = (b.slope if b.slope is not None else chord) * length
         t = (self._at - a.at) / length
         u = 1.0 - t
@@ -353,7 +353,7 @@ class _Track(TargetFollower):
 
 
 class JointTrack(_Track):
-    """Through points that are joints [rad]; speeds are of the joint that turns furthest."""
+    """Moves through points that are joints [rad]; speeds are of the joint that turns furthest."""
 
     def _first(self, q: Array) -> tuple[Array, Array]:
         return q, q
@@ -370,21 +370,21 @@ class JointTrack(_Track):
 
 
 class ToolTrack(_Track):
-    """Through points that are poses of the tool in a work object; speeds are the tool's [m/s].
+    """Moves through poses of the tool in a work object; speeds are the tool's [m/s].
 
-    Where the tool only turns, they are taken as radians.
+    Where the tool only turns, speeds are taken in rad/s.
 
     Args:
         arm: the arm.
         q: joints at the start [rad]. Shape (6,).
         cycle: time between two ticks [s].
-        pool: of the points.
-        speed: of the tool [m/s].
-        acceleration: of the tool [m/s²].
-        reached: told what was to happen at a point, when it is passed.
+        pool: pool of the points.
+        speed: speed of the tool [m/s].
+        acceleration: acceleration of the tool [m/s²].
+        reached: called with the event of a point when the point is passed.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         wobj: work object in the base frame. Shape (4, 4).
-        matrix: makes a matrix of the six numbers of a pose.
+        matrix: converts the six numbers of a pose to a matrix.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """Followers of a velocity: of each joint, or of the tool (manual 1.3.5, speedj, speedl, move_jog).
 
-A velocity is brought up and down at an acceleration, and goes on until a time is over or it is
-told to end.
+A velocity is ramped up and down at an acceleration, and lasts until a time is over or until the
+motion is ended.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Axes", "JointVelocity", "ToolVelocity"]
 
-#: the frame whose axes a tool's velocity is along: the tool's own, or one that stands
+#: the frame of a tool's velocity: the tool's own frame, or a fixed one
 Axes: TypeAlias = Literal["tool", "fixed"]
 
 _SINGULAR = 2e-3  # singularity measure below which a tool cannot be moved at a velocity
 
 
 class _Velocity(TargetFollower):
-    """What joints and tool have in common: six numbers that are brought up and down."""
+    """Common part of joint and tool velocities: six numbers that are ramped up and down."""
 
     def __init__(self, arm: Arm, q: Array, cycle: float) -> None:
         super().__init__(arm, q, cycle)
@@ -39,18 +39,18 @@ class _Velocity(TargetFollower):
         self._ending = False
 
     def aim(self, velocity: Array, acceleration: float, time: float = math.inf) -> None:
-        """Go on at another velocity.
+        """Set another velocity.
 
         Args:
             velocity: six numbers.
-            acceleration: of the joint that changes most, or of the tool, per second.
-            time: after which it ends [s].
+            acceleration: change per second of the joint that changes most, or of the tool.
+            time: time after which the motion ends [s].
         """
         self._goal, self._acceleration, self._left = velocity, acceleration, time
         self._ending = False
 
     def finish(self) -> None:
-        """Come to rest at the acceleration given, and end."""
+        """Decelerate to rest at the given acceleration, and end."""
         self._ending = True
         if self._then == "stand":
             self._then = "end"
@@ -72,7 +72,7 @@ class _Velocity(TargetFollower):
 
 
 class JointVelocity(_Velocity):
-    """Turns each joint at a velocity [rad/s], brought up at an acceleration [rad/s²]."""
+    """Turns each joint at a velocity [rad/s], ramped at an acceleration [rad/s²]."""
 
     def _resumed(self) -> None:
         self._present = self._setpoint.qd
@@ -110,7 +110,7 @@ class ToolVelocity(_Velocity):
 
     @staticmethod
     def _size(change: Array) -> float:
-        # One to one: m/s² along the way, rad/s² about it.
+        # Linear [m/s²] and angular [rad/s²] accelerations count one to one.
         return float(max(np.linalg.norm(change[:3]), np.linalg.norm(change[3:])))
 
     def _resumed(self) -> None:
@@ -120,8 +120,8 @@ class ToolVelocity(_Velocity):
         velocity = self._ramp()
         if self._ended:
             return self._setpoint
-        # A step by the mean of the speeds at both ends would need the end: half a step ahead
-        # is as exact.
+        # The mean of the speeds at both ends of the step would need the end. The speed half a step
+        # ahead is as exact.
         half = self._setpoint.q + 0.5 * self._cycle * self._setpoint.qd
         here = joint_speeds(self._arm, half, self._rotated(half, velocity), self.tool)
         last = self._setpoint

@@ -1,9 +1,9 @@
-"""Weaves (复合运动, manual 1.3.13): a periodic shape laid over the path of the tool.
+"""Weaves (复合运动, manual 1.3.13): a periodic shape that is added to the path of the tool.
 
-A weave is a shape in space: how far the tool has swung depends on how far it has come along the
-path, not on the time. At the speed asked for it swings at the frequency asked for; where the arm
-is slower (at the ends, after a pause, at a lower global speed) it swings as much more slowly, and
-the way of the tool stays the same.
+A weave is a shape in space: the swing of the tool depends on the distance along the path, not on
+the time. At the requested speed it swings at the requested frequency. Where the arm is slower (at
+the ends, after a pause, at a lower global speed), it swings slower in proportion, and the path of
+the tool stays the same.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ if TYPE_CHECKING:
 
 __all__ = ["Weave", "Woven", "offsets"]
 
-_TABLE = 4096  # points in which one swing is tabulated
-_ROUNDED = 2e-4  # what rounding takes off a corner of the shape at most [m]
-_SHARPEST, _BLUNTEST = 0.005, 0.03  # width of the rounding, in parts of a swing
-_FINE = 24  # samples of the path per swing, at least
-_SLIGHT = 3e-5  # share of the amplitude below which a wave asks for no finer samples
+_TABLE = 4096  # points of the table of one swing
+_ROUNDED = 2e-4  # length that rounding takes off a corner of the shape, within the widths below [m]
+_SHARPEST, _BLUNTEST = 0.005, 0.03  # limits of the width of the rounding, in parts of a swing
+_FINE = 24  # least number of samples of the path per swing
+_SLIGHT = 3e-5  # share of the amplitude below which a wave needs no finer samples
 _SQUARE = 0.1  # sine of the angle between path and normal of the plane, below which it is refused
-_MOST = 30_000  # samples of one path
+_MOST = 30_000  # largest number of samples of one path
 _NUDGE = 1e-5  # share of the length over which the direction of the path is measured
-#: the third axis, to which each plane is square
+#: the axis that is perpendicular to each plane
 _NORMALS = {"XY": 2, "XZ": 1, "YZ": 0}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weave:
-    """A weave as it is asked for.
+    """A weave as requested.
 
     Attributes:
-        shape: of a swing.
-        plane: in which it swings.
-        frequency: swings a second at the speed asked for, dwells not counted [Hz].
-        amplitude: how far it swings to either side [m].
-        left: how long it dwells on the left [s].
-        right: how long it dwells on the right [s].
-        stands: whether the path waits while it dwells.
+        shape: shape of a swing.
+        plane: plane of the swing.
+        frequency: swings per second at the requested speed, without dwells [Hz].
+        amplitude: largest distance of the swing to either side [m].
+        left: dwell time on the left [s].
+        right: dwell time on the right [s].
+        stands: whether the motion along the path stands during a dwell.
         work_object: orientation of the work object in the base. Shape (3, 3).
     """
 
@@ -60,24 +60,24 @@ class Weave:
 
     @property
     def of_tool(self) -> bool:
-        """Whether its plane turns with the tool, or else stands with the work object."""
+        """Whether its plane turns with the tool; otherwise it is fixed to the work object."""
         return self.plane <= WeavePlane.TOOL_YZ
 
     @property
     def normal(self) -> int:
-        """The axis to which the plane is square: 0 to 2 for x, y, z."""
+        """The axis that is perpendicular to the plane: 0 to 2 for x, y, z."""
         return _NORMALS[self.plane.name[-2:]]
 
     def over(self, curve: Curve, v: float) -> Woven | None:
-        """Lay it over a path, in as many whole swings as come nearest to the frequency.
+        """Add the weave to a path, with the number of whole swings nearest to the frequency.
 
         Args:
-            curve: of the tool centre point, in the base frame.
-            v: speed asked for along it [m/s].
+            curve: curve of the tool centre point, in the base frame.
+            v: requested speed along it [m/s].
 
         Returns:
-            The path with the weave; None if less than half a swing fits on it, or if it does not
-            lead anywhere.
+            The path with the weave; None if less than half a swing fits on it, if the path does not
+            move the tool centre point, or if the amplitude is zero.
 
         Raises:
             PlanError: more swings than can be planned at once.
@@ -98,18 +98,18 @@ class Weave:
 
 
 def offsets(weave: Weave, x: Array, dwells: tuple[float, float]) -> Array:
-    """Give how far the tool is from the path in one swing, its corners not rounded.
+    """Give the offset of the tool from the path in one swing, without rounded corners.
 
-    The tool swings to the left first. Left is about the plane's normal, by the right hand, from
-    the direction of the path.
+    The tool swings to the left first. Left is the direction of the path after a right-handed
+    quarter turn about the plane's normal.
 
     Args:
         weave: the weave.
-        x: where in the swing, 0 to 1. Shape (n,).
-        dwells: on the left and on the right, while the path goes on [s].
+        x: position in the swing, 0 to 1. Shape (n,).
+        dwells: dwell times on the left and on the right, while the path goes on [s].
 
     Returns:
-        To the left, and forward [m]. Shape (n, 2).
+        Offsets to the left, and forward [m]. Shape (n, 2).
     """
     swing = 1.0 / weave.frequency
     parts = np.array([0.25 * swing, dwells[0], 0.5 * swing, dwells[1], 0.25 * swing])
@@ -132,16 +132,16 @@ def offsets(weave: Weave, x: Array, dwells: tuple[float, float]) -> Array:
 
 
 class Woven:
-    """A path with a weave over it, travelled by the distance along the path.
+    """A path with a weave, as a function of the distance along the path.
 
-    Corners of the shape are rounded, by 0.2 mm or by 1.6 % of the amplitude if that is more: a
-    corner would be a jump of the speed.
+    Corners of the shape are rounded, because a corner would be a jump of the speed: by 0.2 mm, but
+    at least by 1.6 % and at most by 9.6 % of the amplitude.
 
     Attributes:
-        length: of the path [m].
-        turning: angle that the orientation turns by along it [rad].
-        detail: distance along it between samples that show every swing [m].
-        stops: where the path waits, and for how long [m, s].
+        length: length of the path [m].
+        turning: angle by which the orientation turns along it [rad].
+        detail: distance along it between samples that resolves every swing [m].
+        stops: distances at which the motion stands, and for how long [m, s].
     """
 
     def __init__(
@@ -165,7 +165,7 @@ class Woven:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4).
 
         Raises:
-            PlanError: the path is square to the plane of the weave.
+            PlanError: the path is perpendicular to the plane of the weave.
         """
         poses = self._curve.poses(s)
         nudge = _NUDGE * self.length
@@ -196,19 +196,19 @@ class Woven:
 
 
 def _rounded(weave: Weave, dwells: tuple[float, float]) -> tuple[Array, Array, int]:
-    """Tabulate one swing as a sum of waves, the high ones of which are damped.
+    """Tabulate one swing as a sum of waves, with the high ones damped.
 
     Returns:
-        Offsets and their change from point to point, the first point once more at the end; and
+        Offsets and their change from point to point, with the first point repeated at the end; and
         the number of the highest wave that counts.
     """
     raw = offsets(weave, np.arange(_TABLE) / _TABLE, dwells)
     waves = np.fft.rfft(raw, axis=0)
     number = np.arange(len(waves))[:, None]
     if weave.shape in (WeaveShape.TRIANGLE, WeaveShape.TRAPEZOID) or any(dwells):
-        # Rounded by a bell of this width, a corner loses 3.2 amplitudes times it.
+        # Rounding by a bell curve of this width takes 3.2 · width · amplitude off a corner.
         width = min(max(_ROUNDED / (3.2 * weave.amplitude), _SHARPEST), _BLUNTEST)
-        width /= 1.0 + sum(dwells) * weave.frequency  # parts of a swing without its dwells
+        width /= 1.0 + sum(dwells) * weave.frequency  # it was in parts of a swing without dwells
         waves *= np.exp(-2.0 * (np.pi * width * number) ** 2)
     size = np.abs(waves).max(axis=1) / _TABLE
     finest = int(np.flatnonzero(size > _SLIGHT * weave.amplitude).max(initial=1))

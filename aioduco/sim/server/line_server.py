@@ -1,4 +1,4 @@
-"""A loopback port that takes lines of text, one command each, and answers each with text."""
+"""A loopback port for lines of text: each line is a command, and the answer is text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["LineServer"]
 
 _HOST = "127.0.0.1"
-_LONGEST = 1000  # bytes of a line
+_LONGEST = 1000  # longest line [bytes]
 
 
 class _Lines(socketserver.StreamRequestHandler):
@@ -23,7 +23,7 @@ class _Lines(socketserver.StreamRequestHandler):
             try:
                 self.wfile.write(answer.encode() + b"\n")
             except OSError:
-                return  # it has gone without its answer
+                return  # the client has disconnected before its answer
 
 
 class _Listener(socketserver.ThreadingTCPServer):
@@ -36,14 +36,14 @@ class _Listener(socketserver.ThreadingTCPServer):
 
 
 class LineServer:
-    """Listens on loopback only, whatever the simulator itself listens on.
+    """Listens on loopback only, whatever address the simulator itself listens on.
 
     Args:
-        answer: carries out a line, and gives what is answered; called in a thread of its own.
-        port: TCP port; 0 picks a free one, which `port` then tells.
+        answer: carries out a line and returns the answer; called in the thread of the connection.
+        port: TCP port; 0 picks a free one, which the attribute `port` then gives.
 
     Raises:
-        OSError: The port cannot be listened on.
+        OSError: The server cannot listen on the port.
     """
 
     def __init__(self, answer: Callable[[str], str], port: int) -> None:
@@ -55,7 +55,7 @@ class LineServer:
         self._thread.start()
 
     def close(self) -> None:
-        """Listen no more; returns when the thread has ended."""
+        """Stop listening, and wait until the thread has ended."""
         self._listener.shutdown()
         self._thread.join()
         self._listener.server_close()

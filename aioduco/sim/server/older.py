@@ -1,8 +1,8 @@
-"""Calls of older clients, told by the fields that come.
+"""Calls of older clients, recognized by the fields that arrive.
 
-Four generations of the wire are known by the clients that public repositories carry. Most of what
-the older ones send is a beginning of what the present one does, so that fields are absent at the
-end. Here is the rest: fields that stand elsewhere, and fields that are absent and not zero.
+Four generations of the wire protocol are known from clients in public repositories. Most messages
+of the older ones begin like those of the present one, and only lack fields at the end. This module
+handles the rest: fields in other places, and absent fields whose value is not zero.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ABSENT", "OlderLayout", "layouts"]
 
-#: by function and parameter, what an absent one stands for, where that is not zero: what the
-#: client that has no such field does by it, or the manual's default
+#: by function and parameter: the value of an absent parameter, where it is not zero. It is the
+#: behaviour of the clients without the field, or the manual's default
 ABSENT: dict[str, dict[str, Any]] = {
     "fc_move": {"block": True},
     "servoj": {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0},
@@ -28,7 +28,7 @@ ABSENT: dict[str, dict[str, Any]] = {
     "servo_tcp": {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0},
 }
 
-#: by function, which parameters the first generation lacks in the middle; those behind move up
+#: by function: the parameters in the middle that the first generation lacks; later ones move up
 _LACKING = {
     "servoj": {"block"},
     "servoj_pose": {"block"},
@@ -44,11 +44,11 @@ _FIRST_OP = (
 
 
 class OlderLayout(NamedTuple):
-    """How an older generation lays a function's arguments out.
+    """Layout of a function's arguments in an older generation.
 
     Attributes:
-        args: class of the argument struct; its Op is an instance of the present one.
-        told: whether what was read into it came so: a field has this type in no other layout.
+        args: class of the argument struct; its Op is a subclass of the present one.
+        told: tells whether a struct came in this layout: a field has this type in no other layout.
     """
 
     args: Any
@@ -57,10 +57,10 @@ class OlderLayout(NamedTuple):
 
 @functools.cache
 def layouts(name: str, present: Any) -> tuple[OlderLayout, ...]:
-    """The older layouts of a function that are no beginning of the present one.
+    """The older layouts of a function that differ from the present one before their end.
 
     Args:
-        name: of the function.
+        name: name of the function.
         present: class of its present argument struct.
     """
     spec: dict[int, tuple[Any, ...]] = present.thrift_spec
@@ -80,13 +80,13 @@ def layouts(name: str, present: Any) -> tuple[OlderLayout, ...]:
 
 
 def _first(entry: tuple[Any, ...], *, marked: bool) -> tuple[Any, ...]:
-    """A parameter as the first generation has it."""
+    """Give a parameter in the form of the first generation."""
     return (*entry[:2], _first_op(marked), *entry[3:]) if entry[2] is rpc.Op else entry
 
 
 @functools.cache
 def _first_op(marked: bool) -> Any:
-    """The first generation's Op; marked, its second trigger is of kind None if it did not come."""
+    """The first generation's Op. If `marked`, an absent second trigger has the kind None."""
     entries = {entry[1]: entry for entry in rpc.Op.thrift_spec.values()}
     fields = {fid: entries[field] for fid, field in enumerate(_FIRST_OP, 1)}
 

@@ -1,4 +1,4 @@
-"""From the bytes of one call to its answer: bounds, decode, call the handler, encode.
+"""Processing of one call from its bytes to its answer: check, decode, call the handler, encode.
 
 Sizes are compared with the bounds before anything is allocated or awaited.
 """
@@ -33,7 +33,7 @@ __all__ = [
 
 #: A call of 1000 track points with their operations takes about 200 kB.
 MAX_MESSAGE = 1 << 20
-#: Elements of all lists, sets and maps of one message: bounds what a small message unpacks to.
+#: Elements of all lists, sets and maps of one message; bounds the decoded size of a small message.
 MAX_ELEMENTS = 1 << 16
 #: The deepest function of the wire nests four levels.
 MAX_DEPTH = 16
@@ -41,12 +41,12 @@ CALL, REPLY, EXCEPTION, ONEWAY = MessageType
 _BOUNDS = Bounds(MAX_MESSAGE, MAX_ELEMENTS, MAX_DEPTH)
 _CALLS = frozenset((CALL, ONEWAY))
 _log = logging.getLogger(__name__)
-#: thriftpy2 ships types of half of its functions
+#: Any, because thriftpy2 ships types for only half of its functions
 _protocol: Any = TCyBinaryProtocol
 
 
 class CallInbox(messages.Inbox):
-    """Takes whole calls out of what was received."""
+    """Extracts whole calls from the received bytes."""
 
     __slots__ = ()
 
@@ -55,7 +55,7 @@ class CallInbox(messages.Inbox):
 
 
 class Processor:
-    """Answers messages by the handler's methods. Each connection has its own: it keeps buffers."""
+    """Answers messages by the handler's methods. It has buffers, so each connection has its own."""
 
     __slots__ = ("_functions", "_handler", "_in", "_out", "_reader", "_writer")
 
@@ -70,8 +70,8 @@ class Processor:
     def answer(self, message: Message) -> bytes:
         """The encoded answer; empty for a one-way call.
 
-        Whatever the handler raises becomes an application error with its text: the connection
-        goes on, as the message was whole.
+        Every exception of the handler becomes an application error with its text. The connection
+        continues, because the message was complete.
         """
         kind, result = self._result(message)
         if message.kind != CALL:
@@ -113,7 +113,7 @@ class Processor:
         return REPLY, result
 
     def _arguments(self, function: idl.Function, body: bytes) -> Any:
-        """The arguments as the generation sent them that the fields tell of."""
+        """Decode the arguments in the layout of the generation that the fields indicate."""
         args = function.args()
         self._in.setvalue(body)
         self._reader.read_struct(args)

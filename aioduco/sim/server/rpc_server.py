@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 _log = BackgroundLogger(__name__)
 
 _RECEIVE = 1 << 16
-#: warnings about peers, after which they are for debugging: a hostile one must not fill a disk
+#: number of warnings about peers; later ones have debug level: a hostile peer must not fill a disk
 _WARNINGS = 20
-#: pause after the system refused to accept, so that a full descriptor table is no busy loop [s]
+#: pause after a failed accept, so that a full descriptor table does not cause a busy loop [s]
 _ACCEPT_PAUSE = 0.1
 
 
@@ -32,10 +32,10 @@ class Server:
     """Serves a handler on one TCP port.
 
     Args:
-        handler: answers the calls by its methods, from many threads at once.
-        host: address to listen on; loopback unless told otherwise.
-        port: TCP port; 0 picks a free one, which `port` then tells.
-        max_connections: more are closed as soon as they are accepted.
+        handler: object whose methods answer the calls, from many threads at once.
+        host: address to listen on; loopback by default.
+        port: TCP port; 0 picks a free one, which the attribute `port` then gives.
+        max_connections: largest number of connections; others are closed right after the accept.
     """
 
     def __init__(
@@ -65,16 +65,16 @@ class Server:
 
     @property
     def connections(self) -> int:
-        """How many connections are open."""
+        """Number of open connections."""
         return len(self._connections)
 
     def start(self) -> None:
         """Listen, and begin to accept.
 
         Raises:
-            OSError: The address cannot be listened on, for instance because the port is taken.
+            OSError: The server cannot listen on the address, for instance if the port is in use.
         """
-        idl.functions()  # parsed before the first client waits for it
+        idl.functions()  # parse the IDL before a first client has to wait for that
         family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
         self._listener = socket.create_server((self.host, self.port), family=family, backlog=512)
         self._listener.setblocking(False)
@@ -90,33 +90,33 @@ class Server:
         self._acceptor.start()
 
     def refuse(self, refusing: bool, *, last_answers: bool = False) -> None:
-        """While true, drop every connection: those that are open and those that come.
+        """Close every open connection, and every new one, for as long as `refusing` is set.
 
-        A controller that is starting looks like this: it accepts connections and closes them.
+        A controller that is starting behaves like this: it accepts connections and closes them.
 
         Args:
-            refusing: whether to.
-            last_answers: let calls that are being answered have their answer before.
+            refusing: whether to close connections.
+            last_answers: whether calls in progress still get their answer before.
         """
         self._refusing = refusing
         if refusing:
             self._shut(socket.SHUT_RD if last_answers else socket.SHUT_RDWR)
 
     def drop(self) -> int:
-        """Cut every open connection, as a pulled cable would; how many there were."""
+        """Cut every open connection, like a pulled cable, and return their number."""
         return self._shut(socket.SHUT_RDWR)
 
     def _shut(self, how: int) -> int:
         with self._lock:
             for connection in self._connections:
-                with contextlib.suppress(OSError):  # the peer was faster
+                with contextlib.suppress(OSError):  # the peer has already closed it
                     connection.shutdown(how)
             return len(self._connections)
 
     def close(self, timeout: float = 10.0) -> None:
-        """Stop accepting, cut every connection, wait until every thread has ended.
+        """Stop accepting, cut every connection, and wait until every thread has ended.
 
-        The handler has to let go of calls that wait before this is called.
+        The handler must have released its waiting calls before this is called.
 
         Raises:
             TimeoutError: A handler did not return within `timeout` seconds.
@@ -162,7 +162,7 @@ class Server:
                 try:
                     connection, peer = listener.accept()
                 except (BlockingIOError, ConnectionAbortedError):
-                    continue  # the peer went away between the two calls
+                    continue  # the peer disconnected between the two calls
                 except OSError:
                     _log.exception("cannot accept a connection")
                     pause.select(_ACCEPT_PAUSE)
@@ -193,13 +193,13 @@ class Server:
         _log.log(level, message, *args)
 
     def _serve(self, connection: socket.socket, peer: str) -> None:
-        """Answer one connection until it ends. Runs on a thread of its own."""
+        """Answer the calls of one connection until it ends. Runs on a thread of its own."""
         inbox, processor = CallInbox(), Processor(self._handler)
         try:
             connection.setblocking(True)
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-            # Asked besides the shutdown: Linux delivers what arrives after a SHUT_RD.
+            # Check `_refusing` too: Linux delivers bytes that arrive after a SHUT_RD.
             while not self._refusing and (data := connection.recv(_RECEIVE)):
                 inbox.feed(data)
                 while (message := inbox.take()) is not None:
@@ -212,7 +212,7 @@ class Server:
         except Exception:
             _log.exception("%s: connection closed", peer)
         finally:
-            # Under the lock, so that `drop` never touches a descriptor that was given away.
+            # Under the lock, so that `drop` never uses a descriptor that was assigned anew.
             with self._lock:
                 del self._connections[connection]
                 connection.close()

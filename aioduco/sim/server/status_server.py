@@ -1,8 +1,8 @@
-"""The simulated controller's status port: a frame to each client, ten times a second.
+"""The simulated controller's status port: it sends a frame to each client ten times a second.
 
-One thread serves all clients and waits for none: it looks for new ones before each frame, and cuts
-off one whose buffer has no room for it. What a frame tells is asked of the handlers, so it is what
-calls are answered.
+One thread serves all clients and waits for none: it accepts new clients before each frame, and
+disconnects a client whose buffer has no room for the frame. The contents of a frame come from the
+handlers, so they agree with the answers to calls.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ __all__ = ["StatusServer", "frame_of"]
 _log = logging.getLogger(__name__)
 
 _PERIOD = 1.0 / RATE
-#: frames that may wait for a client, about: the system counts more than the bytes themselves
+#: approximate number of frames that may wait for a client: the system counts more than their bytes
 _WAITING = 4
 _MOST_CLIENTS = 64
 
 
 def frame_of(robot: rpc.Functions, *, simulated: bool = False) -> StatusFrame:
-    """The frame of what a controller answers to calls, and of whether it only simulates its arm.
+    """Make a frame of a controller's answers to calls, and of whether it only simulates its arm.
 
-    What no source explains is zero: the state of the drives, the forces that are expected, those
-    at the base. Analog channels are four of voltage, then four of current.
+    Fields that no source explains are zero: the state of the drives, the expected forces, and the
+    forces at the base. Analog channels are four voltages, then four currents.
     """
     status, signals = robot.getRobotStatus(), robot.getRobotIOStatus()
     state, program, safety, mode = robot.get_robot_state()
@@ -96,12 +96,12 @@ def frame_of(robot: rpc.Functions, *, simulated: bool = False) -> StatusFrame:
 
 
 class StatusServer:
-    """A second listener, that pushes frames.
+    """A second listener, which pushes frames.
 
     Args:
-        frame: makes the frame of this instant.
+        frame: makes the frame of the present instant.
         host: address to listen on.
-        port: TCP port; 0 picks a free one, which `port` then tells.
+        port: TCP port; 0 picks a free one, which the attribute `port` then gives.
     """
 
     def __init__(
@@ -119,14 +119,14 @@ class StatusServer:
 
     @property
     def clients(self) -> int:
-        """How many clients are connected."""
+        """Number of connected clients."""
         return len(self._clients)
 
     def start(self) -> None:
         """Listen, and begin to push.
 
         Raises:
-            OSError: The address cannot be listened on, for instance because the port is taken.
+            OSError: The server cannot listen on the address, for instance if the port is in use.
         """
         family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
         self._listener = socket.create_server((self.host, self.port), family=family)
@@ -139,12 +139,12 @@ class StatusServer:
         self._thread.start()
 
     def refuse(self, refusing: bool) -> None:
-        """While true, drop every client at the next frame: the controller is away."""
+        """While `refusing` is set, disconnect clients at the next frame and refuse new ones."""
         self._refusing = refusing
-        self._cut = self._cut or refusing  # also if it is back before the next frame
+        self._cut = self._cut or refusing  # also if the controller is back before the next frame
 
     def close(self) -> None:
-        """Cut every client; returns when the thread has ended."""
+        """Disconnect every client, and wait until the thread has ended."""
         if self._listener is None or self._thread is None or self._wake is None:
             return
         self._wake[0].send(b"x")
@@ -159,7 +159,7 @@ class StatusServer:
             due = time.monotonic()
             try:
                 while not selector.select(max(0.0, due - time.monotonic())):
-                    # A schedule of its own instants; what was missed is not made up for.
+                    # The schedule is absolute; missed frames are not made up for.
                     due += _PERIOD * (1.0 + max(0.0, time.monotonic() - due) // _PERIOD)
                     while self._accept(listener):
                         pass
@@ -169,17 +169,17 @@ class StatusServer:
                     self._drop(client)
 
     def _accept(self, listener: socket.socket) -> bool:
-        """Take in a client, if one waits."""
+        """Accept a client, if one waits; return whether one did."""
         try:
             client, _ = listener.accept()
         except OSError:
-            return False  # none, or none now: the system may have no descriptor left
+            return False  # no client, or no descriptor left for one
         if self._refusing or len(self._clients) >= _MOST_CLIENTS:
             client.close()
             return True
         client.setblocking(False)
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        # A small buffer: what a slow client has not read yet is soon told by a full one.
+        # A small buffer is soon full, which shows that a client is slow.
         client.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _WAITING * FRAME_SIZE)
         self._clients.add(client)
         return True
@@ -194,11 +194,11 @@ class StatusServer:
         try:
             data = self._frame().encode()
         except Refusal:
-            return  # the simulation has ended: there is no state to tell
+            return  # the simulation has ended: there is no state to send
         for client in tuple(self._clients):
             try:
                 whole = client.send(data) == len(data)
-            except OSError:  # it has gone, or its buffer is full
+            except OSError:  # the client has disconnected, or its buffer is full
                 whole = False
             if not whole:
                 self._drop(client)
