@@ -17,7 +17,7 @@ import anyio
 from rich.console import Console
 
 import aioduco
-from aioduco.cli.monitor.onlooker import Onlooker
+from aioduco.cli.monitor.onlooker import MonitorClient
 from aioduco.cli.monitor.screen import screen
 from aioduco.sim import Simulator
 
@@ -41,7 +41,7 @@ async def watched(sim: Simulator) -> MonitorState:
     onlooker.feed.forces = True
     async with anyio.create_task_group() as watching:
         watching.start_soon(
-            Onlooker(onlooker, "left (192.168.1.10:7003)", keys, states.append).watch
+            MonitorClient(onlooker, "left (192.168.1.10:7003)", keys, states.append).watch
         )
         async with program as robot:
             await robot.wait_for(lambda _: bool(states) and states[-1].sample is not None)
