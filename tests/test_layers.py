@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import subprocess
 import sys
 from functools import cache
@@ -64,7 +65,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "teleoperation": CLIENT | {"robot"},
     "events": {"supervision"},
     # the mains of all processes, each imported in its own process alone
-    "frozen": CLIENT | {"planning", "sim"},
+    "frozen": CLIENT | {"planning", "sim", "tap"},
     "__init__": CLIENT | {"robot", "events", "frozen", "recording"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
@@ -294,6 +295,18 @@ def test_parts_import_only_what_is_below_them() -> None:
         and target not in MAY_IMPORT[part_of_file(one.path)]
     ]
     assert wrong == []
+
+
+@pytest.mark.parametrize("name", sorted(BASE - {"rpc", "_version"}))
+def test_what_is_imported_of_the_base_is_in_its_list_of_names(name: str) -> None:
+    module = importlib.import_module(f"aioduco.{name}")
+    listed = {*module.__all__, "*"}
+    used = {
+        one.name.removeprefix(f"aioduco.{name}.")
+        for one in imports()
+        if one.name.startswith(f"aioduco.{name}.")
+    }
+    assert used - listed == set()
 
 
 def test_no_part_is_above_itself() -> None:
