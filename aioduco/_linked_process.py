@@ -142,9 +142,9 @@ class LinkedProcess:
         return self._process.popen
 
     @property
-    def last_words(self) -> str:
+    def stderr_tail(self) -> str:
         """The end of its standard error; empty if it wrote nothing."""
-        return self._process.last_words
+        return self._process.stderr_tail
 
     def ask(self, request: object) -> Any:
         """Send a request, and wait for the answer.
@@ -156,7 +156,7 @@ class LinkedProcess:
         return self.channel.receive()
 
     def close(self) -> None:
-        """Close the channel, and wait until the process has exited. `last_words` stays readable."""
+        """Close the channel, and wait for the exit of the process. `stderr_tail` stays readable."""
         self.channel.close()
         try:
             self.popen.wait(self._patience)
@@ -168,4 +168,4 @@ class LinkedProcess:
     def end(self) -> str:
         """Close it. Returns the last line of its standard error; empty if it wrote nothing."""
         self.close()
-        return self.last_words.rpartition("\n")[2]
+        return self.stderr_tail.rpartition("\n")[2]

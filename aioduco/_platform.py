@@ -29,18 +29,21 @@ __all__ = [
     "CONNECTING",
     "NEW_GROUP",
     "SHARED",
+    "boost_main_thread",
     "clock_step",
+    "drop_realtime_priority",
     "ending_signals",
-    "guard_lacks",
     "handed_socket",
     "hands_over_by_number",
     "has_device_files",
     "has_memory_files",
     "limits_sockets",
+    "missing_guard_features",
     "processors",
     "readiness",
+    "realtime_priority",
     "set_affinity",
-    "set_first",
+    "set_realtime_priority",
     "unacknowledged",
 ]
 
@@ -114,7 +117,7 @@ def has_device_files() -> bool:
     return hasattr(os, "O_NONBLOCK")
 
 
-def guard_lacks() -> str:
+def missing_guard_features() -> str:
     """Return the features that a guard's process needs and this system lacks; empty if none."""
     needed = {
         "packets between processes (SOCK_SEQPACKET)": hasattr(socket, "AF_UNIX")
@@ -143,7 +146,7 @@ def set_affinity(processors: Iterable[int]) -> bool:
     return _allowed("sched_setaffinity", lambda: os.sched_setaffinity(0, processors))
 
 
-def set_first(priority: int) -> bool:
+def set_realtime_priority(priority: int) -> bool:
     """Give the calling thread a real-time priority, above all ordinary threads (SCHED_FIFO).
 
     Returns whether the system allowed it.
@@ -154,7 +157,7 @@ def set_first(priority: int) -> bool:
     )
 
 
-def goes_first() -> int:
+def realtime_priority() -> int:
     """Return the calling thread's real-time priority; 0 if it has none."""
     if not hasattr(os, "sched_getparam"):
         return 0
@@ -162,10 +165,10 @@ def goes_first() -> int:
 
 
 #: time for a process to react to the signal, before the system kills it [µs]
-_HEEDED: Final = 1_000_000
+_KILL_GRACE: Final = 1_000_000
 
 
-def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> bool:
+def boost_main_thread(longest: float, on_drop: Callable[[], object]) -> bool:
     """Let this process's main thread run before all ordinary threads, for short periods.
 
     If it uses a processor for `longest` without waiting, it loses the priority: it would keep
@@ -174,7 +177,7 @@ def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> boo
 
     Args:
         longest: longest time on a processor without a wait [s].
-        given_back: called in the main thread after it has lost the priority.
+        on_drop: called in the main thread after it has lost the priority.
 
     Returns:
         Whether the system allowed it; also False if the thread already has another policy.
@@ -188,22 +191,22 @@ def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> boo
     if os.sched_getscheduler(0) != os.SCHED_OTHER:
         return False
 
-    def give_back(*_: object) -> None:
-        go_with_all()
-        given_back()
+    def drop(*_: object) -> None:
+        drop_realtime_priority()
+        on_drop()
 
     _, most = resource.getrlimit(watched)
     soft = int(longest * 1e6)
-    hard = soft + _HEEDED if most == resource.RLIM_INFINITY else most
-    signal.signal(signal.SIGXCPU, give_back)
+    hard = soft + _KILL_GRACE if most == resource.RLIM_INFINITY else most
+    signal.signal(signal.SIGXCPU, drop)
     try:
         resource.setrlimit(watched, (min(soft, hard), hard))
     except (OSError, ValueError):
         return False
-    return set_first(1)
+    return set_realtime_priority(1)
 
 
-def go_with_all() -> None:
+def drop_realtime_priority() -> None:
     """Take the priority from the calling thread: it runs as an ordinary thread again."""
     os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 

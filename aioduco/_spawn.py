@@ -37,7 +37,7 @@ __all__ = [
     "Unstartable",
     "children",
     "is_frozen",
-    "misplaced",
+    "started_in_place_of",
 ]
 
 #: first argument of a frozen program that must run one of the processes
@@ -62,7 +62,7 @@ _PACKAGES: Final = (
     "typing_extensions",
 )
 #: number of bytes that are read from the end of a process's standard error
-_WORDS: Final = 4000
+_TAIL_BYTES: Final = 4000
 
 #: start code of a process. Its interpreter is isolated (`-I`): its path has only the standard
 #: library and the installed packages. One that runs a user's program has `-P` instead.
@@ -93,7 +93,7 @@ class _Children:
     """Whether a frozen program has called `freeze_support`, and so runs its child processes."""
 
     def __init__(self) -> None:
-        self.told_apart = False
+        self.freeze_support_called = False
 
 
 #: one per process: the program calls `freeze_support` once, before anything else
@@ -105,12 +105,12 @@ def is_frozen() -> bool:
     return bool(getattr(sys, "frozen", False))
 
 
-def misplaced() -> str:
+def started_in_place_of() -> str:
     """Return the module of the process in whose place this program runs by mistake; empty if none.
 
     This happens if `sys.executable` is the program itself, and `sys.frozen` is not set.
     """
-    return "" if children.told_apart else os.environ.get(_VARIABLE, "")
+    return "" if children.freeze_support_called else os.environ.get(_VARIABLE, "")
 
 
 class Process:
@@ -125,7 +125,7 @@ class Process:
         runs_program: whether it runs a program of the user, which finds its modules by PYTHONPATH
             and in the user's own packages, too.
         output: whether it writes to the output of this program; else its standard output is
-            discarded, and its standard error is kept as `last_words`.
+            discarded, and its standard error is kept as `stderr_tail`.
 
     Raises:
         Unstartable: there is no interpreter to start.
@@ -150,8 +150,8 @@ class Process:
         kept = [each.fileno() for each in sockets]
         if isinstance(memory, int):
             kept.append(memory)
-        self._words = ""
-        self._stderr: _LastWords | None = _LastWords()
+        self._tail = ""
+        self._stderr: _StderrCapture | None = _StderrCapture()
         try:
             self.popen: subprocess.Popen[bytes] = subprocess.Popen(
                 [*begin, *handed],
@@ -178,15 +178,15 @@ class Process:
             self.close()
 
     @property
-    def last_words(self) -> str:
+    def stderr_tail(self) -> str:
         """The end of its standard error, mostly the reason of a failure; empty if none."""
         if self._stderr is not None:
-            self._words = self._stderr.read().decode(errors="replace").strip()
-        return self._words
+            self._tail = self._stderr.read().decode(errors="replace").strip()
+        return self._tail
 
     def close(self) -> None:
-        """Close its standard error, once it has exited; `last_words` stays readable."""
-        _ = self.last_words
+        """Close its standard error, once it has exited; `stderr_tail` stays readable."""
+        _ = self.stderr_tail
         stderr, self._stderr = self._stderr, None
         if stderr is not None:
             stderr.close()
@@ -200,7 +200,7 @@ class Process:
                 lines.write(base64.b64encode(each.share(self.popen.pid)) + b"\n")
 
 
-class _LastWords:
+class _StderrCapture:
     """The standard error of a process.
 
     It is kept in memory if the system allows that, so that it cannot fill the disk. Else it is kept
@@ -222,8 +222,8 @@ class _LastWords:
         """Return the end of the output."""
         if self._file is None:
             size = os.fstat(self.descriptor).st_size
-            return os.pread(self.descriptor, _WORDS, max(0, size - _WORDS))
-        return self._file.read_bytes()[-_WORDS:]
+            return os.pread(self.descriptor, _TAIL_BYTES, max(0, size - _TAIL_BYTES))
+        return self._file.read_bytes()[-_TAIL_BYTES:]
 
     def close(self) -> None:
         """Close it, and delete its content."""
@@ -250,14 +250,14 @@ def _environment(module: str, *, runs_program: bool) -> dict[str, str]:
 
 def _command(module: str, packages: Sequence[str], isolation: str) -> list[str]:
     """Return the command that runs a module, without the module's arguments."""
-    if misplaced():
-        raise Unstartable(f"this program was itself started instead of {misplaced()}")
+    if started_in_place_of():
+        raise Unstartable(f"this program was itself started instead of {started_in_place_of()}")
     if not sys.executable:
         raise Unstartable("the interpreter of this program does not know its own file")
     if not is_frozen():
         places = json.dumps(_places(packages))
         return [sys.executable, isolation, "-c", _BEGIN, places, _VARIABLE, module]
-    if not children.told_apart:
+    if not children.freeze_support_called:
         raise Unstartable(
             "this is a frozen program, and its executable would be started as the program once "
             "more. Call aioduco.freeze_support() as the first thing that the program does"

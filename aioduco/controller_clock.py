@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Clock", "ScaledClock", "WallClock"]
+__all__ = ["Clock", "ScaledClock", "WallClock", "release_nothing"]
 
 
 @runtime_checkable
@@ -55,7 +55,7 @@ class WallClock:
     def hold(self, at: float) -> Callable[[], None]:
         """No effect: this clock cannot be held."""
         del at
-        return _nothing
+        return release_nothing
 
 
 class ScaledClock:
@@ -85,8 +85,8 @@ class ScaledClock:
     def hold(self, at: float) -> Callable[[], None]:
         """No effect: this clock cannot be held."""
         del at
-        return _nothing
+        return release_nothing
 
 
-def _nothing() -> None:
-    """Do nothing: the clock was not held."""
+def release_nothing() -> None:
+    """Do nothing: the release of a clock that is not held."""

@@ -30,7 +30,7 @@ def freeze_support() -> None:
     """
     if not is_frozen():
         return
-    children.told_apart = True
+    children.freeze_support_called = True
     if sys.argv[1:2] != [MARK]:
         return
     code = 1

@@ -104,7 +104,7 @@ class GivingWay:
             )
         self._time += CYCLE
         sensed = SensedState(self._time, 0.0, now.q, now.qd, now.wrench, now.external_torque)
-        drives, outcome = control.tick(setpoint, sensed, giving=True)
+        drives, outcome = control.tick(setpoint, sensed, compliant=True)
         if outcome is not None:
             raise RuntimeError(f"force control cannot follow: {outcome.message}")
         return drives

@@ -66,8 +66,8 @@ class Watch:
         self.lock = runtime._lock = planning._lock = WatchedLock()
         self.slices: list[float] = []
         self._since = 0.0
-        self._turn, self._take = planning.turn, planning._plan
-        planning.turn, planning._plan = self._take_turn, self._plan
+        self._yield_hook, self._take = planning.yield_hook, planning._plan
+        planning.yield_hook, planning._plan = self._yielded, self._plan
 
     def clear(self) -> None:
         self.lock.held.clear()
@@ -78,9 +78,9 @@ class Watch:
         self._take(planning)
         self.slices.append(time.thread_time() - self._since)
 
-    def _take_turn(self) -> None:
+    def _yielded(self) -> None:
         self.slices.append(time.thread_time() - self._since)
-        self._turn()
+        self._yield_hook()
         self._since = time.thread_time()
 
 

@@ -226,6 +226,7 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
     [
         (("--render", "out.mp4"), 2, ".gif or .png"),
         (("--mounting", "roof"), 1, "no mounting is called 'roof'"),
+        (("--mounting", "0,0,0.5"), 1, "6 numbers with commas between them"),
         (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
         (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
     ],
@@ -234,6 +235,12 @@ def test_sim_says_what_it_cannot_show(options: tuple[str, ...], code: int, says:
     answer = run("sim", "--port", "0", *options)
     assert answer.exit_code == code
     assert says in answer.output
+
+
+def test_a_preflight_says_that_a_mounting_is_no_pose() -> None:
+    answer = run("preflight", "program.py", "--mounting", "0,0,0.5")
+    assert answer.exit_code == 2
+    assert "6 numbers with commas between them" in answer.output
 
 
 # -- demo ----------------------------------------------------------------------------------------
@@ -343,8 +350,10 @@ def test_demo_gives_its_result_alone_on_the_output() -> None:
 def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:
     with Simulator() as sim:
         for typed in ("n\n", "", "\n"):
-            answer = run("demo", *address(sim), "--no-plot", typed=typed)
+            answer = run("demo", *address(sim), "--no-plot", "--json", "-", typed=typed)
             assert answer.exit_code == 3
+            assert "Move the arm?" in answer.stderr
+            assert "Move the arm?" not in answer.stdout  # only the result is written there
             assert "nothing was sent that moves the arm" in answer.output
             assert sim.view.robot is RobotState.POWER_OFF
         said = answer.output

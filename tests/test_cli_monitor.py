@@ -26,7 +26,7 @@ import aioduco
 import aioduco.sync
 from aioduco._wire import rpc
 from aioduco.cli.monitor.keyboard import Key, keys_of
-from aioduco.cli.monitor.onlooker import Onlooker, event_line
+from aioduco.cli.monitor.onlooker import MonitorClient, event_line
 from aioduco.cli.monitor.screen import bar, screen
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
 from aioduco.models.enums import Outcome, SafetyState
@@ -197,7 +197,7 @@ async def test_a_monitor_looks_on_and_disturbs_nobody(bench: Bench) -> None:
     ours, keyboard = os.pipe()
     try:
         async with anyio.create_task_group() as watching:
-            watching.start_soon(Onlooker(robot, "left", ours, draw).watch)
+            watching.start_soon(MonitorClient(robot, "left", ours, draw).watch)
             await eventually_async(lambda: states and states[-1].sample is not None)
             held = bench.hold("stop", 1)
             os.write(keyboard, b" ")

@@ -57,15 +57,16 @@ class BlockingCalls:
             else:
                 return self._on_own_connection(function, arguments, deadline)
             try:
-                worker.submit(call)
+                worker.start()
             except RuntimeError:
                 # the system has no more threads
                 worker.recover(call)
                 return self._on_own_connection(function, arguments, deadline)
+            worker.submit(call)
             if call_kind(function.name) is CallKind.STOP:
-                return self._stop_surely(call, function)
+                return self._stop_with_fallback(call, function)
             answered = call.wait()
-        except (KeyboardInterrupt, SystemExit):
+        except BaseException:  # also what a signal handler raises, between any two steps
             for worker in workers:
                 worker.recover(call)
                 if call_kind(function.name) is not CallKind.STOP:
@@ -75,7 +76,7 @@ class BlockingCalls:
             raise hung(function.name, worker.abandon(call, "its thread hangs"))
         return call.outcome()
 
-    def _stop_surely(self, call: BlockingCall, function: Function) -> Any:
+    def _stop_with_fallback(self, call: BlockingCall, function: Function) -> Any:
         """Wait for a stop that is under way. If it hangs, send a second stop."""
         if call.wait(_SECOND_STOP_AFTER):
             return call.outcome()

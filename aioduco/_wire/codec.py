@@ -226,7 +226,7 @@ class ReplyReader:
         result = self._result()
         protocol.read_struct(result)
         if self._scanner is not None and self._result is function.result:
-            function.layouts.keep(data[self._start : self.length])
+            function.layouts.store(data[self._start : self.length])
         if function.void:
             return None
         if result.success is None:

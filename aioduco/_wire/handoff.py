@@ -101,14 +101,14 @@ class OwnerLoop:
         moves: whether the object moves to another loop by itself when its own has been closed.
     """
 
-    __slots__ = ("__weakref__", "_loop", "_moves", "_owner", "forked_off")
+    __slots__ = ("__weakref__", "_loop", "_moves", "_owner", "in_forked_child")
 
     def __init__(self, owner: str = "the lane", *, moves: bool = True) -> None:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._owner = owner
         self._moves = moves
         #: whether this is a child that was forked from the owner's process
-        self.forked_off: bool = False
+        self.in_forked_child: bool = False
         fork_hooks.add(self)
 
     def require(self, what: str) -> asyncio.AbstractEventLoop:
@@ -141,7 +141,7 @@ class OwnerLoop:
         Raises:
             WrongProcess: this is a forked child.
         """
-        if self.forked_off:
+        if self.in_forked_child:
             raise self._refusal(what)
 
     @property
@@ -164,20 +164,20 @@ class OwnerLoop:
 
     def forked(self) -> None:
         """In a forked child: refuse all calls, and detach its copy of the loop."""
-        self.forked_off = True
+        self.in_forked_child = True
         if self._loop is not None and not self._loop.is_closed():
             _detach_copy(self._loop)
 
     def _adopt(self, loop: asyncio.AbstractEventLoop, what: str) -> None:
         # where trio runs as a guest of this loop, there is no asyncio task: nothing can be awaited
-        if self.forked_off or asyncio.current_task() is None:
+        if self.in_forked_child or asyncio.current_task() is None:
             raise self._refusal(what)
         if self._loop is not None and not (self._moves and self._loop.is_closed()):
             raise self._refusal(what)
         self._loop = loop
 
     def _refusal(self, what: str) -> WrongLoop | WrongProcess:
-        if self.forked_off:
+        if self.in_forked_child:
             return WrongProcess(
                 f"{what}: refused, since {self._owner} belongs to the process that forked this "
                 "one; nothing was sent. Open another one in this process"
@@ -227,16 +227,16 @@ def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
     # loop by that, so this copy never runs again.
     for task in asyncio.all_tasks(loop):
         asyncio.tasks._unregister_task(task)
-    ours.run_forever = ours.close = _nothing
-    ours.run_until_complete = _discard
+    ours.run_forever = ours.close = _noop
+    ours.run_until_complete = _close_coroutine
 
 
-def _nothing() -> None:
+def _noop() -> None:
     """Do nothing: replaces the methods of a copy of a loop that never runs again."""
 
 
-def _discard(work: Any) -> None:
-    """Like `_nothing`, for a method that gets a coroutine: close it."""
+def _close_coroutine(work: Any) -> None:
+    """Like `_noop`, for a method that gets a coroutine: close it."""
     if asyncio.iscoroutine(work):
         work.close()
 
@@ -305,7 +305,7 @@ class AwaitedCall(Call):
         self.overdue = False
 
     @property
-    def refused(self) -> bool:
+    def settled(self) -> bool:
         """Whether no task waits for it any more; such a call is not passed to a thread."""
         return self._answer.done()
 
@@ -347,7 +347,12 @@ class AwaitedCall(Call):
         if not self._answer.done() and not self.loop.is_closed():
             self._answer.set_exception(error)
 
-    def over(self) -> None:
+    def cancel(self) -> None:
+        """Ignore the outcome, unless a task waits for it; on the loop."""
+        if not self._answer._callbacks:
+            self._answer.cancel()
+
+    def release_error(self) -> None:
         """Release the error: the task no longer waits."""
         self.error = None
 
@@ -407,9 +412,9 @@ class Deadlines:
         self._timer = None
         self._expires_at = math.inf
         for call in sorted((call for call in self.calls if call.due <= now), key=_due):
-            again, call.overdue = call.overdue, True
-            self._expired(call, again)
-            if again:
+            second_time, call.overdue = call.overdue, True
+            self._expired(call, second_time)
+            if second_time:
                 self.calls.discard(call)
         next_due = min((call.due for call in self.calls), default=math.inf)
         if self._loop is not None and next_due < math.inf:
@@ -432,19 +437,19 @@ class BlockingCall(Call):
         self._done: SimpleQueue[None] = SimpleQueue()
         self._released = released
 
-    def wait(self, patience: float | None = None) -> bool:
+    def wait(self, timeout: float | None = None) -> bool:
         """Wait for the thread.
 
         Args:
-            patience: maximum time to wait [s]; None: until `GRACE` after the deadline.
+            timeout: maximum time to wait [s]; None: until `GRACE` after the deadline.
 
         Returns:
             Whether the thread has finished the call.
         """
-        if patience is None and self.deadline is not None:
-            patience = self.deadline + GRACE - time.monotonic()
+        if timeout is None and self.deadline is not None:
+            timeout = self.deadline + GRACE - time.monotonic()
         try:
-            self._done.get(timeout=patience if patience is None else max(patience, 0.0))
+            self._done.get(timeout=timeout if timeout is None else max(timeout, 0.0))
         except Empty:
             return False
         return True

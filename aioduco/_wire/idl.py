@@ -45,7 +45,6 @@ _OLDER = {
     )
 }
 _Spec = dict[int, tuple[Any, ...]]
-_WHOLE = {TType.BYTE, TType.I16, TType.I32, TType.I64}
 
 #: patterns of all that the file may contain: comments, structs, the service, fields, functions
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
@@ -76,9 +75,7 @@ class Function:
             these are the same.
         parameters: names of the parameters, in the order of their field ids.
         checks: for each parameter, the function that checks whether a value fits its type.
-        whole: positions of the parameters that are whole numbers.
         void: whether the function returns nothing.
-        number: whether the function returns a whole number.
         head: the name in the encoding of a message: its length and its text.
         texts: whether the result contains strings, at any depth.
         layouts: layouts of replies that were received.
@@ -90,13 +87,11 @@ class Function:
         "head",
         "layouts",
         "name",
-        "number",
         "older",
         "parameters",
         "result",
         "texts",
         "void",
-        "whole",
         "zeros",
     )
 
@@ -108,11 +103,7 @@ class Function:
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
-        self.whole: tuple[int, ...] = tuple(
-            index for index, entry in enumerate(entries) if entry[0] in _WHOLE
-        )
         self.void: bool = 0 not in self.result.thrift_spec
-        self.number: bool = not self.void and self.result.thrift_spec[0][0] in _WHOLE
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
         self.layouts: Layouts = Layouts(self.result.thrift_spec)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 _CLOSE_LIMIT: Final = 1.0
 
 #: maximum number of dismissed threads per connection that have not ended, since they may hang
-_LEAVING_LIMIT: Final = 4
+_DISMISSED_LIMIT: Final = 4
 
 
 class _Default(enum.Enum):
@@ -136,7 +136,7 @@ class WireLane:
         self._blocking = BlockingCalls(self._pool, self._connections)
         self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop
         self._deadlines = Deadlines(self._expired)
-        self._leaving: list[Worker] = []
+        self._dismissed: list[Worker] = []
         self._calls = 0
         self._failed = 0
         self._abandoned = 0
@@ -157,7 +157,7 @@ class WireLane:
             workers=len(workers),
             opened=self._connections.count,
             abandoned=self._abandoned,
-            stuck=sum(worker.stuck for worker in self._leaving),
+            stuck=sum(worker.stuck for worker in self._dismissed),
         )
 
     def __repr__(self) -> str:
@@ -168,7 +168,7 @@ class WireLane:
         )
 
     def __del__(self) -> None:
-        if getattr(self, "_state", None) is LaneState.OPEN and not self.owner_loop.forked_off:
+        if getattr(self, "_state", None) is LaneState.OPEN and not self.owner_loop.in_forked_child:
             unclosed = f"unclosed {self!r}"
             for worker in self._pool.workers:
                 worker.abandon(None, "the lane was forgotten")
@@ -203,7 +203,7 @@ class WireLane:
         self._state = LaneState.CLOSED
         for call in self._pool.drain():
             call.fail(ConnectionLost(f"{call.name} was not sent, since its lane was closed"))
-        workers = [*self._pool.workers, *self._leaving]
+        workers = [*self._pool.workers, *self._dismissed]
         for worker in workers:
             worker.abandon(None, "its lane was closed")
         ends = [ThreadEnd() for _ in workers]
@@ -400,19 +400,21 @@ class WireLane:
                 self._hand_over(call)
             return await call
         except BaseException as exc:
-            if isinstance(exc, ConnectionLost | ConnectError):
-                self._failed += 1
-            elif not isinstance(exc, Exception):
+            if not isinstance(exc, Exception) or not call.settled:
+                # not its outcome: it was cancelled, or a signal handler raised this
                 self._give_up(call)
+            elif isinstance(exc, ConnectionLost | ConnectError):
+                self._failed += 1 + len(call.further)
             elif isinstance(exc, UnknownFunction):
                 raise exc.of(self.version) from None
             raise
         finally:
             self._deadlines.discard(call)
-            call.over()
+            call.release_error()
 
     def _give_up(self, call: AwaitedCall) -> None:
         """Remove every trace of a call whose waiting task was cancelled or interrupted."""
+        call.cancel()
         self._withdraw(call)
         if call.worker is not None:
             self._drop(call.worker, call, "the call was cancelled")
@@ -428,13 +430,13 @@ class WireLane:
         dropped = worker.abandon(call, reason)
         if dropped is AbandonOutcome.OVER:
             return dropped
-        self._abandoned += 1
+        self._abandoned += 1 + len(call.further)
         # The next call gets a new thread at once, and need not wait until this one has noticed. But
         # if many threads hang, or the system has no more threads, this one is kept: calls wait for
         # it, or fail at their deadlines.
-        self._leaving = [leaving for leaving in self._leaving if leaving.alive]
-        if len(self._leaving) < _LEAVING_LIMIT * self._pool.size and self._replace(worker):
-            self._leaving.append(worker)
+        self._dismissed = [leaving for leaving in self._dismissed if leaving.alive]
+        if len(self._dismissed) < _DISMISSED_LIMIT * self._pool.size and self._replace(worker):
+            self._dismissed.append(worker)
             worker.dismiss()
             self._dispatch()
         return dropped
@@ -454,13 +456,15 @@ class WireLane:
 
     def _submit(self, worker: Worker, call: AwaitedCall) -> None:
         try:
-            worker.submit(call)
+            worker.start()
         except RuntimeError as exc:
             worker.recover(call)
             self._pool.discard(worker)
             lost = ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})")
             lost.__cause__ = exc
             call.fail(lost)
+            return
+        worker.submit(call)
 
     def _dispatch(self) -> None:
         for worker, call in self._pool.assign():
@@ -472,13 +476,13 @@ class WireLane:
             self._dispatch()
         call.settle()
 
-    def _expired(self, call: AwaitedCall, again: bool) -> None:
+    def _expired(self, call: AwaitedCall, second_time: bool) -> None:
         """Fail a call whose deadline has passed: no connection was free, or its thread is late."""
         worker = call.worker
         if worker is None:
             self._withdraw(call)
             call.fail(NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
-        elif again and not call.refused:
+        elif second_time and not call.settled:
             dropped = self._drop(worker, call, "its thread hangs")
             if dropped is AbandonOutcome.OVER:
                 # the loop was too busy to handle its notification, or was interrupted meanwhile

@@ -44,13 +44,13 @@ class Layout(NamedTuple):
 
     Attributes:
         mask: integer whose bits are 1 where the bytes of the struct belong to no value.
-        heads: the content of these bits.
+        fixed_bits: the content of these bits.
         read: function that reads the value of such a reply from all its bytes and the index where
             the struct begins; None if the struct contains anything but numbers, or not every field.
     """
 
     mask: int
-    heads: int
+    fixed_bits: int
     read: Callable[[bytes | bytearray, int], Any] | None
 
 
@@ -70,7 +70,7 @@ class Layouts:
     def find(self, struct: bytes | bytearray) -> Layout | None:
         """Return the layout, if this is the struct of a whole reply of a stored layout."""
         kept = self._kept.get(len(struct))
-        if kept is None or int.from_bytes(struct, "big") & kept.mask != kept.heads:
+        if kept is None or int.from_bytes(struct, "big") & kept.mask != kept.fixed_bits:
             return None
         return kept
 
@@ -84,7 +84,7 @@ class Layouts:
                 return layout, size
         return None
 
-    def keep(self, struct: bytes | bytearray) -> None:
+    def store(self, struct: bytes | bytearray) -> None:
         """Store the layout of a struct that was measured: it is complete and fits the IDL."""
         size = len(struct)
         if size > _LONGEST or size in self._kept or len(self._kept) >= _MOST:
@@ -92,8 +92,8 @@ class Layouts:
         mask = bytearray(b"\xff" * size)
         _clear_values(struct, 0, mask)
         number = int.from_bytes(mask, "big")
-        heads = int.from_bytes(struct, "big") & number
-        self._kept[size] = Layout(number, heads, _reader(self._spec, struct))
+        fixed_bits = int.from_bytes(struct, "big") & number
+        self._kept[size] = Layout(number, fixed_bits, _reader(self._spec, struct))
 
 
 def _reader(

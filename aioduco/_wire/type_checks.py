@@ -40,7 +40,7 @@ class TypeMismatch(Exception):
 
 
 #: number of bits of each whole-number type of the wire
-_BITS: Final = {TType.BYTE: 8, TType.I16: 16, TType.I32: 32, TType.I64: 64}
+BITS: Final = {TType.BYTE: 8, TType.I16: 16, TType.I32: 32, TType.I64: 64}
 
 
 def check_of(kind: int, shape: Any = None) -> Check:
@@ -50,8 +50,8 @@ def check_of(kind: int, shape: Any = None) -> Check:
         kind: thriftpy2's number of the type.
         shape: thriftpy2's details of the type: a struct's class, a container's element type.
     """
-    if kind in _BITS:
-        return _whole(_BITS[kind])
+    if kind in BITS:
+        return _whole(BITS[kind])
     if kind == TType.LIST:
         element, inner = shape if isinstance(shape, tuple) else (shape, None)
         return _doubles if element == TType.DOUBLE else _list(check_of(element, inner))

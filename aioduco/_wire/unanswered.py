@@ -11,8 +11,8 @@ these is certain:
   delivered nothing else for as long as the stop took.
 
 The reason for this time: a delay that held back the stop may hold back an older packet for as long
-again, in another queue of the same path. The time has two bounds: `SHORTEST` covers the fast paths
-of a local network, and no network delays a packet for more than `LONGEST`. A proxy can hold bytes
+again, in another queue of the same path. The time has two bounds: `MIN_WATCH` covers the fast paths
+of a local network, and no network delays a packet for more than `MAX_WATCH`. A proxy can hold bytes
 longer than that, and a controller can read them later. Both acknowledge the bytes, so the sender
 waits for the answer, up to a limit.
 """
@@ -22,12 +22,12 @@ from __future__ import annotations
 import enum
 from typing import Final
 
-__all__ = ["LONGEST", "SHORTEST", "NextStep", "UnansweredMotion"]
+__all__ = ["MAX_WATCH", "MIN_WATCH", "NextStep", "UnansweredMotion"]
 
 #: minimum time for which the arm must be watched after a stop was accepted [s]
-SHORTEST: Final = 0.3
+MIN_WATCH: Final = 0.3
 #: maximum time for which the arm must be watched after a stop was accepted [s]
-LONGEST: Final = 5.0
+MAX_WATCH: Final = 5.0
 #: number of consecutive polls that must show a standing arm
 _STANDING: Final = 2
 #: seconds after which an arm that still moves is stopped again
@@ -59,9 +59,9 @@ class UnansweredMotion:
         "_answer_by",
         "_answered",
         "_dissolved",
-        "_need",
         "_since",
         "_standing",
+        "_stop_needed_since",
         "_stopped",
         "_until",
     )
@@ -70,7 +70,7 @@ class UnansweredMotion:
         self._answer_by = answer_by
         self._until = until
         #: only a stop that was sent at this time or later counts
-        self._need = now
+        self._stop_needed_since = now
         self._answered = False
         #: time since which none of its bytes are left in this system
         self._dissolved: float | None = None
@@ -88,13 +88,13 @@ class UnansweredMotion:
         """Record the answer: the controller has the motion, so earlier stops no longer count."""
         if not self._answered:
             self._answered = True
-            self._again(now)
+            self._require_stop(now)
 
     def dissolved(self, now: float) -> None:
         """Record that the connection was dissolved, with all bytes not delivered by this system."""
         if self._dissolved is None and not self._answered:
             self._dissolved = now
-            self._again(now)
+            self._require_stop(now)
 
     def stopped(self, sent: float, now: float) -> None:
         """Record that a stop was accepted.
@@ -103,7 +103,7 @@ class UnansweredMotion:
             sent: time at which it was sent.
             now: the present time.
         """
-        if sent >= self._need:
+        if sent >= self._stop_needed_since:
             self._stopped = self._since = now
             self._standing = 0
 
@@ -112,13 +112,13 @@ class UnansweredMotion:
         if not moving:
             self._standing += 1
         elif self._standing >= _STANDING or now - self._since > _STOP_AGAIN:
-            self._again(now)
+            self._require_stop(now)
         else:
             self._standing = 0
 
-    def unheard(self, now: float) -> None:
+    def poll_failed(self, now: float) -> None:
         """Record that the controller did not answer: send another stop, which does no harm."""
-        self._again(now)
+        self._require_stop(now)
 
     def step(self, now: float) -> NextStep:
         """Return the next action."""
@@ -138,9 +138,9 @@ class UnansweredMotion:
         if self._dissolved is None:
             return False
         took = self._stopped - self._dissolved
-        return now - self._stopped >= min(max(took, SHORTEST), LONGEST)
+        return now - self._stopped >= min(max(took, MIN_WATCH), MAX_WATCH)
 
-    def _again(self, now: float) -> None:
-        self._need = now
+    def _require_stop(self, now: float) -> None:
+        self._stop_needed_since = now
         self._stopped = None
         self._standing = 0

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl
-from aioduco._wire.type_checks import type_of
+from aioduco._wire.type_checks import BITS, type_of
 
 if TYPE_CHECKING:
     from aioduco._wire.rpc import Op
@@ -25,8 +25,6 @@ __all__ = ["wire_arguments"]
 
 _Convert: TypeAlias = Callable[[Any], Any]
 
-#: number of bits of each whole-number type of the wire
-_BITS: Final = {TType.BYTE: 8, TType.I16: 16, TType.I32: 32, TType.I64: 64}
 #: parameters that may be empty: for most it means the present one, for a weave's outputs none
 _MAY_BE_NOTHING: Final = frozenset({"q_near", "qnear", "tool", "wobj", "ref_pos", "op_list"})
 #: position of `path_dwell`; older versions of the class have `op_list` in its place
@@ -65,14 +63,14 @@ def _conversions(name: str) -> tuple[_Convert, ...]:
 
 @functools.cache
 def _conversion(kind: int, shape: Any) -> _Convert:
-    if kind in _BITS:
+    if kind in BITS:
         return _whole
     if kind == TType.STRUCT:
         return functools.partial(_struct, shape)
     if kind == TType.LIST:
         element, inner = shape if isinstance(shape, tuple) else (shape, None)
         if element in (TType.BYTE, TType.I16):
-            return functools.partial(_signed, _BITS[element])
+            return functools.partial(_signed, BITS[element])
         if element != TType.DOUBLE:
             return functools.partial(_list, _conversion(element, inner))
     return _same

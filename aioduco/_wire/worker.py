@@ -69,7 +69,7 @@ class Worker:
         self._connection: Connection | None = None
         self._is_open = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-        self._left = False
+        self._ended = False
         #: whether the lane no longer uses this worker
         self.retired = False
         self._retired_at = math.inf
@@ -142,6 +142,8 @@ class Worker:
         has no effect: a call that is queued twice has no claim the second time, so the thread skips
         it.
         """
+        if self._claims.get(None) is not call:
+            return  # without the lock: only the caller claims for this call
         with self._lock:
             if self._claims.get(None) is not call:
                 return
@@ -180,7 +182,7 @@ class Worker:
         self.retired = True
         self._retired_at = time.monotonic()
         with self._lock:
-            if self._started and not self._left:
+            if self._started and not self._ended:
                 self._inbox.put(on_end)
                 return
         on_end()
@@ -196,7 +198,7 @@ class Worker:
         while True:
             item = take()
             if not isinstance(item, Call):
-                self._leave(item)
+                self._shut_down(item)
                 return
             if self._claims.get(None) is not item:
                 continue
@@ -205,31 +207,31 @@ class Worker:
             except BaseException as exc:
                 # raised where the call is awaited
                 item.error = exc
-            self._let_go(item)
+            self._release(item)
             del item
 
-    def _let_go(self, call: Call) -> None:
+    def _release(self, call: Call) -> None:
         # free the worker before the waiter wakes up, so that it can claim this worker again at once
         with self._lock:
             self._current = None
             self._claims.clear()
         call.notify()
 
-    def _leave(self, on_end: Callable[[], None]) -> None:
+    def _shut_down(self, on_end: Callable[[], None]) -> None:
         self._close()
         callbacks = [on_end]
         # Keep the claim forever, so that no more calls can be submitted. If another thread holds
         # the claim, it will submit its call, which then fails here.
         while self._claims.setdefault(None, self) is not self:
-            self._decline(self._inbox.get(), callbacks)
+            self._fail_pending(self._inbox.get(), callbacks)
         with self._lock:
             while not self._inbox.empty():
-                self._decline(self._inbox.get(), callbacks)
-            self._left = True
+                self._fail_pending(self._inbox.get(), callbacks)
+            self._ended = True
         for callback in callbacks:
             callback()
 
-    def _decline(
+    def _fail_pending(
         self, item: Call | Callable[[], None], callbacks: list[Callable[[], None]]
     ) -> None:
         if isinstance(item, Call):
@@ -240,7 +242,7 @@ class Worker:
                 if item.handed_over
                 else ConnectionLost(f"{item.name} was not sent, since its lane was closed")
             )
-            self._let_go(item)
+            self._release(item)
         else:
             callbacks.append(item)
 

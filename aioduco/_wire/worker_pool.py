@@ -17,23 +17,23 @@ class Claimable(Protocol):
         ...
 
 
-class Refusable(Protocol):
+class Settleable(Protocol):
     """A call that may no longer be needed when a worker is free."""
 
     @property
-    def refused(self) -> bool:
+    def settled(self) -> bool:
         """Whether no task waits for it any more."""
         ...
 
 
 W = TypeVar("W", bound=Claimable)
-C = TypeVar("C", bound=Refusable)
+C = TypeVar("C", bound=Settleable)
 
 
 class WorkerPool(Generic[W, C]):
     """Assigns claimed workers to waiting calls, in the order of the calls.
 
-    Guarantees: no more than `size` workers; no worker for a call that is refused; no call waits
+    Guarantees: no more than `size` workers; no worker for a call that is settled; no call waits
     while a worker is free, once `assign` has been called. Workers are tried in the order in which
     they were made, so a light load uses few connections.
 
@@ -71,7 +71,7 @@ class WorkerPool(Generic[W, C]):
     def assign(self) -> Iterator[tuple[W, C]]:
         """Claim free workers for waiting calls; yield each worker with its call."""
         while self._waiting:
-            if self._waiting[0].refused:
+            if self._waiting[0].settled:
                 self._waiting.popleft()
                 continue
             worker = self._free(self._waiting[0])

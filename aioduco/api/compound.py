@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api.points import listed
-from aioduco.api.section import Section, done
+from aioduco.api.section import Section, check_finished
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
 
@@ -84,7 +84,7 @@ class Compound(Section):
             ranges.FLAG("path_dwell", path_dwell),
             _ops(op_list),
         )
-        done("combine_motion_config", answer)
+        check_finished("combine_motion_config", answer)
 
     async def enable_combine_motion(self) -> None:
         """Lay the weave over the motions that follow (开启复合运动); the arm must stand.
@@ -94,7 +94,7 @@ class Compound(Section):
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
-        done("enable_combine_motion", await self._rpc.enable_combine_motion())
+        check_finished("enable_combine_motion", await self._rpc.enable_combine_motion())
 
     async def disable_combine_motion(self) -> None:
         """End the weave (结束复合运动); the arm must stand.
@@ -104,7 +104,7 @@ class Compound(Section):
 
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
-        done("disable_combine_motion", await self._rpc.disable_combine_motion())
+        check_finished("disable_combine_motion", await self._rpc.disable_combine_motion())
 
 
 def _ops(ops: Sequence[Op]) -> list[rpc.Op]:

@@ -51,7 +51,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        modes = self._supervisor.stop_coordinator.modes.standing
+        modes = self._supervisor.stop_coordinator.modes.left_at_standstill
         was_on = "fc_stop" in modes
         modes.add("fc_stop")  # before the call is sent, since its answer may be lost
         try:
@@ -73,9 +73,9 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._must_stand("fc_stop")
+        await self._check_standstill("fc_stop")
         await self._settle(lambda rpc: rpc.fc_stop(), _LIMIT)
-        self._supervisor.stop_coordinator.modes.standing.discard("fc_stop")
+        self._supervisor.stop_coordinator.modes.left_at_standstill.discard("fc_stop")
 
     async def fc_config(
         self,

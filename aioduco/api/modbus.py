@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, added, done, settled
+from aioduco.api.section import Section, check_accepted, check_finished, new_errors
 from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 
@@ -40,7 +40,7 @@ class Modbus(Section):
         Manual section 1.3.9.
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
-        value = await self._told(
+        value = await self._read_checked(
             "modbus_read", name_, lambda: self._rpc.modbus_read(name_), lambda value: value == -1
         )
         if value == -1:  # no register and no coil has this value
@@ -62,7 +62,7 @@ class Modbus(Section):
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
         value_ = ranges.MODBUS_VALUE("value", value)
-        done("modbus_write", await self._rpc.modbus_write(name_, value_))
+        check_finished("modbus_write", await self._rpc.modbus_write(name_, value_))
 
     async def modbus_set_frequency(self, signal_name: str, frequency: Whole) -> None:
         """Set how often the controller reads a signal (刷新频率).
@@ -82,7 +82,7 @@ class Modbus(Section):
         frequency_ = ranges.MODBUS_FREQUENCY("frequency", frequency)
         before = await self._rpc.get_last_error()
         await self._rpc.modbus_set_frequency(name_, frequency_)
-        why = added(before, await self._rpc.get_last_error(), "modbus_set_frequency", name_)
+        why = new_errors(before, await self._rpc.get_last_error(), "modbus_set_frequency", name_)
         if why:
             raise Refused("modbus_set_frequency", None, "; ".join(why))
 
@@ -110,7 +110,7 @@ class Modbus(Section):
         unit, name_ = ranges.MODBUS_UNIT("slave_num", slave_num), ranges.LONG_NAME("name", name)
         words = ranges.MODBUS_WORDS("word_list", word_list)
         answer = await self._rpc.modbus_write_multiple_regs(unit, name_, len(words), words)
-        settled("modbus_write_multiple_regs", answer)
+        check_accepted("modbus_write_multiple_regs", answer)
 
     async def modbus_write_multiple_coils(
         self, slave_num: Whole, name: str, byte_list: WholesLike
@@ -135,7 +135,7 @@ class Modbus(Section):
         if not coils:
             raise ParameterError("byte_list", byte_list, "at least one, each 0 or 1")
         answer = await self._rpc.modbus_write_multiple_coils(unit, name_, len(coils), coils)
-        settled("modbus_write_multiple_coils", answer)
+        check_accepted("modbus_write_multiple_coils", answer)
 
     async def modbus_add_signal(
         self,
@@ -167,7 +167,7 @@ class Modbus(Section):
             ranges.INT_32("signal_type", signal_type),
             ranges.LONG_NAME("signal_name", signal_name),
         )
-        settled("modbus_add_signal", answer)
+        check_accepted("modbus_add_signal", answer)
 
     async def modbus_delete_signal(self, signal_name: str) -> None:
         """Remove a signal from those that the controller exchanges.
@@ -182,4 +182,4 @@ class Modbus(Section):
             TaskError: it was not deleted.
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
-        settled("modbus_delete_signal", await self._rpc.modbus_delete_signal(name_))
+        check_accepted("modbus_delete_signal", await self._rpc.modbus_delete_signal(name_))

@@ -67,7 +67,7 @@ class Program(Section):
         Manual section 1.3.4.
         """
         path_ = ranges.PATH("path", path)
-        files = await self._told(
+        files = await self._read_checked(
             "get_files_list",
             path_,
             lambda: self._rpc.get_files_list(path_),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api.points import listed
-from aioduco.api.section import Section, done
+from aioduco.api.section import Section, check_finished
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimePoint
@@ -87,7 +87,7 @@ class Realtime(Section, RealtimeStreams):
         await self._end(_ENDING, self._ended)
 
     async def _ended(self) -> None:
-        done(_ENDING, await self._rpc.end_realtime_mode())
+        check_finished(_ENDING, await self._rpc.end_realtime_mode())
 
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).
@@ -111,7 +111,7 @@ class Realtime(Section, RealtimeStreams):
             if not isinstance(point, RealtimePoint) or point.mode is not given[0].mode:
                 raise ParameterError(f"points[{number}]", point, expected)
         data = [point.wire() for point in given]
-        done("realtime_data_enqueue", await self._rpc.realtime_data_enqueue(data, True))
+        check_finished("realtime_data_enqueue", await self._rpc.realtime_data_enqueue(data, True))
 
     async def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).
@@ -121,7 +121,7 @@ class Realtime(Section, RealtimeStreams):
 
         Manual section 1.3.15.
         """
-        done("clear_realtime_data_queue", await self._rpc.clear_realtime_data_queue())
+        check_finished("clear_realtime_data_queue", await self._rpc.clear_realtime_data_queue())
 
     async def get_realtime_data_queue_size(self) -> int:
         """Read how many points wait in the queue (实时队列数据数量). Manual section 1.3.15."""

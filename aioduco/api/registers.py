@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from aioduco.api.section import Section, done, succeeded
+from aioduco.api.section import Section, check_finished, check_zero
 from aioduco.models import ranges
 from aioduco.models.state import vector
 
@@ -51,7 +51,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.BOOL_REGISTER("num", num), ranges.FLAG("value", value)
-        done("write_bool_reg", await self._rpc.write_bool_reg(num_, value_))
+        check_finished("write_bool_reg", await self._rpc.write_bool_reg(num_, value_))
 
     async def read_bool_reg(self, num: Whole) -> bool:
         """Read an internal bool register (内部 bool 寄存器), 1 to 64. Manual section 1.3.7."""
@@ -71,7 +71,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.WORD_REGISTER("num", num), ranges.WORD("value", value)
-        done("write_word_reg", await self._rpc.write_word_reg(num_, value_))
+        check_finished("write_word_reg", await self._rpc.write_word_reg(num_, value_))
 
     async def read_word_reg(self, num: Whole) -> int:
         """Read an internal word register (内部 word 寄存器), 1 to 32. Manual section 1.3.7."""
@@ -91,7 +91,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.FLOAT_REGISTER("num", num), ranges.FINITE("value", value)
-        done("write_float_reg", await self._rpc.write_float_reg(num_, value_))
+        check_finished("write_float_reg", await self._rpc.write_float_reg(num_, value_))
 
     async def read_float_reg(self, num: Whole) -> float:
         """Read an internal float register (内部 float 寄存器), 1 to 32. Manual section 1.3.7."""
@@ -120,7 +120,7 @@ class Registers(Section):
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.FLAG("value", value)
         answer = await self._rpc.set_system_value_bool(name_, value_)
-        succeeded("set_system_value_bool", answer)
+        check_zero("set_system_value_bool", answer)
 
     async def get_system_value_bool(self, name: str) -> bool:
         """Read a variable of the controller of type bool (系统变量).
@@ -154,7 +154,7 @@ class Registers(Section):
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.FINITE("value", value)
         answer = await self._rpc.set_system_value_double(name_, value_)
-        succeeded("set_system_value_double", answer)
+        check_zero("set_system_value_double", answer)
 
     async def get_system_value_double(self, name: str) -> float:
         """Read a variable of the controller of type double (系统变量).
@@ -188,7 +188,7 @@ class Registers(Section):
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.TEXT("value", value)
         answer = await self._rpc.set_system_value_str(name_, value_)
-        succeeded("set_system_value_str", answer)
+        check_zero("set_system_value_str", answer)
 
     async def get_system_value_str(self, name: str) -> str:
         """Read a variable of the controller of type str (系统变量).
@@ -222,7 +222,7 @@ class Registers(Section):
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.FINITES("value", value)
         answer = await self._rpc.set_system_value_list(name_, value_)
-        succeeded("set_system_value_list", answer)
+        check_zero("set_system_value_list", answer)
 
     async def get_system_value_list(self, name: str) -> Vector:
         """Read a variable of the controller of type num_list (系统变量), as a read-only array.
@@ -264,6 +264,6 @@ class Registers(Section):
         """Read a variable; by a single call if it was read before, so that it is known to exist."""
         if (function, name) in self._read:
             return await ask()
-        value = await self._told(function, name, ask, lambda value: not value)
+        value = await self._read_checked(function, name, ask, lambda value: not value)
         self._read.add((function, name))
         return value

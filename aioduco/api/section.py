@@ -5,7 +5,8 @@ A function that reads or sets something checks its arguments by `ranges` and awa
     async def set_tool_digital_out(self, num: int, value: bool) -> None:
         ...
         num_, value_ = ranges.TOOL_IO("num", num), ranges.FLAG("value", value)
-        done("set_tool_digital_out", await self._rpc.set_tool_digital_out(num_, value_, True))
+        answer = await self._rpc.set_tool_digital_out(num_, value_, True)
+        check_finished("set_tool_digital_out", answer)
 
 A motion checks its arguments and returns a value; `False` stands for `block`:
 
@@ -40,11 +41,21 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_state import JointEta
 
-__all__ = ["Section", "accepted", "added", "done", "settled", "succeeded"]
+__all__ = [
+    "JOG_TIME",
+    "Section",
+    "check_accepted",
+    "check_finished",
+    "check_zero",
+    "checked_task_id",
+    "new_errors",
+]
 
 T = TypeVar("T")
 Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
 
+#: seconds after which a jog without a step ends if the program gives no time
+JOG_TIME: Final = 1.0
 #: time for which an arm may swing after the end of its motion, and interval of the polls [s]
 _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
@@ -53,14 +64,12 @@ _ASK_AGAIN: Final = 0.02
 class Section(ManualNames):
     """A section of the manual: functions of one robot."""
 
-    __slots__ = ("_rpc", "_supervisor", "_unlimited")
+    __slots__ = ("_rpc", "_supervisor")
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
         #: the functions of the wire with the robot's call_timeout
         self._rpc = supervisor.retrying.rpc
-        #: the same without a deadline, for functions that wait inside the controller
-        self._unlimited = supervisor.retrying.within(None)
 
     def __repr__(self) -> str:
         where = f"{self._supervisor.host}:{self._supervisor.port}"
@@ -88,7 +97,7 @@ class Section(ManualNames):
             eta: target of the motion, if it is known in joint angles.
             aim: converts the motion into the wire's frame when it is sent.
         """
-        name, args = noted(call)
+        name, args = capture_call(call)
         command = Command(name, args, blends=superseded or r > 0.0, eta=eta)
         return MotionCommand(self._supervisor.dispatcher, command, aim)
 
@@ -98,8 +107,8 @@ class Section(ManualNames):
         ending: str,
         *,
         time: float | None = None,
-        timed_here: bool = False,
-        until_told: bool = False,
+        timed_by_program: bool = False,
+        until_commanded: bool = False,
         aim: Aim | None = None,
     ) -> HeldMotion:
         """Make a motion that runs until something ends it, as a value.
@@ -108,15 +117,15 @@ class Section(ManualNames):
             call: makes the call of the wire, with block false.
             ending: the function of the wire that ends it.
             time: seconds after which it ends; None if it does not.
-            timed_here: whether this program, not the controller, ends it after `time`.
-            until_told: whether it continues while the arm stands, until a command ends it.
+            timed_by_program: whether this program, not the controller, ends it after `time`.
+            until_commanded: whether it continues while the arm stands, until a command ends it.
             aim: converts the motion into the wire's frame when it is sent.
         """
-        name, args = noted(call)
+        name, args = capture_call(call)
         continuous = ContinuousMotion(
-            ending, None if time is None else float(time), timed_here, until_told
+            ending, None if time is None else float(time), timed_by_program, until_commanded
         )
-        command = Command(name, args, blends=not until_told, continuous=continuous)
+        command = Command(name, args, blends=not until_commanded, continuous=continuous)
         return HeldMotion(self._supervisor.dispatcher, command, aim)
 
     async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
@@ -129,13 +138,13 @@ class Section(ManualNames):
         self._supervisor.check_open(ending)
         await self._supervisor.stop_coordinator.end(ending, step)
 
-    async def _conduct(self, call: Call) -> None:
+    async def _run_blocking(self, call: Call) -> None:
         """Carry out a motion whose function has no `block`, and wait for its end.
 
         Args:
             call: makes the call of the wire.
         """
-        name, args = noted(call)
+        name, args = capture_call(call)
         supervisor = self._supervisor
         supervisor.check_open(name)
         command = Command(name, args)
@@ -144,7 +153,7 @@ class Section(ManualNames):
             # Not an end state, so it is the id of a task. The task is followed like any other.
             await supervisor.dispatcher.adopt(command, answer)
         else:
-            done(name, answer)
+            check_finished(name, answer)
 
     async def _enter(self, call: Call, ending: str, args: tuple[bool, ...]) -> None:
         """Enter a mode in which the arm follows or gives way, for which the controller has no task.
@@ -154,7 +163,7 @@ class Section(ManualNames):
             ending: the function of the wire that ends the mode.
             args: arguments of `ending`.
         """
-        name, call_args = noted(call)
+        name, call_args = capture_call(call)
         supervisor = self._supervisor
         supervisor.check_open(name)
         modes = supervisor.stop_coordinator.modes
@@ -162,7 +171,8 @@ class Section(ManualNames):
         try:
             command = Command(name, call_args)
             timeout = supervisor.settings.call_timeout
-            done(name, await supervisor.dispatcher.conduct(command, supervisor.calls, timeout))
+            answer = await supervisor.dispatcher.conduct(command, supervisor.calls, timeout)
+            check_finished(name, answer)
         except (TaskError, Refused, ControllerError, RobotStateError):
             if not was_on:
                 modes.over(ending)
@@ -176,7 +186,7 @@ class Section(ManualNames):
             timeout: seconds within which it must end.
         """
         limit = ranges.TIMEOUT("timeout", timeout)
-        name, args = noted(call)
+        name, args = capture_call(call)
         self._supervisor.check_open(name)
         await self._supervisor.dispatcher.perform(name, args, limit)
 
@@ -187,7 +197,7 @@ class Section(ManualNames):
             call: makes the call of the wire.
             timeout: seconds within which the task must end.
         """
-        name, args = noted(call)
+        name, args = capture_call(call)
         supervisor = self._supervisor
         supervisor.check_open(name)
         answer = await call(self._rpc)
@@ -195,9 +205,9 @@ class Section(ManualNames):
             task = supervisor.dispatcher.adopt(Command(name, args, motion=False), answer)
             await supervisor.stop_coordinator.follower.completed(task, timeout)
         else:
-            done(name, answer)
+            check_finished(name, answer)
 
-    async def _told(
+    async def _read_checked(
         self,
         function: str,
         name: str,
@@ -224,12 +234,12 @@ class Section(ManualNames):
         before = await self._rpc.get_last_error()
         answer = await ask()
         if nothing(answer):
-            why = added(before, await self._rpc.get_last_error(), function, name)
+            why = new_errors(before, await self._rpc.get_last_error(), function, name)
             if why:
                 raise Refused(function, answer, "; ".join(why))
         return answer
 
-    async def _must_stand(self, function: str) -> None:
+    async def _check_standstill(self, function: str) -> None:
         """Check that the arm stands, before a function that would make a moving arm jump.
 
         The arm swings a little after the end of a motion, so the check allows some time for that.
@@ -254,7 +264,7 @@ class Section(ManualNames):
         )
 
 
-def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
+def capture_call(call: Call) -> tuple[str, tuple[Any, ...]]:
     """Return name and arguments of a call, without making it."""
     calls: list[tuple[str, tuple[Any, ...]]] = []
 
@@ -266,7 +276,9 @@ def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
     return name, args
 
 
-def added(before: Sequence[str], after: Sequence[str], function: str, name: str) -> Sequence[str]:
+def new_errors(
+    before: Sequence[str], after: Sequence[str], function: str, name: str
+) -> Sequence[str]:
     """Return the new entries of the controller's error list, which drops its oldest entries.
 
     A list full of equal entries does not change with one more of them. Then an entry counts as new
@@ -285,7 +297,7 @@ def added(before: Sequence[str], after: Sequence[str], function: str, name: str)
     return () if teller != function and hasattr(AsyncRpc, teller) else after[:1]
 
 
-def done(function: str, answer: int) -> None:
+def check_finished(function: str, answer: int) -> None:
     """Check the end state of a task that a blocking function returned.
 
     Args:
@@ -307,7 +319,7 @@ def done(function: str, answer: int) -> None:
     raise task_error(function, None, outcome)
 
 
-def accepted(function: str, answer: int) -> int:
+def checked_task_id(function: str, answer: int) -> int:
     """Check the id of a task that is not followed, and return it.
 
     Args:
@@ -322,7 +334,7 @@ def accepted(function: str, answer: int) -> int:
     return answer
 
 
-def settled(function: str, answer: int) -> None:
+def check_accepted(function: str, answer: int) -> None:
     """Check the answer of a function that returns nothing according to the manual.
 
     The wire nevertheless returns a number. A negative number is a failure, and so is the end
@@ -338,10 +350,10 @@ def settled(function: str, answer: int) -> None:
         Refused: the answer is negative.
     """
     if answer < 0 or TaskState(answer).ended:
-        done(function, answer)
+        check_finished(function, answer)
 
 
-def succeeded(function: str, answer: int) -> None:
+def check_zero(function: str, answer: int) -> None:
     """Check the answer of a function that returns 0 on success.
 
     Args:

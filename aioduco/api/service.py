@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, done, settled
+from aioduco.api.section import Section, check_accepted, check_finished
 from aioduco.models import ranges
 from aioduco.models.state import vector
 
@@ -54,7 +54,7 @@ class Service(Section):
             ranges.INT_32("qfmt", qfmt),
             True,
         )
-        done("set_servo_config", answer)
+        check_finished("set_servo_config", answer)
 
     async def apply_servo_config(self, axis_num: Whole) -> None:
         """Make an axis' servo drive use its parameters.
@@ -75,7 +75,7 @@ class Service(Section):
             ranges.AXIS_NUMBER("axis_num", axis_num),
             True,
         )
-        done("apply_servo_config", answer)
+        check_finished("apply_servo_config", answer)
 
     async def set_servo_file_params(
         self,
@@ -110,7 +110,7 @@ class Service(Section):
             ranges.FINITE("value", value),
             ranges.FINITE("qfmt", qfmt),
         )
-        settled("set_servo_file_params", answer)
+        check_accepted("set_servo_file_params", answer)
 
     async def set_dynamic_calibration_params(self, params: Iterable[VectorLike]) -> None:
         """Set the parameters of the dynamic calibration.
@@ -130,7 +130,7 @@ class Service(Section):
         answer = await self._rpc.set_dynamic_calibration_params(
             ranges.MATRIX("params", params),
         )
-        settled("set_dynamic_calibration_params", answer)
+        check_accepted("set_dynamic_calibration_params", answer)
 
     async def set_kinematic_calibration_params(self, params: Iterable[VectorLike]) -> None:
         """Set the parameters of the kinematic calibration.
@@ -150,7 +150,7 @@ class Service(Section):
         answer = await self._rpc.set_kinematic_calibration_params(
             ranges.MATRIX("params", params),
         )
-        settled("set_kinematic_calibration_params", answer)
+        check_accepted("set_kinematic_calibration_params", answer)
 
     async def set_dynamic_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the dynamic calibration.
@@ -172,7 +172,7 @@ class Service(Section):
             ranges.TEXT("passwd", passwd),
             ranges.TEXT("info", info),
         )
-        settled("set_dynamic_calibration_info", answer)
+        check_accepted("set_dynamic_calibration_info", answer)
 
     async def set_kinematic_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the kinematic calibration.
@@ -194,7 +194,7 @@ class Service(Section):
             ranges.TEXT("passwd", passwd),
             ranges.TEXT("info", info),
         )
-        settled("set_kinematic_calibration_info", answer)
+        check_accepted("set_kinematic_calibration_info", answer)
 
     async def set_vibration_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the vibration calibration.
@@ -216,7 +216,7 @@ class Service(Section):
             ranges.TEXT("passwd", passwd),
             ranges.TEXT("info", info),
         )
-        settled("set_vibration_calibration_info", answer)
+        check_accepted("set_vibration_calibration_info", answer)
 
     async def save_dynamic_calibration_params(self, passwd: str) -> None:
         """Save the parameters of the dynamic calibration for good.
@@ -236,7 +236,7 @@ class Service(Section):
         answer = await self._rpc.save_dynamic_calibration_params(
             ranges.TEXT("passwd", passwd),
         )
-        settled("save_dynamic_calibration_params", answer)
+        check_accepted("save_dynamic_calibration_params", answer)
 
     async def save_kinematic_calibration_params(self, passwd: str) -> None:
         """Save the parameters of the kinematic calibration for good.
@@ -256,7 +256,7 @@ class Service(Section):
         answer = await self._rpc.save_kinematic_calibration_params(
             ranges.TEXT("passwd", passwd),
         )
-        settled("save_kinematic_calibration_params", answer)
+        check_accepted("save_kinematic_calibration_params", answer)
 
     async def upload_robot_param_to_toolboard(self, passwd: str) -> None:
         """Write the robot's parameters to the board in the tool flange.
@@ -276,7 +276,7 @@ class Service(Section):
         answer = await self._rpc.upload_robot_param_to_toolboard(
             ranges.TEXT("passwd", passwd),
         )
-        settled("upload_robot_param_to_toolboard", answer)
+        check_accepted("upload_robot_param_to_toolboard", answer)
 
     async def set_pendant_type(self, type: Whole) -> None:  # noqa: A002
         """Set the kind of the pendant.
@@ -296,7 +296,7 @@ class Service(Section):
         answer = await self._rpc.set_pendant_type(
             ranges.INT_32("type", type),
         )
-        settled("set_pendant_type", answer)
+        check_accepted("set_pendant_type", answer)
 
     async def change_recipe(self) -> None:
         """Change the recipe.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, done, settled
+from aioduco.api.section import Section, check_accepted, check_finished
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Settings(Section):
 
         Manual section 1.3.7.
         """
-        done("speed", await self._rpc.speed(ranges.GLOBAL_SPEED("val", val)))
+        check_finished("speed", await self._rpc.speed(ranges.GLOBAL_SPEED("val", val)))
 
     async def get_global_speed(self) -> int:
         """Read the global speed (全局速度的百分比), in percent.
@@ -59,7 +59,9 @@ class Settings(Section):
 
         Manual section 1.3.7.
         """
-        done("set_teach_speed", await self._rpc.set_teach_speed(ranges.TEACH_SPEED("v", v)))
+        check_finished(
+            "set_teach_speed", await self._rpc.set_teach_speed(ranges.TEACH_SPEED("v", v))
+        )
 
     async def get_teach_speed(self) -> int:
         """Read the speed of jogs (示教速度的百分比), in percent. Manual section 1.3.7."""
@@ -78,7 +80,7 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         level_ = ranges.COLLISION_LEVEL("level", level)
-        done("collision_detect", await self._rpc.collision_detect(level_))
+        check_finished("collision_detect", await self._rpc.collision_detect(level_))
 
     async def collision_detection_reset(self) -> None:
         """Clear the alarm of a collision (重置碰撞检测警告).
@@ -91,7 +93,7 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         answer = await self._rpc.collision_detection_reset()
-        settled("collision_detection_reset", answer)
+        check_accepted("collision_detection_reset", answer)
 
     async def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
@@ -114,7 +116,7 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         sim_ = ranges.FLAG("sim", sim)
-        await self._must_stand("simulation")
+        await self._check_standstill("simulation")
         await self._perform(lambda rpc: rpc.simulation(sim_, False), _LIMIT)
 
     async def set_teach_pendant(self, enable: bool) -> None:
@@ -130,4 +132,4 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         enable_ = ranges.FLAG("enable", enable)
-        done("set_teach_pendant", await self._rpc.set_teach_pendant(enable_))
+        check_finished("set_teach_pendant", await self._rpc.set_teach_pendant(enable_))

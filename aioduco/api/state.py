@@ -123,7 +123,7 @@ class State(Section):
         Manual section 1.3.7.
         """
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        numbers = await self._told(
+        numbers = await self._read_checked(
             "get_tcp_pose_coord",
             tool_ or wobj_,
             lambda: self._rpc.get_tcp_pose_coord(tool_, wobj_),
@@ -159,7 +159,7 @@ class State(Section):
         Manual section 1.3.7.
         """
         tool_ = ranges.FRAME("tool", tool)
-        force = await self._told(
+        force = await self._read_checked(
             "get_tcp_force_tool",
             tool_,
             lambda: self._rpc.get_tcp_force_tool(tool_),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, accepted, done
+from aioduco.api.section import Section, check_finished, checked_task_id
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class System(Section):
 
         Manual section 1.3.2.
         """
-        accepted("shutdown", await self._rpc.shutdown(False))
+        checked_task_id("shutdown", await self._rpc.shutdown(False))
 
     async def restart(self) -> None:
         """Start the controller anew (机器人重启). Every connection ends soon after.
@@ -95,7 +95,7 @@ class System(Section):
 
         Manual section 1.3.2.
         """
-        accepted("restart", await self._rpc.restart(False))
+        checked_task_id("restart", await self._rpc.restart(False))
 
     async def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).
@@ -113,4 +113,4 @@ class System(Section):
         Manual section 1.3.7.
         """
         mode_ = ranges.SWITCH_MODE("mode", mode)
-        done("switch_mode", await self._rpc.switch_mode(mode_))
+        check_finished("switch_mode", await self._rpc.switch_mode(mode_))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.api.points import points_with_outputs
-from aioduco.api.section import Section, done
+from aioduco.api.section import Section, check_finished
 from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPoolFull
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
@@ -106,7 +106,7 @@ class Track(Section, TrackStreams):
 
         Manual section 1.3.12.
         """
-        done("trackClearQueue", await self._rpc.trackClearQueue())
+        check_finished("trackClearQueue", await self._rpc.trackClearQueue())
         self._kind = None
 
     async def getQueueSize(self) -> int:  # noqa: N802  # as above
@@ -226,4 +226,4 @@ def _kind(points: Sequence[object]) -> _Kind | None:
 def _taken(function: str, answer: int) -> None:
     if answer == -1:
         raise TrackPoolFull(function, answer)
-    done(function, answer)
+    check_finished(function, answer)

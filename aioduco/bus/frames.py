@@ -87,7 +87,7 @@ class Request:
             return _SHORTEST
         return _SHORTEST + 2 * self.count if self.count else _ECHO
 
-    def missing(self, got: bytes) -> int:
+    def missing_bytes(self, got: bytes) -> int:
         """Return the minimum number of missing bytes; 0 when the answer is complete."""
         return max(0, self._length(got) - len(got))
 
@@ -108,7 +108,7 @@ class Request:
             raise self._garbled(got, f"it begins with {got[0]}, not with the device's number")
         if len(got) >= 2 and got[1] & ~_ERROR != self.function:
             raise self._garbled(got, f"it answers another function, {got[1]:#04x}")
-        if self.missing(got):
+        if self.missing_bytes(got):
             return None
         if len(got) != self._length(got):
             raise self._garbled(got, f"it has {len(got)} bytes instead of {self._length(got)}")

@@ -37,7 +37,7 @@ _READ_COUNT = Integer(1, 125, "registers", source=_SOURCE)
 _MOST_WRITTEN = 123
 
 #: number of bytes per read while the buffer is emptied; the longest frame has 256
-_GULP = 256
+_DRAIN_CHUNK = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class ModbusRtu:
         self._unit = _UNIT("unit", unit)
         self._timeout = ranges.TIMEOUT("timeout", timeout)
         self._poll = ranges.TIMEOUT("poll", poll)
-        self._turn = anyio.Lock()
+        self._lock = anyio.Lock()
 
     def __repr__(self) -> str:
         return f"<ModbusRtu device {self._unit}>"
@@ -104,7 +104,7 @@ class ModbusRtu:
             unit: its number, 1 to 247.
         """
         other = ModbusRtu(self._port, unit, timeout=self._timeout, poll=self._poll)
-        other._turn = self._turn
+        other._lock = self._lock
         return other
 
     async def read_registers(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
@@ -182,7 +182,7 @@ class ModbusRtu:
         await self._exchange(frames.write(self._unit, _WORD("address", address), words))
 
     async def _exchange(self, request: Request) -> tuple[int, ...]:
-        async with self._turn:
+        async with self._lock:
             await self._drain()
             await self._port.write(request.frame)
             return await self._answer(request)
@@ -190,7 +190,7 @@ class ModbusRtu:
     async def _drain(self) -> None:
         """Discard the old bytes in the controller's buffer."""
         until = time.monotonic() + self._timeout
-        while left := await self._port.read(_GULP):
+        while left := await self._port.read(_DRAIN_CHUNK):
             if time.monotonic() >= until:
                 raise ModbusGarbled(
                     f"the bus does not fall silent: bytes came for {self._timeout:g} s without a "
@@ -203,7 +203,7 @@ class ModbusRtu:
         got = b""
         while True:
             # Read no more than the missing bytes: bytes after the answer belong to no request.
-            got += await self._port.read(request.missing(got))
+            got += await self._port.read(request.missing_bytes(got))
             answer = request.answer(got)
             if answer is not None:
                 return answer

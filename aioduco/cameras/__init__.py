@@ -33,7 +33,7 @@ __all__ = [
     "find_board",
 ]
 
-_HOMES = {
+_MODULES = {
     **dict.fromkeys(("CameraDevice", "CameraFrame", "Intrinsics"), "camera"),
     **dict.fromkeys(("BoardSize", "HandEye", "calibrate_hand_eye", "find_board"), "hand_eye"),
     "OpenCvCamera": "opencv",
@@ -43,6 +43,6 @@ _HOMES = {
 
 def __getattr__(name: str) -> Any:
     """Import a module that needs OpenCV or MuJoCo only when one of its names is used."""
-    if name not in _HOMES:
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return getattr(importlib.import_module(f"{__name__}.{_MODULES[name]}"), name)

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BoardSize", "HandEye", "calibrate_hand_eye", "find_board"]
 
-_FEWEST = 4  # number of views: three determine the pose, and the fourth verifies it
-_TURNED = 0.1  # minimum rotation between views, about two axes [rad]
+_MIN_VIEWS = 4  # number of views: three determine the pose, and the fourth verifies it
+_MIN_ROTATION = 0.1  # minimum rotation between views, about two axes [rad]
 
 
 class BoardSize(NamedTuple):
@@ -114,14 +114,14 @@ def calibrate_hand_eye(
         CalibrationError: the views are rotated too little, or disagree by more than the limits.
     """
     hands, seen = np.asarray(flanges, dtype=float), np.asarray(boards, dtype=float)
-    if hands.ndim != 3 or hands.shape[1:] != (4, 4) or len(hands) < _FEWEST:
-        raise ParameterError("flanges", hands.shape, f"of shape (n, 4, 4), n from {_FEWEST}")
+    if hands.ndim != 3 or hands.shape[1:] != (4, 4) or len(hands) < _MIN_VIEWS:
+        raise ParameterError("flanges", hands.shape, f"of shape (n, 4, 4), n from {_MIN_VIEWS}")
     if seen.shape != hands.shape or not (np.isfinite(seen).all() and np.isfinite(hands).all()):
         raise ParameterError("boards", seen.shape, f"finite, of shape {hands.shape}")
     if mounted not in ("flange", "beside"):
         raise ParameterError("mounted", mounted, '"flange" or "beside"')
     turns = np.array([rotvec_from_matrix(hands[0, :3, :3].T @ one[:3, :3]) for one in hands])
-    if np.linalg.svd(turns, compute_uv=False)[1] < _TURNED:
+    if np.linalg.svd(turns, compute_uv=False)[1] < _MIN_ROTATION:
         raise CalibrationError(
             "the views are turned about no more than one axis: turn the flange about two"
         )

@@ -60,8 +60,10 @@ class OpenCvCamera:
         """Open the camera.
 
         Raises:
-            CameraError: there is no such camera, or another program uses it.
+            CameraError: there is no such camera, another program uses it, or it is open already.
         """
+        if self._capture is not None:
+            raise CameraError(f"{self!r} is open already: nothing was changed")
         capture = cv2.VideoCapture(self._source)
         if not capture.isOpened():
             raise CameraError(f"there is no camera at {self._source!r}, or another program has it")

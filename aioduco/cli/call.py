@@ -40,7 +40,7 @@ def call(
     host: HostOption = None,
     port: Port = None,
     describe: Annotated[
-        bool, typer.Option("--describe", help="Say what it takes and does, and call nothing.")
+        bool, typer.Option("--describe", help="Show its parameters and purpose, and call nothing.")
     ] = False,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Do not ask before a call that changes something.")

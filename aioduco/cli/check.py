@@ -9,6 +9,7 @@ import typer
 
 from aioduco.cli.addresses import Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.number_lists import numbers
 from aioduco.cli.questions import SAFE, ask
 
 __all__ = ["check"]
@@ -24,25 +25,25 @@ def check(
     ],
     port: Port = None,
     move: Annotated[
-        bool, typer.Option("--move", help="Also what moves the arm, after a question.")
+        bool, typer.Option("--move", help="Also run the checks that move the arm. Asks first.")
     ] = False,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before it moves.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the arm moves.")] = False,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="The report also as a file: .md or .json."),
+        typer.Option("--output", "-o", help="Also write the report to a .md or .json file."),
     ] = None,
-    model: Annotated[str, typer.Option(help="Of points: the arm.")] = "gcr5_910",
+    model: Annotated[str, typer.Option(help="Arm, for points.")] = "gcr5_910",
     start: Annotated[
         str | None,
-        typer.Option(help="Of points: where it begins; the first joints, if left out."),
+        typer.Option(help="Joints at the start, for points. Default: the first joints."),
     ] = None,
     tool: Annotated[
         str | None,
-        typer.Option(help="Of points: tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad]."),
+        typer.Option(help="Tool tip from the flange, for points: x,y,z,rx,ry,rz [m, rad]."),
     ] = None,
     wobj: Annotated[
         str | None,
-        typer.Option(help="Of points: work object in the base: x,y,z,rx,ry,rz [m, rad]."),
+        typer.Option(help="Work object in the base, for points: x,y,z,rx,ry,rz [m, rad]."),
     ] = None,
 ) -> None:
     """Check a controller against the simulated one; or taught points, without a controller.
@@ -104,7 +105,8 @@ def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: s
         else:
             taught = (point for point in points.values() if isinstance(point, Joints))
             near = next(taught, Joints.deg(30, -15, 105, 0, -90, 0))
-        tip, base = _pose("tool", tool), _pose("wobj", wobj)
+        tip = None if tool is None else numbers("tool", tool, 6)
+        base = None if wobj is None else numbers("wobj", wobj, 6)
         report = look(points, arm=model, near=near, tool=tip, wobj=base)
     except (OSError, ParameterError) as error:
         typer.echo(str(error), err=True)
@@ -112,17 +114,3 @@ def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: s
     typer.echo(str(report))
     if not report.ok:
         raise typer.Exit(1)
-
-
-def _pose(name: str, text: str | None) -> list[float] | None:
-    from aioduco.errors import ParameterError  # noqa: PLC0415
-
-    if text is None:
-        return None
-    try:
-        values = [float(each) for each in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != 6:
-        raise ParameterError(name, text, "x,y,z,rx,ry,rz [m, rad]")
-    return values

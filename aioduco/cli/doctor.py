@@ -18,10 +18,10 @@ def doctor(
     host: Host = None,
     port: Port = None,
     seconds: Annotated[
-        float, typer.Option(min=0.1, max=600.0, help="How long to measure, each way [s].")
+        float, typer.Option(min=0.1, max=600.0, help="Duration of each measurement [s].")
     ] = 3.0,
     json: Annotated[
-        Path | None, typer.Option(help="Where to write the figures, for `aioduco plot`.")
+        Path | None, typer.Option(help="File for the figures, for `aioduco plot`.")
     ] = None,
 ) -> None:
     """Measure the rate that this machine and the network to an arm can hold. Nothing moves.

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from aioduco.cli.number_lists import mounting_option, numbers
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -35,14 +37,17 @@ def export(
     kind: Annotated[Format, typer.Argument(help="What to write.")],
     model: Annotated[
         list[str] | None,
-        typer.Option(help="The arm, gcr5_910 if left out; again for another arm beside it."),
+        typer.Option(help="Arm. Default: gcr5_910. Repeat it for more arms."),
     ] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder to write to; made if it is not there.")
+        Path,
+        typer.Option(
+            "--output", "-o", help="Folder to write to. It is created if it does not exist."
+        ),
     ] = Path(),
     prefix: Annotated[
         list[str] | None,
-        typer.Option(help="What the arm's names begin with; one for each --model."),
+        typer.Option(help="Prefix of the arm's names; one for each --model."),
     ] = None,
     mounting: Annotated[
         list[str] | None,
@@ -52,14 +57,14 @@ def export(
         ),
     ] = None,
     name: Annotated[
-        str | None, typer.Option(help="What the whole is called; the models' names if left out.")
+        str | None, typer.Option(help="Name of the description. Default: the models' names.")
     ] = None,
     meshes: Annotated[
         Path | None,
-        typer.Option(help="Folder of your own meshes, called as the links: link_1.stl."),
+        typer.Option(help="Folder of your meshes, named like the links: link_1.stl."),
     ] = None,
     mesh_uri: Annotated[
-        str | None, typer.Option(help="Where the URDF finds them: package://my_arm/meshes.")
+        str | None, typer.Option(help="Address of the meshes in the URDF: package://my_arm/meshes.")
     ] = None,
     tcp: Annotated[
         str | None, typer.Option(help="Tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad].")
@@ -145,7 +150,7 @@ def _arms(
 def _mounting(text: str) -> MountingLike | None:
     if text == "none":
         return None
-    return _numbers("mounting", text, 6) if "," in text else cast("MountingLike", text)
+    return mounting_option(text)
 
 
 def _tool(
@@ -157,23 +162,11 @@ def _tool(
         return None
     parts = []
     for text in capsules:
-        x, y, z, x2, y2, z2, radius = _numbers("tool-capsule", text, 7)
+        x, y, z, x2, y2, z2, radius = numbers("tool-capsule", text, 7)
         parts.append(Capsule((x, y, z), (x2, y2, z2), radius))
     return ToolDescription(
         mass=mass,
-        centre=_numbers("tool-centre", centre, 3),
-        tcp=_numbers("tcp", tcp or "0,0,0,0,0,0", 6),
+        centre=numbers("tool-centre", centre, 3),
+        tcp=numbers("tcp", tcp or "0,0,0,0,0,0", 6),
         parts=parts,
     )
-
-
-def _numbers(option: str, text: str, count: int) -> list[float]:
-    from aioduco.errors import ParameterError  # noqa: PLC0415
-
-    try:
-        values = [float(each) for each in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count:
-        raise ParameterError(option, text, f"{count} numbers with commas between them")
-    return values

@@ -37,11 +37,11 @@ def serve(file: File) -> None:
     Exit codes: 1 an address cannot be listened on; 2 a wrong file; 130, 143 Ctrl-C or SIGTERM.
     """
     settings = _settings(file)
-    from aioduco.cli.signals import heard  # noqa: PLC0415 - quick help
+    from aioduco.cli.signals import receive_signals  # noqa: PLC0415 - quick help
     from aioduco.fleet import FleetGateway  # noqa: PLC0415
 
     async def run() -> int:
-        with heard(signal.SIGINT, signal.SIGTERM) as signals:
+        with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
             async with FleetGateway(settings):
                 arms = ", ".join(arm.name for arm in settings.arms) or "no arm"
                 where = ", ".join(settings.listen)

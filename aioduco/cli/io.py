@@ -10,7 +10,7 @@ import typer
 from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.plain_values import print_json
 from aioduco.cli.questions import ask
-from aioduco.cli.sessions import looking_at
+from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -39,7 +39,7 @@ _ANALOG = {
     "currents_out": ("analog_current_outputs", "mA"),
 }
 
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
 
 
 class Level(enum.StrEnum):
@@ -87,7 +87,9 @@ def read(
 def set_output(
     number: Annotated[int, typer.Argument(min=1, max=16, help="Number of the output.")],
     level: Annotated[Level, typer.Argument(help="on or off.")],
-    tool: Annotated[bool, typer.Option("--tool", help="An output at the tool, 1 or 2.")] = False,
+    tool: Annotated[
+        bool, typer.Option("--tool", help="Use an output at the tool, 1 or 2.")
+    ] = False,
     host: HostOption = None,
     port: Port = None,
     yes: Yes = False,
@@ -143,7 +145,7 @@ def set_analog(
 
 
 def _looked(address: RobotAddress, work: Callable[[Robot], IOStatus | None]) -> IOStatus | None:
-    with looking_at(address) as robot:
+    with observing_session(address) as robot:
         return work(robot)
 
 

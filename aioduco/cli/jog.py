@@ -43,28 +43,28 @@ class Manual(enum.StrEnum):
 
 
 def jog(
-    axis: Annotated[str, typer.Argument(help="j1 to j6, or x, y, z, rx, ry, rz.")],
-    direction: Annotated[Direction, typer.Argument(help="+ or -.")],
+    axis: Annotated[str, typer.Argument(help="Joint or axis: j1 to j6, or x, y, z, rx, ry, rz.")],
+    direction: Annotated[Direction, typer.Argument(help="Direction: `+` or `-`.")],
     step: Annotated[
         float | None,
-        typer.Option(min=0.0, help="How far [rad, or m along x, y, z]; without it, for a time."),
+        typer.Option(min=0.0, help="Size of the step [rad, or m along x, y, z]."),
     ] = None,
     seconds: Annotated[
-        float, typer.Option(min=0.01, max=60.0, help="For how long, without a step.")
+        float, typer.Option(min=0.01, max=60.0, help="Duration of a jog without a step [s].")
     ] = 0.5,
     deg: Annotated[bool, typer.Option("--deg", help="The step is in degrees.")] = False,
     mm: Annotated[bool, typer.Option("--mm", help="The step is in millimetres.")] = False,
     percent: Annotated[float, typer.Option(min=0.1, max=100.0, help="Speed of jogs [%].")] = 5.0,
     frame: Annotated[
-        JogFrameName, typer.Option(help="For x, y, z, rx, ry, rz.")
+        JogFrameName, typer.Option(help="Frame of x, y, z, rx, ry, rz.")
     ] = JogFrameName.BASE,
     manual: Annotated[
         Manual, typer.Option(help="How the controller understands + and -; try with a small step.")
     ] = Manual.OLDER,
     host: HostOption = None,
     port: Port = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print how it ended as JSON.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
 ) -> None:
     """Jog one joint, or the tool along or about one direction. It asks first.
 

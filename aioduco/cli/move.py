@@ -12,7 +12,7 @@ from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.plain_values import print_json
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import moving
+from aioduco.cli.sessions import control_session
 from aioduco.cli.status import joints_line, look, pose_line
 
 if TYPE_CHECKING:
@@ -29,19 +29,21 @@ move: typer.Typer = typer.Typer(
     no_args_is_help=True, help="Move the arm to joint angles or to a pose. It asks first."
 )
 
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
-Json = Annotated[bool, typer.Option("--json", help="Print how it ended as JSON.")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")]
 
 
 # A negative number is an argument, not an option.
 @move.command(context_settings={"ignore_unknown_options": True})
 def joints(
     angles: Annotated[Six, typer.Argument(metavar="J1 J2 J3 J4 J5 J6", help="Angles [rad].")],
-    deg: Annotated[bool, typer.Option("--deg", help="They are in degrees.")] = False,
+    deg: Annotated[bool, typer.Option("--deg", help="The angles are in degrees.")] = False,
     by: Annotated[bool, typer.Option("--by", help="Turn by these angles, not to them.")] = False,
-    speed: Annotated[float, typer.Option("--speed", "-v", help="Of the joints [rad/s].")] = 0.3,
+    speed: Annotated[
+        float, typer.Option("--speed", "-v", help="Speed of the joints [rad/s].")
+    ] = 0.3,
     acceleration: Annotated[
-        float, typer.Option("--acceleration", "-a", help="Of the joints [rad/s²].")
+        float, typer.Option("--acceleration", "-a", help="Acceleration of the joints [rad/s²].")
     ] = 0.5,
     host: HostOption = None,
     port: Port = None,
@@ -78,19 +80,19 @@ The joints turn at up to {math.degrees(speed):.0f} °/s. Joint {turns.index(far)
 @move.command(context_settings={"ignore_unknown_options": True})
 def pose(
     numbers: Annotated[
-        Six, typer.Argument(metavar="X Y Z RX RY RZ", help="Place [m], rotation [rad].")
+        Six, typer.Argument(metavar="X Y Z RX RY RZ", help="Position [m] and rotation [rad].")
     ],
     mm: Annotated[bool, typer.Option("--mm", help="X, Y, Z are in millimetres.")] = False,
     deg: Annotated[bool, typer.Option("--deg", help="RX, RY, RZ are in degrees.")] = False,
     by: Annotated[
-        bool, typer.Option("--by", help="Move by this along and about the tool's own axes.")
+        bool, typer.Option("--by", help="Move by this along and about the tool's axes.")
     ] = False,
     curved: Annotated[
-        bool, typer.Option("--joints", help="Not on a line: all joints together, at 0.3 rad/s.")
+        bool, typer.Option("--joints", help="Move all joints together at 0.3 rad/s, not on a line.")
     ] = False,
-    speed: Annotated[float, typer.Option("--speed", "-v", help="Of the tool [m/s].")] = 0.05,
+    speed: Annotated[float, typer.Option("--speed", "-v", help="Speed of the tool [m/s].")] = 0.05,
     acceleration: Annotated[
-        float, typer.Option("--acceleration", "-a", help="Of the tool [m/s²].")
+        float, typer.Option("--acceleration", "-a", help="Acceleration of the tool [m/s²].")
     ] = 0.2,
     host: HostOption = None,
     port: Port = None,
@@ -157,7 +159,7 @@ def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[st
 def carry_out(address: RobotAddress, motion: Callable[[Robot], Outcome], as_json: bool) -> None:
     """Carry out a motion under supervision, and print how it ended."""
     begin = time.monotonic()
-    with moving(address) as robot:
+    with control_session(address) as robot:
         outcome = motion(robot)
         seconds = time.monotonic() - begin
         there: Sequence[float] = [*robot.state.get_actual_joints_position()]

@@ -34,7 +34,7 @@ def panel(
         typer.Option(
             min=0,
             max=65534,
-            help="Port of the page; the 3D picture has the next free one. 0: a free one.",
+            help="Port of the page; the 3D view uses the next free one. 0: any.",
         ),
     ] = 8080,
     bind: Annotated[
@@ -44,13 +44,13 @@ def panel(
         ),
     ] = "127.0.0.1",
     watch_only: Annotated[
-        bool, typer.Option("--watch-only", help="Nobody commands; pages watch and stop.")
+        bool, typer.Option("--watch-only", help="Pages can only watch, and stop the arm.")
     ] = False,
     model: Annotated[
         str | None,
-        typer.Option(help="The arm that is drawn, if not the one that the controller tells."),
+        typer.Option(help="Arm to draw. Default: the one that the controller reports."),
     ] = None,
-    rate: Annotated[float, typer.Option(min=2, max=50, help="States a second.")] = 20.0,
+    rate: Annotated[float, typer.Option(min=2, max=50, help="States per second.")] = 20.0,
     hold_limit: Annotated[
         float,
         typer.Option(

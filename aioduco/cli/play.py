@@ -11,7 +11,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import looking_at, moving
+from aioduco.cli.sessions import control_session, observing_session
 
 if TYPE_CHECKING:
     from aioduco.envelope import Envelope
@@ -22,8 +22,6 @@ __all__ = ["play"]
 
 #: speed of the joint that turns farthest, on the way to the start of a recording [rad/s]
 _APPROACH = 0.3
-#: distance from the start within which joints need no approach [rad]
-_THERE = 1e-3
 
 
 def play(
@@ -174,14 +172,14 @@ class _Playing:
     def on_arm(self, address: RobotAddress, *, only_check: bool, yes: bool) -> None:
         """Check it, ask, and play it on the real arm."""
         # No heartbeat: another program may still lead the arm.
-        with looking_at(address) as robot:
+        with observing_session(address) as robot:
             _report(self._against(robot), only=only_check)
             if only_check:
                 return
             states = robot.state.get_robot_state()
             text = f"{self._what} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
         ask(text, "Move the arm?", yes=yes)
-        with moving(address) as robot:
+        with control_session(address) as robot:
             robot.bring_up()
             robot.envelope = self._envelope
             if self._record is None:

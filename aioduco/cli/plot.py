@@ -15,11 +15,11 @@ __all__ = ["plot"]
 
 def plot(
     figures: Annotated[
-        Path, typer.Argument(help="A recording, or what `StreamStatistics.save` wrote.")
+        Path, typer.Argument(help="A recording, or a file of `StreamStatistics.save`.")
     ],
     picture: Annotated[
         Path | None,
-        typer.Argument(help="Where to write it, .png or .html; beside it if left out."),
+        typer.Argument(help="Output file, .png or .html. Default: beside the input."),
     ] = None,
     over: Annotated[
         Path | None, typer.Option(help="Another recording, drawn dashed over it.")

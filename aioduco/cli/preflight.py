@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco.cli import extras
+from aioduco.cli.number_lists import mounting_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -21,46 +22,54 @@ FOUND, NOT_RUN = 1, 2
 
 
 def preflight(
-    program: Annotated[str, typer.Argument(help="The program's file, or its module with -m.")],
+    program: Annotated[str, typer.Argument(help="File of the program, or its module with -m.")],
     arguments: Annotated[
-        list[str] | None, typer.Argument(help="Its arguments, after --.", show_default=False)
+        list[str] | None,
+        typer.Argument(help="Arguments of the program, after --.", show_default=False),
     ] = None,
     module: Annotated[bool, typer.Option("-m", help="The program is a module.")] = False,
     vendor: Annotated[
-        bool, typer.Option("--vendor", help="It imports the vendor's DucoCobot: give it ours.")
+        bool,
+        typer.Option("--vendor", help="Provide the vendor's class DucoCobot by aioduco.compat."),
     ] = False,
     model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
     scene: Annotated[
-        Path | None, typer.Option(exists=True, dir_okay=False, help="What stands around: MJCF.")
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
     ] = None,
     tool: Annotated[
-        Path | None, typer.Option(exists=True, dir_okay=False, help="What it carries: MJCF.")
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="MJCF file: what the flange carries."),
     ] = None,
     mounting: Annotated[
-        str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz.")
+        str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
     ] = "floor",
     pedestal: Annotated[float, typer.Option(help="Height of a column under the arm [m].")] = 0.0,
     allow: Annotated[
-        list[str] | None, typer.Option(help="Body that the arm may touch; may be repeated.")
+        list[str] | None, typer.Option(help="Body that the arm may touch. Can be repeated.")
     ] = None,
     reach: Annotated[
         list[str] | None,
-        typer.Option(help="host:port that the program itself may connect to; may be repeated."),
+        typer.Option(help="host:port that the program may connect to. Can be repeated."),
     ] = None,
     patience: Annotated[
-        float, typer.Option(min=1.0, help="The program's time without any change that hangs [s].")
+        float,
+        typer.Option(min=1.0, help="Time without a change after which the program hangs [s]."),
     ] = 60.0,
-    timeout: Annotated[float, typer.Option(min=1.0, help="Longest run, by the wall [s].")] = 600.0,
-    result: Annotated[Path | None, typer.Option("--json", help="Write the result there.")] = None,
-    html: Annotated[Path | None, typer.Option(help="Write a page with pictures there.")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Without what the program says.")] = False,
-    vary: Annotated[
-        str, typer.Option(help="What a seed varies: start,latency,faults,payload.")
-    ] = "",
-    seed: Annotated[int, typer.Option(min=0, help="The variation; with --runs the first.")] = 0,
-    runs: Annotated[int | None, typer.Option(min=1, help="So many variations.")] = None,
+    timeout: Annotated[float, typer.Option(min=1.0, help="Longest run, in real time [s].")] = 600.0,
+    result: Annotated[Path | None, typer.Option("--json", help="File for the result.")] = None,
+    html: Annotated[Path | None, typer.Option(help="File for a page with pictures.")] = None,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Do not show the program's output.")
+    ] = False,
+    vary: Annotated[str, typer.Option(help="What to vary: start,latency,faults,payload.")] = "",
+    seed: Annotated[
+        int, typer.Option(min=0, help="Seed of the variation; with --runs the first one.")
+    ] = 0,
+    runs: Annotated[int | None, typer.Option(min=1, help="Number of variations.")] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes of the local cluster; one a processor.")
+        int | None,
+        typer.Option(min=1, help="Processes of the local cluster. Default: one per processor."),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
@@ -74,28 +83,27 @@ def preflight(
     extras.arm(model)
     from rich.console import Console  # noqa: PLC0415 - for this command alone
 
-    from aioduco.cli.sim import _mounting  # noqa: PLC0415 - it would load MuJoCo
     from aioduco.errors import DucoError  # noqa: PLC0415
     from aioduco.preflight import PreflightSettings  # noqa: PLC0415
     from aioduco.preflight import preflight as run  # noqa: PLC0415
 
-    settings = PreflightSettings(
-        model=model,
-        scene=scene and str(scene.resolve()),
-        tool=tool and str(tool.resolve()),
-        mounting=_mounting(mounting),
-        pedestal=pedestal,
-        vendor=vendor,
-        module=module,
-        allowed=tuple(allow or ()),
-        reachable=tuple(reach or ()),
-        patience=patience,
-        timeout=timeout,
-        vary=tuple(filter(None, vary.split(","))),
-        seed=seed,
-    )
     console = Console()
     try:
+        settings = PreflightSettings(
+            model=model,
+            scene=scene and str(scene.resolve()),
+            tool=tool and str(tool.resolve()),
+            mounting=mounting_option(mounting),
+            pedestal=pedestal,
+            vendor=vendor,
+            module=module,
+            allowed=tuple(allow or ()),
+            reachable=tuple(reach or ()),
+            patience=patience,
+            timeout=timeout,
+            vary=tuple(filter(None, vary.split(","))),
+            seed=seed,
+        )
         if runs is not None:
             failed = _sweep(
                 console, program, arguments or [], settings, runs, workers, scheduler, result

@@ -10,7 +10,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.sessions import looking_at, until_told
+from aioduco.cli.sessions import observing_session, wait_until_ended
 
 __all__ = ["record"]
 
@@ -19,14 +19,14 @@ def record(
     host: Host = None,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", help="The file; one that exists is kept beside it."),
+        typer.Option("--output", "-o", help="File to write. An existing file is kept."),
     ] = Path("run.mcap"),
     port: Port = None,
-    rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples a second.")] = 125.0,
+    rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples per second.")] = 125.0,
     seconds: Annotated[
-        float | None, typer.Option(min=0.0, help="For how long; until Ctrl-C if left out.")
+        float | None, typer.Option(min=0.0, help="Duration [s]. Default: until Ctrl-C.")
     ] = None,
-    forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
+    forces: Annotated[bool, typer.Option(help="Also record forces and external torques.")] = True,
 ) -> None:
     """Record what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.
 
@@ -39,11 +39,11 @@ def record(
     """
     extras.need("record")
     address = robot_at(host, port)
-    with looking_at(address, state_rate=rate) as robot:
+    with observing_session(address, state_rate=rate) as robot:
         recording = robot.record(output, forces=forces)
         with recording:
             what = f"recording to {recording.path}"
-            until_told(what, robot, lambda: recording.running, seconds)
+            wait_until_ended(what, robot, lambda: recording.running, seconds)
     figures = recording.statistics()
     dropped = f", {figures.dropped} dropped" if figures.dropped else ""
     typer.echo(f"{recording.path}: {figures.written} entries{dropped}, {figures.size} bytes")

@@ -25,11 +25,11 @@ _NEEDED = {
 def ros1(
     remappings: Annotated[
         list[str] | None,
-        typer.Argument(help="ROS's own: _prefix:=left_ __ns:=left joint_states:=/joint_states …"),
+        typer.Argument(help="ROS arguments: `_prefix:=left_ __ns:=left joint_states:=/js` …"),
     ] = None,
     host: Annotated[str, typer.Option(help="Address of the controller; or _host:=…")] = "",
     port: Annotated[
-        int | None, typer.Option(min=1, max=65535, help="Its port. Default: 7003.")
+        int | None, typer.Option(min=1, max=65535, help="Port of the controller. Default: 7003.")
     ] = None,
 ) -> None:
     """Run the driver of one arm as a node of ROS 1, until Ctrl-C. Two arms are two nodes."""

@@ -30,7 +30,7 @@ def ros2(
     context: typer.Context,
     host: Annotated[str, typer.Option(help="Address of the controller; or -p host:=…")] = "",
     port: Annotated[
-        int | None, typer.Option(min=1, max=65535, help="Its port. Default: 7003.")
+        int | None, typer.Option(min=1, max=65535, help="Port of the controller. Default: 7003.")
     ] = None,
 ) -> None:
     """Run the driver of one arm as a node of ROS 2, until Ctrl-C. Two arms are two nodes.

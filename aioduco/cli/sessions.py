@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from aioduco.cli.addresses import RobotAddress
     from aioduco.sync import Robot
 
-__all__ = ["looking_at", "moving", "until_told"]
+__all__ = ["control_session", "observing_session", "wait_until_ended"]
 
 #: seconds between two checks whether the work has ended
 _LOOK: Final = 0.1
 
 
 @contextmanager
-def looking_at(address: RobotAddress, **options: Any) -> Iterator[Robot]:
+def observing_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
     """Connect without a heartbeat: the program that moves the arm keeps its supervision.
 
     Errors and signals end the command. Disconnecting stops nothing.
@@ -43,7 +43,7 @@ def looking_at(address: RobotAddress, **options: Any) -> Iterator[Robot]:
 
 
 @contextmanager
-def moving(address: RobotAddress, **options: Any) -> Iterator[Robot]:
+def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
     """Connect with a heartbeat. However the command ends, the arm is stopped first.
 
     Args:
@@ -60,7 +60,9 @@ def moving(address: RobotAddress, **options: Any) -> Iterator[Robot]:
         yield robot
 
 
-def until_told(what: str, robot: Robot, going: Callable[[], bool], seconds: float | None) -> None:
+def wait_until_ended(
+    what: str, robot: Robot, going: Callable[[], bool], seconds: float | None
+) -> None:
     """Print what is running, and wait until it ends: by itself, after a time, or by Ctrl-C.
 
     Args:

@@ -12,11 +12,11 @@ import anyio
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-__all__ = ["heard"]
+__all__ = ["receive_signals"]
 
 
 @contextmanager
-def heard(*signals: signal.Signals) -> Iterator[AsyncIterator[signal.Signals]]:
+def receive_signals(*signals: signal.Signals) -> Iterator[AsyncIterator[signal.Signals]]:
     """Receive signals instead of being ended by them. Use it on the main thread.
 
     The interpreter writes a byte for each signal, and the event loop reads it. Not every event

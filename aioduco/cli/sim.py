@@ -7,18 +7,17 @@ import signal
 import socket
 import sys
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from aioduco.cli import extras, picture, watching
+from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import RenderError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from aioduco.sim.scene import MountingLike
 
 __all__ = ["sim"]
 
@@ -36,36 +35,37 @@ def sim(
     status_port: Annotated[
         int | None,
         typer.Option(
-            min=0, max=65535, help="Push status frames on this port too; 2001 as a controller."
+            min=0, max=65535, help="Also push status frames on this port. A controller: 2001."
         ),
     ] = None,
     control_port: Annotated[
         int | None,
-        typer.Option(
-            min=0, max=65535, help="Take commands of `aioduco sim-do` here. Default: port + 10000."
-        ),
+        typer.Option(min=0, max=65535, help="Port for `aioduco sim-do`. Default: port + 10000."),
     ] = None,
     speed: Annotated[
-        float, typer.Option(min=0.01, max=1000.0, help="Times faster than the wall clock.")
+        float,
+        typer.Option(
+            min=0.01, max=1000.0, help="Speed of simulated time, as a multiple of real time."
+        ),
     ] = 1.0,
     programs: Annotated[
         Path | None,
-        typer.Option(exists=True, file_okay=False, help='Folder of programs, "<name>.json".'),
+        typer.Option(exists=True, file_okay=False, help="Folder of programs, `NAME.json`."),
     ] = None,
     scene: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="What stands around the arm: MJCF."),
+        typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
     ] = None,
     tool: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="What the flange carries: MJCF."),
+        typer.Option(exists=True, dir_okay=False, help="MJCF file: what the flange carries."),
     ] = None,
     gripper: Annotated[
         str | None,
         typer.Option(help="A gripper at the flange, such as robotiq_2f85, dh_ag95, parallel."),
     ] = None,
     mounting: Annotated[
-        str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz of the base [m, rad].")
+        str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
     ] = "floor",
     pedestal: Annotated[
         float, typer.Option(help="Height of a column under an arm on the floor [m].")
@@ -75,13 +75,14 @@ def sim(
         typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Refuse what is off the manual; else it is logged.")
+        bool,
+        typer.Option("--strict", help="Refuse calls that the manual forbids. Default: log them."),
     ] = False,
     real_readings: Annotated[
         bool,
-        typer.Option("--real-readings", help="Single precision; noise of the force sensor."),
+        typer.Option("--real-readings", help="Readings in single precision, with noise of forces."),
     ] = False,
-    view: Annotated[bool, typer.Option("--view", help="Show it in MuJoCo's window.")] = False,
+    view: Annotated[bool, typer.Option("--view", help="Show the arm in MuJoCo's window.")] = False,
 ) -> None:
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
     extras.need("sim", *(("plot",) if render else ()))
@@ -94,7 +95,7 @@ def sim(
     from aioduco.sim.spawned import SWITCH_INTERVAL  # noqa: PLC0415 - as above
 
     sys.setswitchinterval(SWITCH_INTERVAL)
-    with _bell() as (heard, ring):
+    with _wakeup_socket() as (heard, ring):
         try:
             simulator = Simulator(
                 model,
@@ -106,7 +107,7 @@ def sim(
                 scene=scene,
                 tool=tool,
                 gripper=gripper,
-                mounting=_mounting(mounting),
+                mounting=mounting_option(mounting),
                 strict=strict,
                 real_readings=real_readings,
                 pedestal=pedestal,
@@ -146,14 +147,8 @@ def _say_taken(host: str, ports: str, error: OSError) -> None:
     typer.echo(f"cannot listen on {host}:{ports}: {error.strerror or error}", err=True)
 
 
-def _mounting(text: str) -> MountingLike:
-    with contextlib.suppress(ValueError):
-        return [float(number) for number in text.split(",")]
-    return cast("MountingLike", text)
-
-
 @contextlib.contextmanager
-def _bell() -> Iterator[tuple[socket.socket, Callable[[], object]]]:
+def _wakeup_socket() -> Iterator[tuple[socket.socket, Callable[[], object]]]:
     """A socket that becomes readable after a signal, and a function that makes it readable.
 
     The system may deliver a signal to any thread, also to a thread of a library. A blocking call

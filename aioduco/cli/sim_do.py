@@ -21,12 +21,12 @@ def control_port_of(port: int) -> int:
 
 def sim_do(
     words: Annotated[
-        list[str] | None, typer.Argument(help="What to do, such as: input 3 on. None: help.")
+        list[str] | None, typer.Argument(help="Command, such as: input 3 on. Without one: help.")
     ] = None,
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the simulator.")] = 7003,
     control_port: Annotated[
         int | None,
-        typer.Option(min=1, max=65535, help="Its port for commands, if that is not port + 10000."),
+        typer.Option(min=1, max=65535, help="Port for commands. Default: port + 10000."),
     ] = None,
 ) -> None:
     """Do something at a simulator that runs on this computer: inputs, emergency stop, pushes."""

@@ -10,7 +10,7 @@ import typer
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.plain_values import print_json
-from aioduco.cli.sessions import looking_at
+from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,7 +58,7 @@ def look(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, An
     Returns:
         The values that `--json` prints.
     """
-    with looking_at(address) as robot:
+    with observing_session(address) as robot:
         found = _read(address, robot)
         if in_work_object:
             found["pose_in_work_object"] = [*robot.state.get_tcp_pose_coord()]

@@ -12,7 +12,7 @@ import typer
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
 from aioduco.cli.plain_values import print_json
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import looking_at
+from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 __all__ = ["bring_up", "pause", "recover", "resume", "stop"]
 
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the states afterwards as JSON.")]
 Timeout = Annotated[
-    float, typer.Option(min=0.1, max=600.0, help="Seconds in which the arm must be ready.")
+    float, typer.Option(min=0.1, max=600.0, help="Seconds within which the arm must be ready.")
 ]
 
 
@@ -109,7 +109,7 @@ def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = 
 
 def _done(address: RobotAddress, work: Callable[[Robot], object], said: str, as_json: bool) -> None:
     """Do the work, and print the states after it."""
-    with looking_at(address) as robot:
+    with observing_session(address) as robot:
         work(robot)
         states = robot.state.get_robot_state()
     if as_json:

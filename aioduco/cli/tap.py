@@ -29,16 +29,18 @@ def tap(
     port: Port = None,
     listen: Annotated[
         str,
-        typer.Option(help="Address and port for clients; port 0 takes a free one."),
+        typer.Option(help="Address and port for clients. Port 0: a free one."),
     ] = "127.0.0.1:7004",
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Also into this file: .jsonl, or .mcap as record."),
+        typer.Option("--output", "-o", help="Also write the calls to this .jsonl or .mcap file."),
     ] = None,
     only: Annotated[
         str | None, typer.Option(help="Show only these functions, with commas between them.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="A line of JSON for each call.")] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print a line of JSON for each call.")
+    ] = False,
 ) -> None:
     """Show each call of any client to any controller, with its answer and time. Ctrl-C ends it.
 

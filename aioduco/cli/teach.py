@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.questions import ask
-from aioduco.cli.sessions import looking_at, moving
+from aioduco.cli.sessions import control_session, observing_session
 
 if TYPE_CHECKING:
     from aioduco.playback import WaypointFile
@@ -45,7 +45,7 @@ def teach(
     """
     address = robot_at(host, port)
     # No heartbeat: another program may lead the arm.
-    with looking_at(address) as robot:
+    with observing_session(address) as robot:
         kept = _file(robot, output)
         if not guide:
             _keep(robot, kept, output)
@@ -56,7 +56,7 @@ def teach(
     )
     ask(text, "Let it give way?", yes=yes)
     # A person may take any time: hand guiding must not stop because no call is made.
-    with moving(address, hold_limit=None) as robot:
+    with control_session(address, hold_limit=None) as robot:
         robot.bring_up()
         with robot.motion.teach_mode.start():
             _keep(robot, kept, output)

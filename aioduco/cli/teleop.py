@@ -14,7 +14,7 @@ from aioduco.cli.addresses import Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import moving
+from aioduco.cli.sessions import control_session
 
 if TYPE_CHECKING:
     from aioduco.sync import Robot
@@ -53,26 +53,32 @@ def teleop(
         typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
     ] = None,
     port: Port = None,
-    device: Annotated[DeviceName, typer.Option(help="What leads the arm.")] = DeviceName.KEYBOARD,
+    device: Annotated[
+        DeviceName, typer.Option(help="Input device that moves the arm.")
+    ] = DeviceName.KEYBOARD,
     path: Annotated[
         str | None, typer.Option(help="The device's file, such as /dev/input/js0.")
     ] = None,
     frame: Annotated[
-        TeleopFrame, typer.Option(help="Along whose axes the tool moves.")
+        TeleopFrame, typer.Option(help="Frame along whose axes the tool moves.")
     ] = TeleopFrame.BASE,
-    wobj: Annotated[str, typer.Option(help="Name of the work object; the one in use.")] = "",
+    wobj: Annotated[
+        str, typer.Option(help="Name of the work object. Default: the one in use.")
+    ] = "",
     joints: Annotated[bool, typer.Option("--joints", help="Turn the joints instead.")] = False,
-    speed: Annotated[float, typer.Option(min=1e-4, max=1.0, help="Of the tool [m/s].")] = 0.05,
+    speed: Annotated[
+        float, typer.Option(min=1e-4, max=1.0, help="Speed of the tool [m/s].")
+    ] = 0.05,
     turn_speed: Annotated[
-        float, typer.Option(min=1e-3, max=3.0, help="Of the tool's turning [rad/s].")
+        float, typer.Option(min=1e-3, max=3.0, help="Turning speed of the tool [rad/s].")
     ] = 0.2,
     joint_speed: Annotated[
-        float, typer.Option(min=1e-3, max=3.0, help="Of each joint, with --joints [rad/s].")
+        float, typer.Option(min=1e-3, max=3.0, help="Speed of each joint, with --joints [rad/s].")
     ] = 0.1,
     record: Annotated[
-        Path | None, typer.Option(help="Record what the arm does; `aioduco play` plays it.")
+        Path | None, typer.Option(help="Record the arm to this file, for `aioduco play`.")
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
 ) -> None:
     """Lead an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
 
@@ -105,7 +111,7 @@ def teleop(
         f"by the axes of the {frame.value}"
     )  # fmt: skip
     ask(f"arm    {address}\nBy the {device.value}, {how}.\n{SAFE}", "Lead the arm?", yes=yes)
-    with moving(address) as robot:
+    with control_session(address) as robot:
         robot.bring_up()
         task.lead(robot)
 

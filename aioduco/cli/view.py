@@ -9,7 +9,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.sessions import looking_at, until_told
+from aioduco.cli.sessions import observing_session, wait_until_ended
 
 __all__ = ["view"]
 
@@ -45,11 +45,11 @@ def view(
         raise typer.BadParameter("say what to view it with: --foxglove")
     extras.need("record")
     address = robot_at(host, port)
-    with looking_at(address, state_rate=rate) as robot:
+    with observing_session(address, state_rate=rate) as robot:
         publication = robot.publish(listen, host=bind, forces=forces)
         with publication:
             what = f"{address} is on {publication.url}"
-            until_told(what, robot, lambda: publication.running, seconds)
+            wait_until_ended(what, robot, lambda: publication.running, seconds)
     if publication.error is not None:
         typer.echo(f"it ended early: {publication.error}", err=True)
         raise typer.Exit(FAILED)

@@ -170,7 +170,7 @@ class DucoCobot(ManualFunctions):
         self._connection: Connection | None = None
         # Held during a call. It is reentrant: a signal handler in the middle of a call of its own
         # thread gets it too, and does not wait for itself.
-        self._turn = threading.RLock()
+        self._lock = threading.RLock()
         #: the thread that opened it, until use by another one was logged
         self._opener: threading.Thread | None = None
 
@@ -209,7 +209,7 @@ class DucoCobot(ManualFunctions):
         connection = self._connection
         if connection is not None and connection.state is ConnectionState.ACTIVE:
             return 0
-        with self._turn:
+        with self._lock:
             connection = self._connection
             if connection is not None:
                 if connection.state is ConnectionState.IDLE:
@@ -242,9 +242,9 @@ class DucoCobot(ManualFunctions):
         connection, self._connection = self._connection, None
         if connection is None:
             return 0
-        if not self._turn.acquire(blocking=False):
+        if not self._lock.acquire(blocking=False):
             connection.abandon("close() was called")
-            self._take_turn()
+            self._acquire()
         try:
             if connection.state is ConnectionState.ACTIVE:
                 # in a signal handler in the middle of a call, which closes it when it resumes
@@ -252,7 +252,7 @@ class DucoCobot(ManualFunctions):
             else:
                 connection.close()
         finally:
-            self._turn.release()
+            self._lock.release()
         return 0
 
     def get_version(self) -> str:
@@ -265,7 +265,7 @@ class DucoCobot(ManualFunctions):
 
     def forked(self) -> None:
         """Renew the lock in a forked child: a thread that holds it exists only in the parent."""
-        self._turn = threading.RLock()
+        self._lock = threading.RLock()
 
     def _call(self, name: str, args: tuple[Any, ...]) -> Any:
         given = wire_arguments(name, args, self.op_)
@@ -281,8 +281,8 @@ class DucoCobot(ManualFunctions):
         if self._connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
         if call_kind(name) is not CallKind.STOP:
-            self._take_turn()
-        elif not self._turn.acquire(blocking=False):
+            self._acquire()
+        elif not self._lock.acquire(blocking=False):
             return self._send_aside(name, args)
         try:
             connection = self._connection
@@ -294,11 +294,11 @@ class DucoCobot(ManualFunctions):
             connection.hand_over()
             return connection.call(name, args, self.timeout)
         finally:
-            self._turn.release()
+            self._lock.release()
 
-    def _take_turn(self) -> None:
+    def _acquire(self) -> None:
         """Wait until the call of another thread has ended; signal handlers can run in between."""
-        while not self._turn.acquire(timeout=WAKE_EVERY):
+        while not self._lock.acquire(timeout=WAKE_EVERY):
             pass
 
     def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:

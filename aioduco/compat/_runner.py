@@ -114,17 +114,17 @@ class VendorModules(MetaPathFinder, Loader):
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         """Return the spec of the module, if it is one of them."""
-        if self._known(fullname) is None:
+        if self._vendor_name(fullname) is None:
             return None
         return ModuleSpec(fullname, self, origin=compat.__name__, is_package=True)
 
     def exec_module(self, module: ModuleType) -> None:
         """Fill the module."""
-        known = self._known(module.__name__)
+        known = self._vendor_name(module.__name__)
         assert known is not None
         vars(module).update(_MODULES[known]())
 
-    def _known(self, fullname: str) -> str | None:
+    def _vendor_name(self, fullname: str) -> str | None:
         parts = fullname.split(".")
         for begin, first in enumerate(parts):
             # other libraries have a module `thrift`, too; the vendor's copy is in `lib`

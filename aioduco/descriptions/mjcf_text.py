@@ -13,7 +13,7 @@ import numpy as np
 
 from aioduco.descriptions.collisions import disabled_pairs
 from aioduco.descriptions.tree import STATES, WORLD
-from aioduco.descriptions.xml_text import numbers, pretty
+from aioduco.descriptions.xml_text import COLOURS, numbers, pretty
 from aioduco.kinematics.bodies import ROTOR
 from aioduco.models.rotation import quaternion_from_matrix
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["mjcf_scene", "mjcf_text"]
 
 _SERVO = 2 * math.pi * 25  # natural frequency of a drive that moves only its own rotor [rad/s]
-_COLOURS = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
 #: frames that become sites; `attachment_site` is the name of the tool's place in Menagerie's arms
 _SITES = {"tool0": ("tool0", "attachment_site"), "tcp": ("tcp",)}
 
@@ -50,7 +49,7 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
     actuator = ET.SubElement(root, "actuator")
     for tree in trees:
         _classes(classes, tree)
-        for colour, rgba in _COLOURS.items():
+        for colour, rgba in COLOURS.items():
             ET.SubElement(asset, "material", name=tree.arm.prefix + colour, rgba=rgba)
         _bodies(world, tree, meshes)
         for pair in disabled_pairs(tree):

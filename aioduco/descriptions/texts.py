@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco.descriptions.meshes import find_meshes
 from aioduco.descriptions.mjcf_text import mjcf_text
 from aioduco.descriptions.moveit_files import moveit_files
 from aioduco.descriptions.srdf_text import srdf_text
-from aioduco.descriptions.tree import ArmDescription
+from aioduco.descriptions.tree import WORD, ArmDescription
 from aioduco.descriptions.urdf_text import urdf_text
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
@@ -27,7 +26,6 @@ ArmLike: TypeAlias = str | Arm | ArmDescription
 
 _URDF_KINDS = (".dae", ".stl", ".obj")
 _MJCF_KINDS = (".obj", ".stl")
-_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 
 def urdf(
@@ -138,7 +136,7 @@ def _take(arms: tuple[ArmLike, ...], name: str | None) -> tuple[str, list[ArmTre
     if len(set(prefixes)) < len(prefixes):
         raise ParameterError("prefix", prefixes, "a different one for each arm")
     whole = "_".join(arm.arm.name for arm in described) if name is None else name
-    if not _NAME.fullmatch(whole):
+    if not WORD.fullmatch(whole):
         raise ParameterError("name", whole, "a word of letters, digits and _")
     return whole, [arm.tree() for arm in described]
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "STATES",
+    "WORD",
     "WORLD",
     "ArmDescription",
     "ArmTree",
@@ -43,7 +44,9 @@ STATES: Mapping[str, Joints] = {
 }
 """Configurations by name: `home` and `ahead` have the flange down, `up` is straight up."""
 
-_WORD = re.compile(r"[A-Za-z]\w*", re.ASCII)
+WORD = re.compile(r"[A-Za-z]\w*", re.ASCII)
+"""What names of models and prefixes consist of."""
+
 _DENSITY = 2700.0  # density of aluminium, for tools of unknown size [kg/m³]
 
 
@@ -116,7 +119,7 @@ class ArmDescription:
     tool: ToolDescription | None = None
 
     def __post_init__(self) -> None:
-        if self.prefix and not _WORD.fullmatch(self.prefix):
+        if self.prefix and not WORD.fullmatch(self.prefix):
             raise ParameterError("prefix", self.prefix, "letters, digits and _, a letter first")
         self.tree()
 

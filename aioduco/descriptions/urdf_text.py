@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from aioduco.descriptions.tree import WORLD
-from aioduco.descriptions.xml_text import numbers, pretty
+from aioduco.descriptions.xml_text import COLOURS, numbers, pretty
 from aioduco.models.rotation import rpy_from_matrix
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["urdf_text"]
 
-_COLOURS = {"duco_light": "0.9 0.91 0.92 1", "duco_blue": "0.16 0.36 0.62 1"}
-
 
 def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str]) -> str:
     """Return the URDF of some arms in one world.
@@ -36,8 +34,8 @@ def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str]) ->
         meshes: by link, the URI of a mesh to show instead of the link's own shape.
     """
     robot = ET.Element("robot", name=name)
-    for colour, rgba in _COLOURS.items():
-        ET.SubElement(ET.SubElement(robot, "material", name=colour), "color", rgba=rgba)
+    for colour, rgba in COLOURS.items():
+        ET.SubElement(ET.SubElement(robot, "material", name=f"duco_{colour}"), "color", rgba=rgba)
     if any(joint.parent == WORLD for tree in trees for joint in tree.joints):
         ET.SubElement(robot, "link", name=WORLD)
     for tree in trees:

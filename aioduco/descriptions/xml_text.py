@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["numbers", "pretty"]
+__all__ = ["COLOURS", "numbers", "pretty"]
+
+COLOURS: Final = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
+"""Colours of the arm by name, as RGBA."""
 
 
 def numbers(values: Iterable[float]) -> str:

@@ -42,14 +42,14 @@ _LONG_WAY = 100.0  # summed distance after which the sum restarts at zero, becau
 class _Zone:
     """The checker's data of one zone."""
 
-    __slots__ = ("action", "bodies", "bulges", "give", "margin", "name", "near", "speed")
+    __slots__ = ("action", "bodies", "keep_out", "margin", "name", "near", "speed", "tolerance")
 
     def __init__(self, name: str, action: str, speed: float, *shape: Any) -> None:
         kind, keep_in, bodies, at, size, turn = shape
         self.name, self.action, self.speed = name, action, speed
         self.bodies: tuple[int, ...] = tuple(bodies)
-        #: whether a chord may come nearer to the zone than both its ends
-        self.bulges = not keep_in
+        #: whether bodies must stay outside: a chord may then come nearer than both its ends
+        self.keep_out = not keep_in
         sign = -1.0 if keep_in else 1.0
         self.margin: _Margin
         if kind == "plane":
@@ -61,7 +61,7 @@ class _Zone:
         #: whether a body may reach the zone in the sweep that is being checked
         self.near = False
         #: small depth by which the arm was beyond the limit at the start; it may not go deeper [m]
-        self.give = 0.0
+        self.tolerance = 0.0
 
 
 def _plane(at: Sequence[float], normal: Sequence[float]) -> _Margin:
@@ -109,7 +109,7 @@ def _box(sign: float, at: Sequence[float], size: Sequence[float], turn: Sequence
     return margin
 
 
-class _Approach:
+class _BodyZonePair:
     """A pair of a body and a zone.
 
     Attributes:
@@ -123,7 +123,7 @@ class _Approach:
         self.due = 0.0
 
 
-class _Approaches:
+class _BodyZonePairs:
     """The pairs of all bodies that share one summed distance.
 
     Attributes:
@@ -134,7 +134,7 @@ class _Approaches:
 
     def __init__(self, zones: Sequence[_Zone], bodies: Sequence[int]) -> None:
         self.all = [
-            _Approach(zone, body) for zone in zones for body in zone.bodies if body in bodies
+            _BodyZonePair(zone, body) for zone in zones for body in zone.bodies if body in bodies
         ]
         self.begin()
 
@@ -163,7 +163,7 @@ class _Approaches:
             if due <= until:
                 zone = each.zone
                 x, y, z = places[each.body]
-                margin = each.margin(x, y, z) + zone.give
+                margin = each.margin(x, y, z) + zone.tolerance
                 if margin > room:
                     each.due = due = way + margin
                 else:  # also if the body's position is not known
@@ -186,8 +186,9 @@ class EnvelopeChecker:
         by_tip: whether configurations are poses of the tip.
 
     Attributes:
-        near: joint angles; for a tip, the nearest solution of the inverse kinematics is used [rad].
-        stray: largest deviation of a sweep's path from the straight line, as a share of its length.
+        seed: joint angles; for a tip, the nearest solution of the inverse kinematics is used [rad].
+        deviation: largest deviation of a sweep's path from the straight line, as a share of its
+            length.
     """
 
     def __init__(self, packed: Mapping[str, Any], *, by_tip: bool = False) -> None:
@@ -234,12 +235,12 @@ class EnvelopeChecker:
         #: distance of the elbow from the axes of joints 1 and 2, which alone move it [m]
         self._elbow_reaches = hypot(a2, d2), abs(a2)
         self._lever = tip
-        self._elbow = _Approaches(self._zones, (1,))
-        self._wrist = _Approaches(self._zones, (0, 2))
+        self._elbow = _BodyZonePairs(self._zones, (1,))
+        self._wrist = _BodyZonePairs(self._zones, (0, 2))
         self._solve: Any = None
         self._nearest: Any = None
-        self.near: Joints6 = ()
-        self.stray: float = 0.0
+        self.seed: Joints6 = ()
+        self.deviation: float = 0.0
         self._at: Sequence[float] = ()
         #: sum of the joints' turns, and the sum at which their margins must be computed next [rad]
         self._turned = self._joints_due = 0.0
@@ -263,7 +264,7 @@ class EnvelopeChecker:
         if self._kept[0] is not config:
             self._kept = self._ahead if self._ahead[0] is config else self._seen(config)
             if self._kept[2]:
-                self.near = self._kept[2]
+                self.seed = self._kept[2]
         return self._kept
 
     def _look_ahead(self, config: Sequence[float]) -> _Look:
@@ -333,7 +334,7 @@ class EnvelopeChecker:
         )
         q: Joints6 = ()
         elbow = _NOWHERE
-        if self._needs_joints and self.near:
+        if self._needs_joints and self.seed:
             rows = (
                 (f00, f01, f02, flange[0]),
                 (f10, f11, f12, flange[1]),
@@ -354,11 +355,11 @@ class EnvelopeChecker:
             geometry = Geometry(*self._geometry)
             self._solve = lambda flange, q6: solutions(geometry, flange, q6)
             self._nearest = nearest_turns
-        near = self.near
+        seed = self.seed
         best, least = None, math.inf
-        for found in self._solve(rows, near[5]):
-            turned = self._nearest(found, near, self._lower, self._upper)
-            if turned is not None and (off := math.dist(turned, near)) < least:
+        for found in self._solve(rows, seed[5]):
+            turned = self._nearest(found, seed, self._lower, self._upper)
+            if turned is not None and (off := math.dist(turned, seed)) < least:
                 best, least = tuple(turned), off
         if best is None:
             return ()
@@ -380,7 +381,7 @@ class EnvelopeChecker:
         for zone in self._zones:
             depths = [-zone.margin(*places[body]) for body in zone.bodies if _known(places[body])]
             depth = max(depths, default=0.0)
-            zone.give = depth if 0.0 < depth <= _BESIDE else 0.0
+            zone.tolerance = depth if 0.0 < depth <= _BESIDE else 0.0
         return self.sweep(config, config)
 
     def moved(self, config: Sequence[float]) -> None:
@@ -410,6 +411,7 @@ class EnvelopeChecker:
         """
         if self._by_tip or start is self._at:
             return False
+        # The sums of `_travel_joints`, written out: a call would take half as long as all of this.
         a1, a2, a3, a4, a5, a6 = self._at
         b1, b2, b3, b4, b5, b6 = start
         r1, r2, r3, r4, r5, r6 = self._reaches
@@ -423,7 +425,7 @@ class EnvelopeChecker:
         self._turned += turn
         # Upper bound of the distance of the bodies from their chords during the sweep
         turn *= more
-        off = tip * more * (turn / 4 + self.stray) + _ROUNDING
+        off = tip * more * (turn / 4 + self.deviation) + _ROUNDING
         elbow, wrist = bend * more + off, tip * more + off
         if self._near(start, elbow, wrist):
             self._marked = start, elbow, wrist
@@ -472,8 +474,8 @@ class EnvelopeChecker:
         elbow = tip = sag = 0.0
         if end is not start:
             elbow, tip, sag = self._travel(start, end)
-            if self.stray:
-                sag += self.stray * tip
+            if self.deviation:
+                sag += self.deviation * tip
         elbow += sag + _ROUNDING
         tip += sag + _ROUNDING
         marked, most_elbow, most_tip = self._marked
@@ -519,14 +521,18 @@ class EnvelopeChecker:
         return next(each[2] for each in self._joints + self._singular if each[0] == name)
 
     def margins(self, config: Sequence[float]) -> list[Crossing]:
-        """Margins of a configuration: to zones (nearest body), joint limits and singularities."""
+        """Margins of a configuration: to zones (nearest body), joint limits and singularities.
+
+        If no joints reach the configuration, limits that need them are left out, as is a zone for
+        the elbow alone.
+        """
         _, places, q = self._look(config)
         found = []
         for zone in self._zones:
-            nearest = min(
-                (zone.margin(*places[body]), body) for body in zone.bodies if _known(places[body])
-            )
-            margin, body = nearest
+            bodies = [body for body in zone.bodies if _known(places[body])]
+            if not bodies:
+                continue
+            margin, body = min((zone.margin(*places[body]), body) for body in bodies)
             found.append(Crossing(zone.name, BODIES[body], places[body], margin, "m", zone.action))
         return found + (self._joint_margins(q, places[0]) if q else [])
 
@@ -542,8 +548,8 @@ class EnvelopeChecker:
             a, b = places[body], further[body]
             if a[0] != a[0] or b[0] != b[0]:
                 continue  # not known, because no joints reach it
-            first = zone.margin(*a) + zone.give
-            last = first if a is b else zone.margin(*b) + zone.give
+            first = zone.margin(*a) + zone.tolerance
+            last = first if a is b else zone.margin(*b) + zone.tolerance
             low = first if first < last else last
             # The margin is at least low - sag - chord; the path is checked only if that is below 0.
             if 0.0 <= low < sag + chords[body]:
@@ -558,7 +564,7 @@ class EnvelopeChecker:
     ) -> float:
         """A lower bound of the margin on the path between two positions; only its sign is exact."""
         low = first if first < last else last
-        if not zone.bulges:
+        if not zone.keep_out:
             # The margin is at least the linear interpolation of both margins, minus the arc's sag.
             rise = last - first
             if sag <= 0.0 or abs(rise) >= 4 * sag:
@@ -575,7 +581,7 @@ class EnvelopeChecker:
                 continue
             middle = (begin + end) / 2
             mid = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2)
-            between = zone.margin(*mid) + zone.give
+            between = zone.margin(*mid) + zone.tolerance
             if left == 0 or between < 4 * sag * middle * (1 - middle):
                 return min(bound, between)
             todo.append((a, mid, first, between, begin, middle, left - 1))
@@ -650,7 +656,7 @@ class EnvelopeChecker:
             for body in zone.bodies:
                 a, b = start[body], end[body]
                 if _known(a) and _known(b):
-                    first, last = (zone.margin(*each) + zone.give for each in (a, b))
+                    first, last = (zone.margin(*each) + zone.tolerance for each in (a, b))
                     low = self._lowest(zone, a, b, first, last, 0.0)
                     if low < 0.0:
                         return Crossing(zone.name, BODIES[body], b, low, "m", zone.action)

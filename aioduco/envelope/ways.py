@@ -218,7 +218,7 @@ def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, floa
     """Check a path, and compute by how much the motion must be slowed down.
 
     Args:
-        checker: checker for configurations of the path's kind; `near` is the arm's position.
+        checker: checker for configurations of the path's kind; `seed` is the arm's position.
         way: the path.
 
     Returns:

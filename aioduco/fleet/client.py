@@ -68,8 +68,8 @@ class FleetClient:
     def __init__(self, settings: FleetSettings) -> None:
         self._settings = settings
         self._link = FleetLink(settings, listens=False)
-        self._there: set[str] = set()
-        self._told: dict[str, GatewayReport] = {}
+        self._present: set[str] = set()
+        self._reports: dict[str, GatewayReport] = {}
         self._changed = anyio.Event()
 
     async def __aenter__(self) -> Self:
@@ -80,8 +80,12 @@ class FleetClient:
             ConnectError: Zenoh's configuration is wrong.
         """
         await self._link.__aenter__()
-        self._link.watch_gateways(self._seen)
-        self._link.watch_states(self._heard)
+        try:
+            self._link.watch_gateways(self._presence_changed)
+            self._link.watch_states(self._report_received)
+        except BaseException:  # also a panic of Zenoh, which is no Exception
+            await self._link.__aexit__(None, None, None)
+            raise
         return self
 
     async def __aexit__(
@@ -92,21 +96,21 @@ class FleetClient:
     ) -> None:
         await self._link.__aexit__(kind, exc, traceback)
 
-    def _seen(self, gateway: str, there: bool) -> None:
+    def _presence_changed(self, gateway: str, there: bool) -> None:
         if there:
-            self._there.add(gateway)
+            self._present.add(gateway)
         else:
-            self._there.discard(gateway)
-            self._told.pop(gateway, None)
+            self._present.discard(gateway)
+            self._reports.pop(gateway, None)
         self._wake()
 
-    def _heard(self, gateway: str, data: bytes) -> None:
+    def _report_received(self, gateway: str, data: bytes) -> None:
         try:
             report = GatewayReport.decode(data)
         except MessageRefused:
             return  # counts as silent, and so as missing
         if report.gateway == gateway:
-            self._told[gateway] = report
+            self._reports[gateway] = report
             self._wake()
 
     def _wake(self) -> None:
@@ -114,7 +118,7 @@ class FleetClient:
         changed.set()
 
     def _missing(self, found: Iterable[str]) -> tuple[str, ...]:
-        return tuple(sorted((self._there | {*self._settings.expect}) - {*found}))
+        return tuple(sorted((self._present | {*self._settings.expect}) - {*found}))
 
     async def status(self, timeout: float = 3.0) -> FleetView:
         """Wait until every gateway has reported, and return the state of the fleet.
@@ -122,14 +126,14 @@ class FleetClient:
         Args:
             timeout: time after which gateways without a report are missing [s].
         """
-        await self._until(lambda: not self._missing(self._told), timeout)
+        await self._until(lambda: not self._missing(self._reports), timeout)
         return self.view
 
     @property
     def view(self) -> FleetView:
         """Known state of the fleet at this moment."""
-        found = tuple(self._told[name] for name in sorted(self._told))
-        return FleetView(found, self._missing(self._told))
+        found = tuple(self._reports[name] for name in sorted(self._reports))
+        return FleetView(found, self._missing(self._reports))
 
     async def stop(self, arms: Iterable[str] | None = None, timeout: float = 5.0) -> FleetStop:
         """Stop arms, and wait until all gateways have answered.
@@ -155,7 +159,7 @@ class FleetClient:
                 self._wake()
 
         def over() -> bool:
-            for gateway in sorted(self._there - asked):
+            for gateway in sorted(self._present - asked):
                 asked.add(gateway)
                 self._link.ask_for_stop(gateway, request, timeout, answered)
             return not self._missing(answers) and not (asked - answers.keys())
@@ -174,8 +178,8 @@ class FleetClient:
             while True:
                 changed = self._changed
                 done = over()
-                if done and self._there and anyio.current_time() >= enough:
+                if done and self._present and anyio.current_time() >= enough:
                     return
-                limit = enough if done and self._there else begin + timeout
+                limit = enough if done and self._present else begin + timeout
                 with anyio.CancelScope(deadline=limit):
                     await changed.wait()

@@ -71,13 +71,18 @@ class FleetGateway:
             ConnectError: an address cannot be listened on.
         """
         await self._link.__aenter__()
+        try:
+            self._link.answer_stops(self._settings.gateway, self._stop)
+            self._link.declare_alive(self._settings.gateway)
+        except BaseException:  # also a panic of Zenoh, which is no Exception
+            await self._link.__aexit__(None, None, None)
+            raise
+        # Begun last: a gateway that fails to start must not leave tasks behind.
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         for arm in self._settings.arms:
-            self._tasks.start_soon(self._keep, arm)
-        self._link.answer_stops(self._settings.gateway, self._stop)
-        self._link.declare_alive(self._settings.gateway)
-        self._tasks.start_soon(self._tell)
+            self._tasks.start_soon(self._supervise, arm)
+        self._tasks.start_soon(self._publish_reports)
         return self
 
     async def __aexit__(
@@ -93,7 +98,7 @@ class FleetGateway:
         finally:
             await self._link.__aexit__(kind, exc, traceback)
 
-    async def _keep(self, arm: ArmSettings) -> None:
+    async def _supervise(self, arm: ArmSettings) -> None:
         """Keep one robot open: reopen it whenever it fails."""
         due = anyio.current_time()
         while True:
@@ -139,11 +144,11 @@ class FleetGateway:
         with robot.events.subscribe() as events:
             async for event in events:
                 if isinstance(event, ConnectionGone):
-                    self._state.silent(name, event.reason)
+                    self._state.connection_lost(name, event.reason)
                 elif isinstance(event, ConnectionBack):
-                    self._state.answers(name)
+                    self._state.connection_restored(name)
 
-    async def _tell(self) -> None:
+    async def _publish_reports(self) -> None:
         begin = anyio.current_time()
         number = 0
         while True:

@@ -62,18 +62,18 @@ class GatewayState:
     def opened(self, arm: str) -> None:
         """A robot was opened: from now on, stops can be sent to it."""
         self._connected.add(arm)
-        self.answers(arm)
+        self.connection_restored(arm)
 
     def closed(self, arm: str, why: str) -> None:
         """A robot was closed, or could not be opened."""
         self._connected.discard(arm)
-        self.silent(arm, why)
+        self.connection_lost(arm, why)
 
-    def answers(self, arm: str) -> None:
+    def connection_restored(self, arm: str) -> None:
         """A controller answers."""
         self._arms[arm] = replace(self._arms[arm], link="up", error="")
 
-    def silent(self, arm: str, why: str) -> None:
+    def connection_lost(self, arm: str, why: str) -> None:
         """A controller does not answer. Stops are still sent to it while its robot is open."""
         self._arms[arm] = replace(self._arms[arm], link="lost", error=why)
 

@@ -66,7 +66,11 @@ class FleetLink:
             self._session = await anyio.to_thread.run_sync(zenoh.open, config)
         except (zenoh.ZError, OSError, ValueError) as error:
             raise ConnectError(where or "Zenoh", 0, str(error)) from error
-        await self._portal.__aenter__()
+        try:
+            await self._portal.__aenter__()
+        except BaseException:
+            await self._close_session()
+            raise
         return self
 
     async def __aexit__(
@@ -75,12 +79,15 @@ class FleetLink:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        session, self._session = self._session, None
         try:
             await self._portal.__aexit__(kind, exc, traceback)
         finally:
-            with anyio.CancelScope(shield=True):
-                await anyio.to_thread.run_sync(session.close)
+            await self._close_session()
+
+    async def _close_session(self) -> None:
+        session, self._session = self._session, None
+        with anyio.CancelScope(shield=True):
+            await anyio.to_thread.run_sync(session.close)
 
     def _config(self, zenoh: Any) -> Any:
         settings = self._settings

@@ -82,7 +82,7 @@ class DhGripper(ModbusGripper):
         Raises:
             GripperTimeout: the gripper did not become ready.
         """
-        async with self._turn:
+        async with self._lock:
             if (await self.status()).initialization is registers.Initialization.DONE:
                 return
             self._held = self._lost = False

@@ -135,7 +135,7 @@ class PolledGripper(ABC):
             *model.speed, "m/s", source=model.source
         )  # fmt: skip
         self._state: GripperState | None = None
-        self._turn = anyio.Lock()
+        self._lock = anyio.Lock()
         self._background = BackgroundTasks(self._poll_failed)
         self._held = self._lost = self._going = False
 
@@ -285,7 +285,7 @@ class PolledGripper(ABC):
                 speed_ = self._speed("speed", speed)
         elif self._speed is not None:
             speed_ = max(speed_, self._speed.low)
-        async with self._turn:
+        async with self._lock:
             return await self._carry_out(width_, speed_, force_)
 
     def _cannot(self, name: str, value: float) -> None:
@@ -301,12 +301,12 @@ class PolledGripper(ABC):
         except TimeoutError as error:
             if isinstance(error, DucoError):  # the gripper did not answer: nothing more is sent
                 raise
-            await self._halt_for_good()
+            await self._halt_shielded()
             raise GripperTimeout(
                 f"{self!r} did not come to rest within {self._timeout:g} s; it was halted"
             ) from error
         except anyio.get_cancelled_exc_class():
-            await self._halt_for_good()
+            await self._halt_shielded()
             raise
         finally:
             self._going = False
@@ -319,7 +319,7 @@ class PolledGripper(ABC):
                 return state
         raise AssertionError("a schedule without end has ended")
 
-    async def _halt_for_good(self) -> None:
+    async def _halt_shielded(self) -> None:
         with anyio.move_on_after(_HALTING, shield=True):
             try:
                 await self._halt()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import anyio
 
 from aioduco.errors import (
+    DucoError,
     GripperFault,
     GripperNotActivated,
     GripperTimeout,
@@ -85,8 +86,9 @@ class Robotiq(ModbusGripper):
         Raises:
             GripperFault: the gripper has a fault that this does not clear.
             GripperTimeout: the gripper did not become ready.
+            ModbusError: the gripper did not answer as it should; its fingers may move.
         """
-        async with self._turn:
+        async with self._lock:
             found = await self.status()
             if found.activation is registers.Activation.ACTIVE and not found.fault:
                 return
@@ -101,7 +103,7 @@ class Robotiq(ModbusGripper):
                         if found.activation is registers.Activation.ACTIVE:
                             break
             except TimeoutError as error:
-                if isinstance(error, GripperTimeout):
+                if isinstance(error, DucoError):  # the gripper did not answer
                     raise
                 raise GripperTimeout(
                     f"{self!r} was not ready within {self._timeout:g} s; it may still move"

@@ -191,7 +191,7 @@ class Arm:
     def _solve(self, target: Array, q6: float) -> list[single.Configuration]:
         rows = target.tolist()
         found = single.solutions(self.geometry, rows, q6)
-        if all(single.miss(self.geometry, q, rows) < _EXACT for q in found):
+        if all(single.pose_error(self.geometry, q, rows) < _EXACT for q in found):
             return found
         refined = inverse.refine(self.geometry, np.array(found), target)
         error = np.abs(inverse.residual(self.geometry, refined, target)).max(axis=-1)

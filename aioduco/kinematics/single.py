@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics.geometry import Geometry
 
-__all__ = ["Configuration", "Rows", "miss", "nearest_turns", "solutions"]
+__all__ = ["Configuration", "Rows", "nearest_turns", "pose_error", "solutions"]
 
 Configuration: TypeAlias = tuple[float, float, float, float, float, float]
 """Six joint angles [rad]."""
@@ -112,7 +112,7 @@ def _into_reach(g: Geometry, u: float, w: float, q234: float) -> float:
     return math.copysign(size, off) - off
 
 
-def miss(geometry: Geometry, q: Configuration, flange: Rows) -> float:
+def pose_error(geometry: Geometry, q: Configuration, flange: Rows) -> float:
     """Return the error of the flange's pose.
 
     Args:

@@ -29,7 +29,7 @@ _BIGGEST = 3.4028234663852886e38  # largest finite float of four bytes
 
 
 #: by field, its offset [bytes] and its format in the notation of the struct module, little-endian
-_WHERE: Final = {
+_OFFSETS: Final = {
     "joint_position": (0, "7f"),
     "joint_velocity": (28, "7f"),
     "joint_acceleration": (56, "7f"),
@@ -228,5 +228,5 @@ def _single(value: float) -> float:
 #: for each field: name, offset, format, and number of elements, 0 for a single number
 _LAYOUT: Final = tuple(
     (name, offset, struct.Struct(f"<{form}"), int(form[:-1] or 0))
-    for name, (offset, form) in _WHERE.items()
+    for name, (offset, form) in _OFFSETS.items()
 )

@@ -154,7 +154,7 @@ class ControlLease:
         if self.phase is LeasePhase.OPENING:
             self.phase = LeasePhase.HELD
 
-    def give_back(self, page: int, reason: str = "control was given back") -> LeaseEffect | None:
+    def release(self, page: int, reason: str = "control was given back") -> LeaseEffect | None:
         """A page gives the lease back, or was closed."""
         return self._end(reason) if page == self.holder else None
 
@@ -220,11 +220,11 @@ class ControlLease:
             return None
         self._heard_at = now
         if not down:
-            return self.let_go(page)
+            return self.button_released(page)
         self._seen_at = max(self._seen_at, seen_at)
         return None
 
-    def let_go(self, page: int) -> LeaseEffect | None:
+    def button_released(self, page: int) -> LeaseEffect | None:
         """A page reports that its button was released."""
         return self._end_motion("") if page == self.holder else None
 

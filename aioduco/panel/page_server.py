@@ -41,7 +41,7 @@ _SILENT: Final = logging.Logger("aioduco.panel.pages", logging.CRITICAL)
 #: bytes in a page's send buffer above which further messages to it are skipped
 _FULL: Final = 65_536
 #: number of skipped messages in a row after which a page is disconnected
-_MOST_LEFT_OUT: Final = 200
+_MOST_SKIPPED: Final = 200
 _KINDS: Final = {
     "html": "text/html; charset=utf-8",
     "css": "text/css; charset=utf-8",
@@ -91,7 +91,7 @@ class PageServer:
         self._take = take
         self._left = left
         self._pages: dict[int, ServerConnection] = {}
-        self._left_out: dict[int, int] = {}
+        self._skipped: dict[int, int] = {}
         self._numbers = itertools.count(1)
 
     @property
@@ -122,7 +122,7 @@ class PageServer:
             self.port = address[1]
             yield
 
-    def tell_all(self, message: dict[str, Any]) -> None:
+    def broadcast(self, message: dict[str, Any]) -> None:
         """Send a message to every page, except pages whose send buffer is full."""
         if not self._pages:
             return
@@ -130,7 +130,7 @@ class PageServer:
         for page, connection in list(self._pages.items()):
             self._send(page, connection, text)
 
-    def tell(self, page: int, message: dict[str, Any]) -> None:
+    def send(self, page: int, message: dict[str, Any]) -> None:
         """Send a message to one page."""
         connection = self._pages.get(page)
         if connection is not None:
@@ -141,11 +141,11 @@ class PageServer:
         if transport.is_closing():
             return
         if transport.get_write_buffer_size() > _FULL:
-            self._left_out[page] = self._left_out.get(page, 0) + 1
-            if self._left_out[page] > _MOST_LEFT_OUT:
+            self._skipped[page] = self._skipped.get(page, 0) + 1
+            if self._skipped[page] > _MOST_SKIPPED:
                 transport.abort()
             return
-        self._left_out.pop(page, None)
+        self._skipped.pop(page, None)
         broadcast([connection], text)  # nothing is awaited
 
     async def _page(self, connection: ServerConnection) -> None:
@@ -162,7 +162,7 @@ class PageServer:
             raise
         finally:
             del self._pages[page]
-            self._left_out.pop(page, None)
+            self._skipped.pop(page, None)
             self._left(page)
 
     # -- HTTP ------------------------------------------------------------------------------------

@@ -163,8 +163,8 @@ class Panel:
         self._lease = ControlLease(self.token, hold_limit=hold_limit, page_limit=page_limit)
         self._server = PageServer(bind, listen, self._hello, self._take, self._left)
         quiet = self._options | {"heartbeat": None, "state_rate": max(rate, 10.0)}
-        self._onlooker: Robot = aioduco.connect(host, port, **quiet)
-        self._onlooker.feed.forces = True
+        self._observer: Robot = aioduco.connect(host, port, **quiet)
+        self._observer.feed.forces = True
         self._commander: Robot | None = None
         self._stack = contextlib.AsyncExitStack()
         self._scene: ArmScene | None = None
@@ -172,7 +172,7 @@ class Panel:
         self._all: TaskGroup | None = None
         self._work: TaskGroup | None = None
         self._lease_over = anyio.Event()
-        self._let_go = anyio.Event()
+        self._button_released = anyio.Event()
         self._motion_scope: anyio.CancelScope | None = None
         self._jog: Task | None = None
         self._resumed = False
@@ -214,8 +214,8 @@ class Panel:
             OSError: the port is taken, or the address is not one of this computer.
         """
         async with contextlib.AsyncExitStack() as stack:
-            await stack.enter_async_context(self._onlooker)
-            await self._look_around()
+            await stack.enter_async_context(self._observer)
+            await self._identify_arm()
             await stack.enter_async_context(self._server.listening())
             self._scene = await anyio.to_thread.run_sync(self._make_scene)
             stack.push_async_callback(anyio.to_thread.run_sync, self._scene.close)
@@ -241,11 +241,11 @@ class Panel:
         group.cancel_scope.cancel()
         await group.__aexit__(None, None, None)
 
-    async def _look_around(self) -> None:
+    async def _identify_arm(self) -> None:
         """Find out which arm it is, and whether there is a simulator."""
-        told = await _asked(self._onlooker.version.get_robot_type)
+        told = await _asked(self._observer.version.get_robot_type)
         arm = "" if told is None else arm_named(told)
-        version = self._onlooker.version.controller
+        version = self._observer.version.controller
         self._seldom["arm"] = f"{arm} {version}".strip()
         found = None if self._model is not None else model_named(arm)
         if found is not None:
@@ -257,7 +257,7 @@ class Panel:
         if self._simulator_port is not None:
             try:
                 await ask_simulator(self._simulator_port, "state")
-            except (OSError, TimeoutError) as error:
+            except OSError as error:
                 _log.info("no simulator takes commands: %s", error)
                 self._simulator_port = None
 
@@ -298,7 +298,7 @@ class Panel:
         try:
             request = page_request(message)
         except ParameterError as error:
-            self._server.tell(page, {"tell": "refused", "reason": str(error)})
+            self._server.send(page, {"tell": "refused", "reason": str(error)})
             return
         if isinstance(request, PageStop):  # before all other requests
             self._begin_stop()
@@ -308,11 +308,11 @@ class Panel:
         if isinstance(request, TakeControl):
             self._apply(lease.take(page, request.token, now))
         elif isinstance(request, GiveBack):
-            self._apply(lease.give_back(page))
+            self._apply(lease.release(page))
         elif isinstance(request, Press):
             self._apply(lease.press(page, request.motion, self._seen_at(request.seen), now))
         elif isinstance(request, LetGo):
-            self._apply(lease.let_go(page))
+            self._apply(lease.button_released(page))
         elif isinstance(request, PageBeat):
             seen_at = self._seen_at(request.seen)
             self._apply(lease.beat(page, seen_at, now, down=request.down))
@@ -330,12 +330,12 @@ class Panel:
         return self._sent.get(number, -math.inf)
 
     def _left(self, page: int) -> None:
-        self._apply(self._lease.give_back(page, "its page is gone"))
+        self._apply(self._lease.release(page, "its page is gone"))
 
     def _apply(self, effect: LeaseEffect | None) -> None:
         """Carry out a decision of the lease."""
         if isinstance(effect, RefusePage):
-            self._server.tell(effect.page, {"tell": "refused", "reason": effect.reason})
+            self._server.send(effect.page, {"tell": "refused", "reason": effect.reason})
             if effect.wrong_token:
                 where = self._server.address_of(effect.page)
                 _log.warning("the panel refused a wrong token from %s; nothing was moved", where)
@@ -348,11 +348,11 @@ class Panel:
             self._cancel_motion()
             self._lease_over.set()
         elif isinstance(effect, BeginMotion) and self._work is not None:
-            self._let_go = anyio.Event()
+            self._button_released = anyio.Event()
             self._motion_scope = scope = anyio.CancelScope()
             self._work.start_soon(self._move, effect.motion, scope)
         elif isinstance(effect, EndMotion):
-            self._let_go.set()
+            self._button_released.set()
             # A jog whose button was released is ended in order; every other motion is cancelled.
             if effect.reason or self._jog is None:
                 self._cancel_motion()
@@ -375,7 +375,7 @@ class Panel:
         self._busy.append("stop")
         self._resumed = False
         try:
-            await self._onlooker.stop()
+            await self._observer.stop()
         except DucoError as error:
             self._note(f"stop failed: {error}", "alarm")
         else:
@@ -429,7 +429,7 @@ class Panel:
                 if isinstance(motion, JogMotion):
                     jog = robot.motion.move_jog(motion.jog, time=None, directions=self._directions)
                     async with jog as self._jog:
-                        await self._let_go.wait()
+                        await self._button_released.wait()
                 elif isinstance(motion, JointMotion):
                     await robot.motion.movej2(motion.joints, motion.speed, JOINT_ACCELERATION)
                     done = "there"
@@ -489,7 +489,7 @@ class Panel:
     async def _simulate(self, line: str, port: int) -> None:
         try:
             answer = await ask_simulator(port, line)
-        except (OSError, TimeoutError) as error:
+        except OSError as error:
             answer = f"error: no simulator answers: {error}"
         severity = "warning" if answer.startswith("error") else "info"
         self._note(f"simulator: {line}: {answer}", severity)
@@ -500,21 +500,21 @@ class Panel:
         """Show a line among the events of every page."""
         line = {"at": time.strftime("%H:%M:%S"), "text": text, "severity": severity}
         self._events.append(line)
-        self._server.tell_all({"tell": "event", **line})
+        self._server.broadcast({"tell": "event", **line})
 
     async def _samples(self) -> None:
-        with self._onlooker.feed.subscribe("latest") as samples:
+        with self._observer.feed.subscribe("latest") as samples:
             async for self._sample in samples:
                 if self._sample.states.program is ProgramState.STOPPED:
                     self._resumed = self._resumed and "resume" in self._busy
 
     async def _happenings(self) -> None:
-        with self._onlooker.events.subscribe("drop_oldest") as stream:
+        with self._observer.events.subscribe("drop_oldest") as stream:
             async for event in stream:
                 self._note(event.line(), event_severity(event))
 
     async def _ask_seldom(self) -> None:
-        robot, due = self._onlooker, anyio.current_time()
+        robot, due = self._observer, anyio.current_time()
         while True:
             pose = await _asked(robot.state.get_tcp_pose_coord)
             errors = await _asked(robot.state.get_last_error)
@@ -525,7 +525,7 @@ class Panel:
                 "work_pose": None if pose is None else [*pose],
                 "pages": self._server.pages,
             }
-            self._server.tell_all(self._seldom)
+            self._server.broadcast(self._seldom)
             due = max(due + _SELDOM, anyio.current_time())
             await anyio.sleep_until(due)
 
@@ -536,7 +536,7 @@ class Panel:
         while True:
             self._apply(self._lease.due(time.monotonic()))
             if self._jog is not None and self._jog.done:
-                self._let_go.set()  # it ended by itself
+                self._button_released.set()  # it ended by itself
             sample, now = self._sample, time.time()
             if sample is not None and sample is not shown:
                 shown = sample
@@ -559,7 +559,7 @@ class Panel:
         robot = self._commander
         lease = self._lease
         held = lease.phase is LeasePhase.HELD
-        self._server.tell_all(
+        self._server.broadcast(
             {
                 "tell": "state",
                 "n": number,

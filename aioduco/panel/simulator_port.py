@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import anyio
 
+from aioduco.errors import ConnectionLost
+
 __all__ = ["ask_simulator"]
 
 _HOST = "127.0.0.1"
@@ -22,15 +24,18 @@ async def ask_simulator(port: int, line: str) -> str:
         The answer; "error: …" if the command failed.
 
     Raises:
-        OSError: no simulator takes commands there, or it does not answer.
+        OSError: no simulator takes commands there, or it does not answer; as `ConnectionLost`, if
+            the connection is lost before its answer.
     """
     with anyio.fail_after(_PATIENCE):
         async with await anyio.connect_tcp(_HOST, port) as stream:
-            await stream.send(f"{line}\n".encode())
-            await stream.send_eof()
             answer = b""
             try:
+                await stream.send(f"{line}\n".encode())
+                await stream.send_eof()
                 while True:
                     answer += await stream.receive()
             except anyio.EndOfStream:
                 return answer.decode(errors="replace").strip()
+            except anyio.BrokenResourceError as error:
+                raise ConnectionLost("the simulator's connection is lost") from error

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["Curve", "certain", "joint_curve", "rounded"]
+__all__ = ["Curve", "is_free", "joint_curve", "rounded", "through"]
 
 Curve: TypeAlias = "BSpline[Any]"
 """Points over a length; the first and the last of its knots `t` are its ends."""
@@ -60,7 +60,7 @@ def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Cur
             # The span depends on these knots alone, so an earlier result is still valid.
             key = tuple(knots[span + 1 : span + 7].tolist())
             if key not in known:
-                known[key] = certain(curve, space, checker, inner[span], inner[span + 1])
+                known[key] = is_free(curve, space, checker, inner[span], inner[span + 1])
             if not known[key]:
                 halved |= {span - 1, span, span + 1}
         if not halved:
@@ -72,7 +72,7 @@ def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Cur
         inner = np.sort(np.concatenate([inner, [0.5 * (inner[i] + inner[i + 1]) for i in chosen]]))
 
 
-def certain(
+def is_free(
     curve: Any, space: PathSpace, checker: CollisionChecker, begin: float, end: float
 ) -> bool:
     """Tell whether a part of a curve is free, also between the places that are checked.

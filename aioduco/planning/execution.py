@@ -9,6 +9,7 @@ import anyio.to_thread
 import numpy as np
 
 from aioduco.errors import FirstPointTooFar, ParameterError, PlanObstructed
+from aioduco.models.ranges import JOINT_SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -28,7 +29,6 @@ __all__ = ["MotionSection", "ReadJoints", "execute"]
 
 _NEAR = 0.01  # largest distance of a joint from the start of the plan [rad]
 _REPLANS = 5  # at most, in one execution
-_FASTEST = 3.93  # largest speed of a joint that streams allow [rad/s]
 _ROOM = 1.5  # factor for the stream's own limit of acceleration, so that the stream rounds nothing
 
 ReadJoints: TypeAlias = "Callable[[], Awaitable[Sequence[float]]]"
@@ -81,10 +81,14 @@ async def execute(
     if planner is not None and watch is None:
         raise ParameterError("planner", planner, "given with a scene to watch")
     blended = through == "blended"
-    if blended and (watch is not None or tolerances is not None or feedback is not None):
-        raise ParameterError("through", through, "another for watch, tolerances and feedback")
+    supervision = (watch, tolerances, feedback, options)
+    if blended and any(each is not None for each in supervision):
+        expected = "another for watch, tolerances, feedback and options"
+        raise ParameterError("through", through, expected)
     for _ in range(_REPLANS):
         await _at_start(plan, read_joints)
+        # Read before the check, so that a change during the check is checked too.
+        revision = 0 if watch is None else watch.revision
         if watch is not None:
             await _checked(plan, watch, 0.0)
         if plan.duration == 0.0:
@@ -93,7 +97,7 @@ async def execute(
             v, a = min(plan.limits.velocity), min(plan.limits.acceleration)
             await motion.run(*(motion.movej2(q, v, a, r=r) for q, r in plan.waypoints()))
             return None
-        followed = _Followed(plan, watch, feedback)
+        followed = _Followed(plan, watch, revision, feedback)
         result = await followed.run(motion, tolerances=tolerances, through=through, options=options)
         if followed.obstructed is None or result is not None:
             return result
@@ -137,13 +141,24 @@ async def _check(plan: Plan, scene: Scene, after: float) -> PlanCheck:
 
 
 class _Followed:
-    """Follows one plan by the stream; brings the arm to rest if the path is no longer free."""
+    """Follows one plan by the stream; brings the arm to rest if the path is no longer free.
+
+    Args:
+        plan: the plan.
+        scene: the scene that is watched, if any.
+        revision: revision of the scene in which the plan was found free.
+        feedback: the user's callback.
+    """
 
     def __init__(
-        self, plan: Plan, scene: Scene | None, feedback: Callable[[Feedback], object] | None
+        self,
+        plan: Plan,
+        scene: Scene | None,
+        revision: int,
+        feedback: Callable[[Feedback], object] | None,
     ) -> None:
         self._plan, self._scene, self._feedback = plan, scene, feedback
-        self._seen = 0 if scene is None else scene.revision
+        self._checked_revision = revision
         self._changed = anyio.Event()
         self._time = 0.0
         self._error: Exception | None = None
@@ -153,15 +168,16 @@ class _Followed:
         """Follow the plan; None if it ended before the goal."""
         limits = self._plan.limits
         result: TrajectoryResult | None = None
+        self._notice_change()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._watch, tasks.cancel_scope)
             try:
                 result = await motion.follow_joint_trajectory(
                     self._plan.trajectory,
-                    v=min(1.001 * max(limits.velocity), _FASTEST),
+                    v=min(1.001 * max(limits.velocity), JOINT_SPEED.high),
                     a=_ROOM * max(limits.acceleration),
                     reach=2.0 * _NEAR,
-                    feedback=self._look,
+                    feedback=self._on_feedback,
                     **options,
                 )
             except Exception as error:  # raised below, outside of the group
@@ -171,11 +187,14 @@ class _Followed:
             raise self._error
         return result
 
-    def _look(self, feedback: Feedback) -> None:
-        self._time = feedback.time
-        if self._scene is not None and self._scene.revision != self._seen:
-            self._seen = self._scene.revision
+    def _notice_change(self) -> None:
+        if self._scene is not None and self._scene.revision != self._checked_revision:
+            self._checked_revision = self._scene.revision
             self._changed.set()
+
+    def _on_feedback(self, feedback: Feedback) -> None:
+        self._time = feedback.time
+        self._notice_change()
         if self._feedback is not None:
             self._feedback(feedback)
 

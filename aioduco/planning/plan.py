@@ -166,7 +166,7 @@ class Plan:
         Returns:
             The result: true if the arm touches nothing.
         """
-        times, q = self._looks(after)
+        times, q = self._samples(after)
         checker = scene.checker()
         checker.padding = _NEAR
         near = [row for row in range(len(q)) if not checker.free(q[row])]
@@ -224,7 +224,7 @@ class Plan:
         that no point of the arm leaves its path by more than the padding that the plan keeps.
         """
         q = self.trajectory.positions
-        rows = _kept(q * self.radii, 0.45 * self.padding)
+        rows = _simplified(q * self.radii, 0.45 * self.padding)
         tips = (self.arm.fkine(q[rows]) @ self.tip)[:, :3, 3]
         lengths = np.linalg.norm(np.diff(tips, axis=0), axis=1)
         found = []
@@ -248,7 +248,7 @@ class Plan:
     def _curve(self) -> Spline:
         return self.trajectory.curve(self.trajectory.positions[0].tolist())
 
-    def _looks(self, after: float) -> tuple[Points, Points]:
+    def _samples(self, after: float) -> tuple[Points, Points]:
         """Times and joints, so close together that no joint and no tool moves far between them."""
         begin = min(after, self.duration)
         count = max(int(np.ceil((self.duration - begin) / _FINEST)), 1)
@@ -268,7 +268,7 @@ class Plan:
         return chosen, curve.at(chosen)
 
 
-def _kept(points: Points, tolerance: float) -> list[int]:
+def _simplified(points: Points, tolerance: float) -> list[int]:
     """Rows of points whose connecting lines stay within a tolerance of all (Douglas-Peucker)."""
     kept, todo = {0, len(points) - 1}, [(0, len(points) - 1)]
     while todo:

@@ -16,7 +16,7 @@ from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningEr
 from aioduco.models.pose import Joints, Pose
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
-from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, WorkerScene, goals_of
+from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
 from aioduco.planning.toolpath import poses_along
 
 if TYPE_CHECKING:
@@ -50,6 +50,40 @@ _PACKAGES = (
 )
 
 
+class _Request:
+    """A problem that may be cancelled, without an effect on the other problems of the planner."""
+
+    def __init__(self, problem: PlanningProblem, scene: Scene) -> None:
+        self.problem, self.scene = problem, scene
+        self._lock = threading.Lock()
+        self._process: LinkedProcess | None = None
+        self._cancelled = False
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether nobody waits for the answer any more."""
+        return self._cancelled
+
+    def cancel(self) -> None:
+        """Cancel it; this kills the process if it is at this problem."""
+        with self._lock:
+            self._cancelled = True
+            if self._process is not None:
+                self._process.popen.kill()
+
+    def begin(self, process: LinkedProcess) -> None:
+        """From now on the process is at this problem."""
+        with self._lock:
+            self._process = process
+            if self._cancelled:
+                process.popen.kill()
+
+    def finish(self) -> None:
+        """From now on a cancellation does not kill the process."""
+        with self._lock:
+            self._process = None
+
+
 class Planner:
     """Plans paths of an arm through a scene (规划器).
 
@@ -57,9 +91,10 @@ class Planner:
             plan = await planner.plan(here, Pose(0.4, 0.3, 0.5, math.pi, 0, 0), v=1.0, a=2.0)
             await robot.motion.execute(plan)
 
-    A separate process does the work; it starts with the first plan. The planner kills it when a
-    plan is cancelled or overdue, and starts it again for the next plan. A planner also works
-    without `with`; its process then ends with `close`, or with the program.
+    A separate process does the work, one plan after another; it starts with the first plan. The
+    planner kills it when the plan that it is making is cancelled or overdue, and starts it again
+    for the next plan. A planner also works without `with`; its process then ends with `close`, or
+    with the program.
 
     Args:
         scene: scene to plan in; it may change between plans.
@@ -82,8 +117,10 @@ class Planner:
         self._seed = seed
         self._lock = threading.Lock()
         self._process: LinkedProcess | None = None
-        self._cancelled: LinkedProcess | None = None
-        self._sent: int | None = None
+        #: whether the process has the seed
+        self._seeded = False
+        #: the scene that the process has, and its revision
+        self._sent: tuple[Scene, int] | None = None
 
     def __repr__(self) -> str:
         state = "not started" if self._process is None else f"process {self._process.popen.pid}"
@@ -150,8 +187,7 @@ class Planner:
             NoPathFound: no path was found in time.
             ParameterError: an argument is out of range.
         """
-        problem = self._free(start, goal, v, a, jerk, upright, timeout)
-        return await self._ask(problem)
+        return await self._ask(self._free(start, goal, v, a, jerk, upright, timeout))
 
     async def line(
         self,
@@ -188,8 +224,7 @@ class Planner:
             PathIncomplete: only a part of the path is free and within reach.
             ParameterError: an argument is out of range.
         """
-        problem = self._line(start, to, via, speed, v, a, jerk, partial, timeout)
-        return await self._ask(problem)
+        return await self._ask(self._line(start, to, via, speed, v, a, jerk, partial, timeout))
 
     def plan_blocking(self, start: JointsLike, goal: GoalLike, **options: Any) -> Plan:
         """Find a path to a goal, for programs without an event loop: see `plan`.
@@ -222,9 +257,9 @@ class Planner:
         jerk: PerJoint | None,
         upright: bool,
         timeout: float,
-    ) -> PlanningProblem:
+    ) -> _Request:
         goals = goals_of(goal)
-        return self._problem(start, goals, v, a, jerk, timeout, upright=upright)
+        return self._request(self.scene, start, goals, v, a, jerk, timeout, upright=upright)
 
     def _line(
         self,
@@ -237,21 +272,23 @@ class Planner:
         jerk: PerJoint | None,
         partial: bool,
         timeout: float,
-    ) -> PlanningProblem:
+    ) -> _Request:
+        scene = self.scene
         if not 1e-4 <= speed < float("inf"):
             raise ParameterError("speed", speed, "from 0.0001 m/s")
         goals = (Pose.of(to),) if via is None else (Pose.of(via), Pose.of(to))
         if via is not None:
             # Raises if the three points are on a line, which is not an arc.
-            first = self.scene.arm.fkine(start) @ self._tip
+            first = scene.arm.fkine(start) @ self._tip
             poses_along(first, goals[0].matrix, goals[-1].matrix)
-        return self._problem(
-            start, goals, v, a, jerk, timeout,
+        return self._request(
+            scene, start, goals, v, a, jerk, timeout,
             shape="line" if via is None else "arc", rate=speed, partial=partial,
         )  # fmt: skip
 
-    def _problem(
+    def _request(
         self,
+        scene: Scene,
         start: JointsLike,
         goals: tuple[Any, ...],
         v: PerJoint,
@@ -259,11 +296,10 @@ class Planner:
         jerk: PerJoint | None,
         timeout: float,
         **more: Any,
-    ) -> PlanningProblem:
+    ) -> _Request:
         if not 1e-3 <= timeout <= 600.0:
             raise ParameterError("timeout", timeout, "from 0.001 to 600 s")
-        scene = self.scene
-        return PlanningProblem(
+        problem = PlanningProblem(
             arm=scene.arm,
             start=Joints.of(start).array,
             goals=goals,
@@ -274,31 +310,31 @@ class Planner:
             timeout=float(timeout),
             **more,
         )
+        return _Request(problem, scene)
 
     # -- the process ---------------------------------------------------------------------------
 
-    async def _ask(self, problem: PlanningProblem) -> Plan:
+    async def _ask(self, request: _Request) -> Plan:
         try:
-            return await anyio.to_thread.run_sync(self._solve, problem, abandon_on_cancel=True)
+            return await anyio.to_thread.run_sync(self._solve, request, abandon_on_cancel=True)
         except anyio.get_cancelled_exc_class():
             # The thread then reads the end of the channel, and ends.
-            process = self._cancelled = self._process
-            if process is not None:
-                process.popen.kill()
+            request.cancel()
             raise
 
-    def _solve(self, problem: PlanningProblem) -> Plan:
+    def _solve(self, request: _Request) -> Plan:
         with self._lock:
-            answer = self._exchange(problem)
+            if request.cancelled:
+                raise PlanningError("the plan was cancelled before its turn came")
+            answer = self._exchange(request)
         if isinstance(answer, PlanningError):
             raise answer
         assert isinstance(answer, Solution)
-        return Plan.of(problem, answer)
+        return Plan.of(request.problem, answer)
 
-    def _exchange(self, problem: PlanningProblem) -> Any:
-        if self._process is not None and self._process is self._cancelled:
-            self.close()
+    def _exchange(self, request: _Request) -> Any:
         process = self._process or self._start()
+        problem, asked = request.problem, False
         late = threading.Event()
 
         def end() -> None:
@@ -306,36 +342,59 @@ class Planner:
             process.popen.kill()
 
         overdue = threading.Timer(problem.timeout + _GRACE, end)
+        request.begin(process)
         try:
-            if self._sent is None:
+            if not self._seeded:
                 # Wait until it has loaded its packages, which is not part of a problem's time.
                 process.channel.receive()
                 process.channel.send(self._seed)
-            if self._sent != self.scene.revision:
-                process.channel.send(WorkerScene(self.scene.compiled(), self.scene.loose))
-                self._sent = self.scene.revision
+                self._seeded = True
+            self._send_scene(process, request.scene)
+            asked = True
             process.channel.send(problem)
             overdue.start()
-            return process.channel.receive()
+            answer = process.channel.receive()
+            asked = False
         except (EOFError, OSError) as error:
-            self._process = None
-            said = process.end()
+            said = self._discard(process)
             if late.is_set():
                 raise NoPathFound(f"the planner was not done in {problem.timeout:g} s") from error
             why = said or "it said nothing"
             raise PlanningError(f"the planner's process has ended ({why}); plan again") from error
         finally:
+            request.finish()
             overdue.cancel()
             if overdue.ident is not None:
                 overdue.join()
+            if asked or request.cancelled or late.is_set():
+                # Its answer, if it still comes, must not be taken for that of the next problem.
+                process.popen.kill()
+                self._discard(process)
+        return answer
+
+    def _send_scene(self, process: LinkedProcess, scene: Scene) -> None:
+        """Send a scene, unless the process has it."""
+        if self._sent is not None:
+            sent, revision = self._sent
+            if sent is scene and revision == scene.revision:
+                return
+        revision, values = scene.for_worker()
+        process.channel.send(values)
+        self._sent = scene, revision
 
     def _start(self) -> LinkedProcess:
         try:
             process = LinkedProcess("aioduco.planning.worker", packages=_PACKAGES)
         except (Unstartable, OSError) as error:
             raise PlanningError(f"the planner's process was not started: {error}") from error
-        self._sent, self._process = None, process
+        self._seeded, self._sent, self._process = False, None, process
         return process
+
+    def _discard(self, process: LinkedProcess) -> str:
+        """Close a process that was killed or has ended. Returns the last line that it wrote."""
+        if self._process is process:
+            self._process = None
+        return process.end()
 
     def close(self) -> None:
         """End the process; return when it has exited. The planner can be used again."""

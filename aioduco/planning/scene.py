@@ -13,6 +13,7 @@ import numpy as np
 from aioduco.errors import MissingExtra, ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
+from aioduco.planning.problem import WorkerScene
 from aioduco.planning.shapes import Mesh
 from aioduco.sim.scene import Thing, mjcf_of, mounting_of
 
@@ -336,6 +337,11 @@ class Scene:
             from aioduco.planning.collision import CollisionChecker  # noqa: PLC0415
 
             return CollisionChecker(copy.copy(model), self.padding, self.loose)
+
+    def for_worker(self) -> tuple[int, WorkerScene]:
+        """The scene as it is now for the process that plans, with its revision."""
+        with self._lock:
+            return self._revision, WorkerScene(self.compiled(), self.loose)
 
     @property
     def _own(self) -> CollisionChecker:

@@ -18,7 +18,7 @@ from aioduco.errors import (
 from aioduco.kinematics.single import nearest_turns
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy
-from aioduco.planning.curve import certain, joint_curve, rounded, through
+from aioduco.planning.curve import is_free, joint_curve, rounded, through
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
 from aioduco.planning.search import STEP, search
 from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
@@ -44,7 +44,7 @@ _SAMPLES = 24  # poses of a region that are tried
 _SOON = 0.3  # time before goals a turn away, and goals closer to things, are tried too [s]
 _DIRECT = 8  # goals to which the straight path is tried, the nearest first
 _CORNERS = 9  # corners to report for a path that has none in joint space
-_LOOKS = 40  # measurements of the clearance along the path
+_CLEARANCE_SAMPLES = 40  # measurements of the clearance along the path
 
 
 def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
@@ -81,15 +81,15 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
     else:
         path = timed(curve, problem.limits, problem.rate)
     ended = time.process_time()
-    looks = np.unique(np.linspace(0, len(path[0]) - 1, _LOOKS).round().astype(int))
+    samples = np.unique(np.linspace(0, len(path[0]) - 1, _CLEARANCE_SAMPLES).round().astype(int))
     return Solution(
         times=path[0],
         positions=path[1],
         velocities=path[2],
         accelerations=path[3],
         corners=corners,
-        looked=path[0][looks],
-        clearances=np.array([checker.clearance(path[1][i]).distance for i in looks]),
+        looked=path[0][samples],
+        clearances=np.array([checker.clearance(path[1][i]).distance for i in samples]),
         radii=checker.radii,
         padding=checker.padding,
         fraction=fraction,
@@ -248,7 +248,7 @@ def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, 
     if len(q) >= 6:
         curve = through(at[: len(q)], q * checker.radii)
         blocked = next(
-            (i for i in range(len(q) - 1) if not certain(curve, space, checker, at[i], at[i + 1])),
+            (i for i in range(len(q) - 1) if not is_free(curve, space, checker, at[i], at[i + 1])),
             None,
         )
         if blocked is not None:

@@ -98,7 +98,7 @@ class PaceSpline:
         found *= np.array([1.0 / 6.0, 0.5 / width, 1.0 / width**2])[:, None]
         return first, found
 
-    def passed(self, times: Points) -> Points:
+    def times_at(self, times: Points) -> Points:
         """Give the times at which the law's times are reached at this pace [s]. Shape (n,)."""
         # Gauss's rule of three points in each interval.
         off, weights = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]), np.array([5.0, 8.0, 5.0]) / 18

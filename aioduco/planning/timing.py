@@ -211,7 +211,7 @@ def _along(curve: Curve, law: BSpline[Any], times: Points, pace: PaceSpline) -> 
     velocities = first * rate[:, None]
     accelerations = first * change[:, None] + second * rate[:, None] ** 2
     velocities[[0, -1]] = accelerations[[0, -1]] = 0.0
-    return TimedPath(pace.passed(times), curve(place), velocities, accelerations)
+    return TimedPath(pace.times_at(times), curve(place), velocities, accelerations)
 
 
 def _beyond(found: TimedPath, limits: MotionLimits) -> Points:

@@ -9,6 +9,7 @@ import numpy as np
 
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.pose import Pose
+from aioduco.models.ranges import JOINT_SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +26,6 @@ __all__ = ["PathFinding", "check_path", "check_waypoints", "fastest", "sharpest"
 _LOOK = 0.004  # time between two samples of the path [s]
 _WINDOW = 8  # samples over which an acceleration is computed: 32 ms
 _ACCELERATION = 15.0  # largest acceleration of a joint in a replay [rad/s²]
-_FASTEST = 3.93  # largest joint speed that streams allow [rad/s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +84,11 @@ def check_path(
         at = path.recorded_time(float(path.times[row]))
         return (*found, PathFinding("joint limit", at, text))
     times, q = _looks(path)
-    most = np.minimum(arm.velocity if v is None else [v] * 6, _FASTEST)
+    most = np.minimum(arm.velocity if v is None else [v] * 6, JOINT_SPEED.high)
     found += _beyond(path, "speed", "rad/s", times[:-1], np.diff(q, axis=0) / _LOOK, most)
     sharp = _accelerations(q)
-    found += _beyond(path, "acceleration", "rad/s²", times, sharp, np.full(6, a))
+    middles = times[_WINDOW // 2 :]
+    found += _beyond(path, "acceleration", "rad/s²", middles, sharp, np.full(6, a))
     if envelope is not None:
         found += _leaves(path, envelope, tool, times, q)
     return tuple(found)

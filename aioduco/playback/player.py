@@ -26,6 +26,7 @@ from aioduco.errors import (
 )
 from aioduco.kinematics import Arm, models
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.ranges import JOINT_SPEED
 from aioduco.playback.path_check import (
     PathFinding,
     check_path,
@@ -51,18 +52,18 @@ if TYPE_CHECKING:
 
 __all__ = [
     "arm_named",
-    "arm_there",
     "check_path_on",
     "check_waypoints_on",
     "follow",
     "model_named",
     "play",
+    "reported_arm",
     "run_waypoints",
 ]
 
 _NEAR = 0.01  # largest distance of a joint from the begin of the path [rad]
 _ROOM = 1.5  # factor on the stream's acceleration limit, so that it does not round the path
-_FASTEST, _LEAST = 3.93, 0.5  # largest speed limit and least acceleration limit of a stream
+_LEAST = 0.5  # least acceleration limit of a stream [rad/s²]
 _TOLERANCES = Tolerances(path=0.05, goal=0.005)
 
 
@@ -149,7 +150,7 @@ async def check_path_on(
     Raises:
         ParameterError: the controller reports no known model, and none is given.
     """
-    told, there = await arm_there(robot)
+    told, there = await reported_arm(robot)
     found: tuple[PathFinding, ...] = ()
     if told and path.arm and told != path.arm:
         text = f"the recorded one is a {path.arm}, this one a {told}"
@@ -162,7 +163,7 @@ async def check_path_on(
     return found + check_path(path, kind, envelope=limits, tool=tool)
 
 
-async def arm_there(robot: Robot) -> tuple[str, Arm | None]:
+async def reported_arm(robot: Robot) -> tuple[str, Arm | None]:
     """The arm that a controller reports: its name, and its model if that is known."""
     try:
         name = arm_named(await robot.version.get_robot_type())
@@ -214,7 +215,7 @@ async def follow(
         )
     result: TrajectoryResult = await motion.follow_joint_trajectory(
         path.trajectory,
-        v=min(max(1.05 * fastest(path), 0.05), _FASTEST),
+        v=min(max(1.05 * fastest(path), 0.05), JOINT_SPEED.high),
         a=max(_ROOM * sharpest(path), _LEAST),
         tolerances=_TOLERANCES if tolerances is None else tolerances,
         feedback=feedback,
@@ -344,7 +345,7 @@ async def check_waypoints_on(
         envelope: the limits that the waypoints must keep; None: those of `robot.envelope`. The
             ways between them are checked motion by motion, when they are run.
     """
-    told, there = await arm_there(robot)
+    told, there = await reported_arm(robot)
     found = []
     if told and waypoints.arm and told != waypoints.arm:
         found.append(f"the waypoints are those of a {waypoints.arm}, this is a {told}")

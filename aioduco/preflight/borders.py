@@ -18,17 +18,17 @@ from weakref import WeakSet
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-__all__ = ["NotReached", "address_of", "guard_borders"]
+__all__ = ["AccessBlocked", "address_of", "block_outside_access"]
 
 _TO: Final = ("socket.connect", "socket.sendto", "socket.sendmsg")
 _STARTS: Final = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn")
 
 
-class NotReached(PermissionError):
+class AccessBlocked(PermissionError):
     """The program tried to connect to something outside the preflight. Nothing was sent there."""
 
 
-def guard_borders(
+def block_outside_access(
     reachable: Collection[str],
     ports: Callable[[], Collection[int]],
     ours: Callable[[], bool],
@@ -71,7 +71,7 @@ def guard_borders(
 
     def refuse(text: str) -> NoReturn:
         tell(text)
-        raise NotReached(text)
+        raise AccessBlocked(text)
 
     sys.addaudithook(look)
 

@@ -25,7 +25,7 @@ import numpy as np
 from aioduco._linked_process import ValueChannel
 from aioduco.kinematics import arm as arm_of
 from aioduco.preflight import lines, patches
-from aioduco.preflight.borders import guard_borders
+from aioduco.preflight.borders import block_outside_access
 from aioduco.preflight.program_clock import ProgramClock
 from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
 from aioduco.preflight.variation import Variation
@@ -64,13 +64,13 @@ class _Child:
         """Run the program to its end, write the result, and end this process."""
         self.clock.start()
         patches.install(self.clock, self.recorder, self._cell, self._serve)
-        guard_borders(
+        block_outside_access(
             self.options["reachable"],
             self._cell.ports,
             patches.asked_by_package,
             self.recorder.not_reached,
         )
-        self._own_simulators()
+        self._patch_simulators()
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()
         for thread in threading.enumerate():
@@ -126,7 +126,7 @@ class _Child:
         if self.variation.payload:
             simulator.load(self.variation.payload)
 
-    def _own_simulators(self) -> None:
+    def _patch_simulators(self) -> None:
         """Make every simulator that the program starts the cell, however it is started."""
         simulator: Any = Simulator
         init, start, close = simulator.__init__, simulator.start, simulator.close

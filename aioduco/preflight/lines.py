@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from types import CodeType, FrameType
 
 __all__ = [
-    "MARK",
-    "Mark",
+    "TASK_ORIGIN",
+    "CallOrigin",
     "ProgramLine",
     "awaited",
     "current",
@@ -52,15 +52,17 @@ class ProgramLine(NamedTuple):
         return f"{self.file}:{self.line}"
 
 
-class Mark(NamedTuple):
+class CallOrigin(NamedTuple):
     """Origin of a call: the line, and an id of the task or thread that ran it."""
 
     where: ProgramLine
     actor: int
 
 
-#: mark of the line that started the running task, for tasks without a frame of the program
-MARK: contextvars.ContextVar[Mark | None] = contextvars.ContextVar("preflight_mark", default=None)
+#: origin of the line that started the running task, for tasks without a frame of the program
+TASK_ORIGIN: contextvars.ContextVar[CallOrigin | None] = contextvars.ContextVar(
+    "preflight_origin", default=None
+)
 
 
 @cache
@@ -75,16 +77,16 @@ def is_program(file: str) -> bool:
     return not installed and not any(path.is_relative_to(library) for library in _LIBRARIES)
 
 
-def current() -> Mark | None:
-    """The mark of the code that runs now on this thread; None if it is not the program's."""
+def current() -> CallOrigin | None:
+    """The origin of the code that runs now on this thread; None if it is not the program's."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         if is_program(frame.f_code.co_filename):
-            return Mark(_line(frame.f_code, frame.f_lineno), _actor())
+            return CallOrigin(_line(frame.f_code, frame.f_lineno), _actor())
         if frame.f_code is _RUN_ONCE:
             break  # the frames below belong to the code that runs the loop
         frame = frame.f_back
-    return MARK.get()
+    return TASK_ORIGIN.get()
 
 
 def of_error(error: BaseException) -> ProgramLine | None:

@@ -203,14 +203,14 @@ class _Selector(selectors.DefaultSelector):
     wait: Wait | None = None
 
     def select(self, timeout: float | None = None) -> Any:
-        self.clock.join()
+        self.clock.add_actor()
         if timeout is not None and timeout <= 0:
             return super().select(timeout)
         with self.clock.waiting() as self.wait:
             return super().select(timeout)
 
     def close(self) -> None:
-        self.clock.leave()
+        self.clock.remove_actor()
         super().close()
 
 
@@ -267,10 +267,10 @@ def _loops(clock: ProgramClock) -> None:
         return soon_from_thread(self, *args, **options)
 
     def task(self: Any, coro: Any, *, name: Any = None, context: Any = None) -> Any:
-        mark = lines.current()
-        if mark is not None:
+        origin = lines.current()
+        if origin is not None:
             context = contextvars.copy_context() if context is None else context
-            context.run(lines.MARK.set, mark)
+            context.run(lines.TASK_ORIGIN.set, origin)
         return create_task(self, coro, name=name, context=context)
 
     selecting.__init__ = new_loop
@@ -281,12 +281,12 @@ def _loops(clock: ProgramClock) -> None:
     start_soon = portal.start_task_soon
 
     def soon(self: Any, *args: Any, **options: Any) -> Any:
-        mark = lines.current()
-        token = lines.MARK.set(mark)
+        origin = lines.current()
+        token = lines.TASK_ORIGIN.set(origin)
         try:
             return start_soon(self, *args, **options)
         finally:
-            lines.MARK.reset(token)
+            lines.TASK_ORIGIN.reset(token)
 
     portal.start_task_soon = soon
 
@@ -478,9 +478,9 @@ def _calls(recorder: RunRecorder) -> None:
         recorder.made[id(self)] = lines.current()
 
     def forgotten(self: Any) -> None:
-        mark = recorder.made.pop(id(self), None)
+        origin = recorder.made.pop(id(self), None)
         if not getattr(self, "_used", True):
-            recorder.forgotten(mark and mark.where, shown(self.command))
+            recorder.never_awaited(origin and origin.where, shown(self.command))
         gone(self)
 
     motion.__init__, motion.__del__ = new, forgotten
@@ -494,7 +494,7 @@ def _calls(recorder: RunRecorder) -> None:
         frames = tuple(
             (str(file), int(line), name) for file, line, name in coroutine.cr_origin or ()
         )
-        recorder.forgotten(lines.innermost(frames), f"{coroutine.__qualname__}()")
+        recorder.never_awaited(lines.innermost(frames), f"{coroutine.__qualname__}()")
         unawaited(coroutine)
 
     module._warn_unawaited_coroutine = warn
@@ -509,7 +509,7 @@ def _simulator(clock: ProgramClock, recorder: RunRecorder, serve: Callable[..., 
     serving = threading.local()
 
     def answered(self: Any, message: Any) -> Any:
-        record: ProgramCall | None = recorder.taken(message.name)
+        record: ProgramCall | None = recorder.match_call(message.name)
         serving.record = record
         try:
             return serve(record, message.name, lambda: answer(self, message))

@@ -219,13 +219,13 @@ class ProgramClock:
                     self._actors[wait.thread] -= 1
                 self._change()
 
-    def join(self) -> None:
+    def add_actor(self) -> None:
         """The calling thread runs an event loop: it is an actor."""
         with self._state:
             self._actors.setdefault(threading.get_ident(), 0)
             self._change()
 
-    def leave(self) -> None:
+    def remove_actor(self) -> None:
         """The calling thread's loop has ended."""
         with self._state:
             if threading.current_thread() is not threading.main_thread():

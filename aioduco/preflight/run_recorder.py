@@ -12,12 +12,12 @@ import numpy as np
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco.models.enums import TaskState
 from aioduco.preflight import lines
-from aioduco.preflight.borders import NotReached
+from aioduco.preflight.borders import AccessBlocked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from aioduco.preflight.lines import Mark, ProgramLine
+    from aioduco.preflight.lines import CallOrigin, ProgramLine
     from aioduco.preflight.program_clock import ProgramClock
     from aioduco.sim import Simulator
     from aioduco.sim.snapshot import SimulationSnapshot
@@ -80,7 +80,7 @@ class RunRecorder:
         self._clock = clock
         self._lock = threading.RLock()
         self.calls: list[ProgramCall] = []
-        self.made: dict[int, Mark | None] = {}
+        self.made: dict[int, CallOrigin | None] = {}
         self.notes: list[dict[str, Any]] = []
         self.contacts: list[dict[str, Any]] = []
         self.errors: list[dict[str, Any]] = []
@@ -104,12 +104,12 @@ class RunRecorder:
     @contextlib.contextmanager
     def call(self, name: str, args: tuple[Any, ...]) -> Iterator[ProgramCall]:
         """Record a call, unless it only reads; the program's time stands during the call."""
-        mark = lines.current()
+        origin = lines.current()
         record = ProgramCall(
             name,
             "",
-            mark and mark.where,
-            mark.actor if mark else 0,
+            origin and origin.where,
+            origin.actor if origin else 0,
             self._clock.passed,
         )
         acts = call_kind(name) is not CallKind.READ and name not in _UPKEEP
@@ -133,7 +133,7 @@ class RunRecorder:
                 with self._lock:
                     self._under_way.remove(record)
 
-    def taken(self, name: str) -> ProgramCall | None:
+    def match_call(self, name: str) -> ProgramCall | None:
         """The recorded call that the controller begins to answer; None if it is not recorded."""
         with self._lock:
             for record in self._under_way:
@@ -148,23 +148,23 @@ class RunRecorder:
         with self._lock:
             self._open[number] = record
 
-    def forgotten(self, where: ProgramLine | None, what: str) -> None:
+    def never_awaited(self, where: ProgramLine | None, what: str) -> None:
         """An awaitable was created, and never awaited."""
         self._note("forgotten await", where, f"{what} was never awaited: nothing was sent")
 
-    def blocked(self, mark: Mark | None, seconds: float) -> None:
+    def blocked(self, origin: CallOrigin | None, seconds: float) -> None:
         """A coroutine called `time.sleep`."""
         text = f"time.sleep({seconds:g}) blocks the event loop: the heartbeat ends, the arm stops"
-        self._note("blocked event loop", mark and mark.where, text)
+        self._note("blocked event loop", origin and origin.where, text)
 
     def not_reached(self, text: str) -> None:
         """The program tried to connect to something outside the preflight."""
-        mark = lines.current()
-        self._note("not reached", mark and mark.where, text)
+        origin = lines.current()
+        self._note("not reached", origin and origin.where, text)
 
     def failed(self, error: BaseException) -> None:
         """The program ended with an error."""
-        if isinstance(error, NotReached):
+        if isinstance(error, AccessBlocked):
             return  # already reported, with its line
         if isinstance(error, BaseExceptionGroup):
             for each in error.exceptions:

@@ -261,7 +261,7 @@ def _run(
         linked.close()
     result = folder / "run.json"
     if not result.is_file():
-        words = linked.last_words
+        words = linked.stderr_tail
         raise PreflightError(
             f"the program's process ended with status {process.returncode} before it was over"
             + (f": {words}" if words else "")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["SweepReport", "VariationResult", "sweep"]
 
 #: number of retries of a variation whose worker has died: that is not the variation's fault
-_AGAIN = 10
+_RETRIES = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,9 @@ def sweep(
             scheduler = stack.enter_context(cluster)
         client = stack.enter_context(dask.Client(scheduler))
         futures = [
-            client.submit(_one, program, list(arguments), options, seed, pure=False, retries=_AGAIN)
+            client.submit(
+                _one, program, list(arguments), options, seed, pure=False, retries=_RETRIES
+            )
             for seed in seeds
         ]
         results = []

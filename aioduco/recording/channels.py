@@ -67,7 +67,7 @@ FORCE: Final = 3
 #: decimal digits of recorded temperatures and analogue signals
 _ROUGH: Final = 2
 #: seconds after which a channel is written even if nothing changed
-_AGAIN: Final = 5.0
+_REPEAT_EVERY: Final = 5.0
 #: seconds between two messages about the drives
 _DRIVES_EVERY: Final = 0.2
 #: step of the times of samples [ns]: 16 µs, less than their delay
@@ -344,7 +344,7 @@ class MessageChannels:
         if not self._due("/tf", at, _TRANSFORMS_EVERY):
             return
         numbers = _transform_numbers(pose)
-        again = self._due("/tf again", at, _AGAIN)
+        again = self._due("/tf again", at, _REPEAT_EVERY)
         flange = None if self._flange_written and not again else self._flange
         if numbers == self._pose and flange is None and not again:
             return
@@ -365,7 +365,7 @@ class MessageChannels:
 
     def _if_changed(self, topic: str, at: float, values: dict[str, Any]) -> None:
         last = self._last.get(topic)
-        if last is None or last[1] != values or at - last[0] >= _AGAIN:
+        if last is None or last[1] != values or at - last[0] >= _REPEAT_EVERY:
             self._last[topic] = (at, values)
             self._json(topic, at, values)
 
@@ -373,7 +373,7 @@ class MessageChannels:
         """As `_if_changed`, for attributes of a sample; they are rounded only to be written."""
         values = tuple([getattr(io, name) for name in _FIELDS[topic]])
         last = self._last.get(topic)
-        if last is None or last[1] != values or at - last[0] >= _AGAIN:
+        if last is None or last[1] != values or at - last[0] >= _REPEAT_EVERY:
             self._last[topic] = (at, values)
             kinds = _FIELDS[topic].items()
             found = {
@@ -410,9 +410,17 @@ class FileChannels(MessageChannels):
             emit_message_indexes=False,
             emit_chunk_indexes=False,
         )
-        self._writer = foxglove.open_mcap(target, context=self.context, writer_options=options)
+        try:
+            self._writer = foxglove.open_mcap(target, context=self.context, writer_options=options)
+        except BaseException:
+            self.release()
+            raise
         self._closed = False
-        self.metadata("aioduco", metadata)
+        try:
+            self.metadata("aioduco", metadata)
+        except BaseException:
+            self.close()
+            raise
 
     def metadata(self, name: str, values: dict[str, str]) -> None:
         """Write texts about the recording itself."""

@@ -1,8 +1,8 @@
-"""Reads the records of an MCAP file from its beginning, up to the first incomplete one.
+"""Reads the records of an MCAP file from its beginning, up to the first damaged one.
 
 A file that was cut off, because its program was killed or the disk was full, ends in the middle of
-a record and has no index. The records before that are read, and `McapFile.complete` is false. A
-chunk is used only if its checksum is right.
+a record and has no index. The records before that are read, and `McapFile.complete` is false; so it
+is with a file that is damaged elsewhere. A chunk is used only if its checksum is right.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco.errors import MissingExtra, RecordingError
 
@@ -26,6 +26,9 @@ HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 1, 3, 4, 5, 6, 0x0
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHUNK: Final = struct.Struct("<QQQI")
+_NUMBER: Final = struct.Struct("<H")
+_NUMBERS: Final = struct.Struct("<HH")
+_LENGTH: Final = struct.Struct("<I")
 #: maximum bytes of an unpacked chunk; a chunk that claims more is damaged
 _LARGEST: Final = 1 << 30
 
@@ -62,6 +65,10 @@ class McapMessage(NamedTuple):
     data: memoryview
 
 
+class _Damaged(Exception):
+    """A record is incomplete, or is not as the format requires."""
+
+
 class McapFile:
     """The records of one file.
 
@@ -91,7 +98,10 @@ class McapFile:
             raise RecordingError(
                 f"{self._path} is no recording: it does not begin as MCAP files do"
             )
-        yield from self._records(data[len(MAGIC) :])
+        try:
+            yield from self._records(data[len(MAGIC) :])
+        except _Damaged:
+            return
 
     def _records(self, data: memoryview) -> Iterator[McapMessage]:
         for kind, record in _split(data):
@@ -102,10 +112,7 @@ class McapFile:
                 name, at = _text(record, 0)
                 self.metadata[name] = _texts(record, at)
             elif kind == CHUNK:
-                chunk = self._unpacked(record)
-                if chunk is None:
-                    return
-                for inner, part in _split(chunk):
+                for inner, part in _split(self._unpacked(record)):
                     if (message := self._take(inner, part)) is not None:
                         yield message
             elif (message := self._take(kind, record)) is not None:
@@ -114,38 +121,38 @@ class McapFile:
     def _take(self, kind: int, record: memoryview) -> McapMessage | None:
         """Process a record of a kind that may be in a chunk; return the message, if it is one."""
         if kind == MESSAGE:
-            channel, _, log_time, _ = _MESSAGE.unpack_from(record)
-            return McapMessage(self._channels[channel], log_time, record[_MESSAGE.size :])
+            number, _, log_time, _ = _unpack_from(_MESSAGE, record)
+            channel = self._channels.get(number)
+            if channel is None:
+                raise _Damaged
+            return McapMessage(channel, log_time, record[_MESSAGE.size :])
         if kind == SCHEMA:
-            (number,) = struct.unpack_from("<H", record)
+            (number,) = _unpack_from(_NUMBER, record)
             name, at = _text(record, 2)
             encoding, at = _text(record, at)
             self._schemas[number] = McapSchema(name, encoding, bytes(record[at + 4 :]))
         elif kind == CHANNEL:
-            number, schema = struct.unpack_from("<HH", record)
+            number, schema = _unpack_from(_NUMBERS, record)
             topic, at = _text(record, 4)
             encoding, _ = _text(record, at)
             self._channels[number] = McapChannel(topic, encoding, self._schemas.get(schema))
         return None
 
-    def _unpacked(self, record: memoryview) -> memoryview | None:
-        """Return the records of a chunk; None if it is damaged."""
-        _, _, size, crc = _CHUNK.unpack_from(record)
+    def _unpacked(self, record: memoryview) -> memoryview:
+        """Return the records of a chunk."""
+        _, _, size, crc = _unpack_from(_CHUNK, record)
         compression, at = _text(record, _CHUNK.size)
         packed = record[at + 8 :]
         if size > _LARGEST:
-            return None
-        try:
-            chunk = _unpack(self._path, compression)(packed, size)
-        except ValueError:
-            return None
+            raise _Damaged
+        chunk = _unpack(self._path, compression)(packed, size)
         if crc and zlib.crc32(chunk) != crc:
-            return None
+            raise _Damaged
         return memoryview(chunk)
 
 
 def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
-    """Return a function that unpacks a chunk; it raises ValueError if the chunk is damaged."""
+    """Return a function that unpacks a chunk; it raises `_Damaged` if the chunk is damaged."""
     if compression == "":
         return lambda packed, _: bytes(packed)
     if compression != "zstd":
@@ -159,33 +166,46 @@ def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
         try:
             return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
         except zstandard.ZstdError as exc:
-            raise ValueError("garbled") from exc
+            raise _Damaged from exc
 
     return unpack
 
 
 def _split(data: memoryview) -> Iterator[tuple[int, memoryview]]:
-    """Iterate over the records in the bytes, up to the first incomplete one."""
+    """Iterate over the records in the bytes; raises `_Damaged` at an incomplete one."""
     at = 0
-    while at + _RECORD.size <= len(data):
-        kind, length = _RECORD.unpack_from(data, at)
+    while at < len(data):
+        kind, length = _unpack_from(_RECORD, data, at)
         at += _RECORD.size
         if length > len(data) - at:
-            return
+            raise _Damaged
         yield kind, data[at : at + length]
         at += length
 
 
+def _unpack_from(layout: struct.Struct, data: memoryview, at: int = 0) -> tuple[Any, ...]:
+    """As `Struct.unpack_from`; raises `_Damaged` if the data ends before."""
+    if layout.size > len(data) - at:
+        raise _Damaged
+    return layout.unpack_from(data, at)
+
+
 def _text(record: memoryview, at: int) -> tuple[str, int]:
     """Return a text that has its length before it, and the position of its end."""
-    (length,) = struct.unpack_from("<I", record, at)
-    at += 4
-    return str(record[at : at + length], "utf-8"), at + length
+    (length,) = _unpack_from(_LENGTH, record, at)
+    at += _LENGTH.size
+    if length > len(record) - at:
+        raise _Damaged
+    try:
+        return str(record[at : at + length], "utf-8"), at + length
+    except UnicodeDecodeError as exc:
+        raise _Damaged from exc
 
 
 def _texts(record: memoryview, at: int) -> dict[str, str]:
-    (length,) = struct.unpack_from("<I", record, at)
-    at, end, found = at + 4, at + 4 + length, {}
+    (length,) = _unpack_from(_LENGTH, record, at)
+    at += _LENGTH.size
+    end, found = at + length, {}
     while at < end:
         key, at = _text(record, at)
         found[key], at = _text(record, at)

@@ -44,7 +44,7 @@ _CLOSE_LIMIT: Final = 5.0
 #: maximum number of waiting samples
 _SAMPLES: Final = 256
 #: seconds between two reads of the flange's pose and of the figures of a stream
-_SLOWLY: Final = 1.0
+_POLL_EVERY: Final = 1.0
 #: time-out of the reads of the flange's pose and of the arm's type [s]
 _ASK_LIMIT: Final = 0.5
 #: figures of a stream that are recorded, besides its name and its rate
@@ -181,7 +181,7 @@ class RobotObserver:
         self._writer.begin(metadata, loop_callback(opened.set), loop_callback(self._over))
         try:
             await opened.wait()
-            self._see_open()
+            self._raise_open_error()
             self._begin()
         except BaseException:
             await self.stop()
@@ -211,7 +211,7 @@ class RobotObserver:
 
     async def _stop(self) -> None:
         await self._background.aclose()
-        self._let_go()
+        self._detach()
         if not self._finished:
             self._finished = True
             self._writer.finish()
@@ -224,7 +224,7 @@ class RobotObserver:
                 *(self._writer.target, _CLOSE_LIMIT),
             )
 
-    def _see_open(self) -> None:
+    def _raise_open_error(self) -> None:
         error = self._writer.error
         if isinstance(error, DucoError):
             raise error
@@ -238,13 +238,13 @@ class RobotObserver:
 
     def _over(self) -> None:
         """Handle the end of the writer, for whatever reason; on the event loop."""
-        self._let_go()
+        self._detach()
         self._ended.set()
 
     def _crashed(self, error: BaseException) -> None:
         """Handle the failure of a task of this observer: end the others, and nothing else."""
         self._failure = error if isinstance(error, Exception) else RuntimeError(repr(error))
-        self._let_go()
+        self._detach()
         self._writer.finish()
 
     def _begin(self) -> None:
@@ -260,9 +260,9 @@ class RobotObserver:
         self._undo.append(supervisor.observe(self._called, self._task_changed))
         self._background.start(self._record_samples(), "aioduco recording of samples")
         self._background.start(self._record_events(), "aioduco recording of events")
-        self._background.start(self._record_slowly(), "aioduco recording of figures")
+        self._background.start(self._record_polled(), "aioduco recording of figures")
 
-    def _let_go(self) -> None:
+    def _detach(self) -> None:
         """Stop observing the robot."""
         for stream in tuple(self._streams):
             self._stream_figures(stream)
@@ -303,7 +303,7 @@ class RobotObserver:
                     self._writer.put("sample", sample)
                     self._missed = samples.dropped
                     if streams or self._streams:
-                        self._look_at_streams(sample.status.received_at)
+                        self._record_setpoints(sample.status.received_at)
         except RobotStateError:
             return  # the robot was closed
 
@@ -315,9 +315,9 @@ class RobotObserver:
         except RobotStateError:
             return
 
-    async def _record_slowly(self) -> None:
+    async def _record_polled(self) -> None:
         """Poll the data that no event reports: the flange's pose, and the figures of streams."""
-        async for _ in every(_SLOWLY):
+        async for _ in every(_POLL_EVERY):
             for stream in tuple(self._streams):
                 self._stream_figures(stream)
             try:
@@ -327,7 +327,7 @@ class RobotObserver:
                 # Some controllers do not report it, and a lost connection is recorded as an event.
                 continue
 
-    def _look_at_streams(self, at: float) -> None:
+    def _record_setpoints(self, at: float) -> None:
         there = [s for s in self._supervisor.stop_coordinator.streams if isinstance(s, Session)]
         for stream in there:
             point = stream.commanded

@@ -49,7 +49,8 @@ def read(path: str | os.PathLike[str]) -> RecordedRun:
         plt.plot(joints["time"], joints["position"])
 
     Args:
-        path: the file. If it was cut off, it is read up to the cut: see `RecordedRun.complete`.
+        path: the file. If it was cut off or damaged, it is read up to there: see
+            `RecordedRun.complete`.
 
     Raises:
         RecordingError: the file cannot be opened, is not an MCAP file, or has another compression.
@@ -65,7 +66,7 @@ class RecordedRun:
         path: the file.
         metadata: texts about the recording: "library", "controller", "address", "arm", "started".
         complete: whether the recording was ended properly, and the file contains all of it. If not,
-            the program was killed, or the file could not be written any more.
+            the program was killed, the file could not be written any more, or it is damaged.
     """
 
     def __init__(self, path: Path) -> None:
@@ -82,7 +83,11 @@ class RecordedRun:
         self.complete: bool = file.complete
         times = [messages[0].time_ns for messages in by_topic.values()]
         ends = [messages[-1].time_ns for messages in by_topic.values()]
-        start = int(self.metadata.get("started", 0))
+        started = self.metadata.get("started", "0")
+        try:
+            start = int(started)
+        except ValueError:  # the file is damaged there
+            start, self.complete = 0, False
         self._start = start or min(times, default=0)
         self._end = max(ends, default=self._start)
 

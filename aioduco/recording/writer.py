@@ -40,11 +40,11 @@ FLUSH_EVERY: Final = 0.75
 #: seconds between two polls of an empty queue
 _PAUSE: Final = 0.03
 #: maximum number of waiting items
-_MOST: Final = 20_000
+_QUEUE_LIMIT: Final = 20_000
 #: number of names that are tried if the file exists
 _NAMES: Final = 10_000
 #: seconds to wait at the end until the watchers' connections are closed
-_GOODBYE: Final = 0.5
+_CLOSE_WAIT: Final = 0.5
 #: seconds to wait when the interpreter ends until the file is closed
 _AT_EXIT: Final = 1.0
 
@@ -135,7 +135,7 @@ class MessageWriter(ABC, Generic[C]):
         """Queue an item: the name of a method of `MessageChannels`, and its arguments."""
         if not self._accepts:
             return
-        if self._queue.qsize() >= _MOST:
+        if self._queue.qsize() >= _QUEUE_LIMIT:
             self.dropped += 1
             return
         self._queue.put(item)
@@ -255,13 +255,19 @@ class RecordingWriter(MessageWriter["FileChannels"]):
             from aioduco.recording.channels import FileChannels  # noqa: PLC0415 - an extra
         except ModuleNotFoundError as exc:
             raise MissingExtra("a recording", exc.name or "foxglove-sdk", "record") from exc
-        created, self._file = _created(self.path)
-        self.path = created
+        self.path, self._file = _created(self.path)
+        channels: FileChannels | None = None
         try:
             channels = FileChannels(self._buffer, metadata)
             self._save(channels)
         except BaseException:
-            os.close(self._file)
+            if channels is not None:
+                with contextlib.suppress(Exception):
+                    channels.close()
+            with contextlib.suppress(OSError):
+                os.close(self._file)
+            with contextlib.suppress(OSError):
+                self.path.unlink()  # no message was written to it
             raise
         return channels
 
@@ -332,7 +338,7 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
         # If a watcher reads nothing, the library takes a minute to close: do not wait for that.
         closing = threading.Thread(target=channels.close, name=f"{self._name}-end", daemon=True)
         closing.start()
-        closing.join(_GOODBYE)
+        closing.join(_CLOSE_WAIT)
 
 
 def _created(path: Path) -> tuple[Path, int]:

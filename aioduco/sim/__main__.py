@@ -22,7 +22,7 @@ from aioduco.sim.spawned import serve
 def main(argument: str = "{}") -> None:
     """Run a simulator until its input closes, a signal arrives or a client shuts it down."""
 
-    def tell(where: dict[str, Any]) -> None:
+    def announce(where: dict[str, Any]) -> None:
         sys.stdout.write(f"{json.dumps(where)}\n")
         sys.stdout.flush()
 
@@ -30,7 +30,7 @@ def main(argument: str = "{}") -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
         threading.Thread(target=_end_with_input, args=(theirs,), daemon=True).start()
-        serve(json.loads(argument), tell, ValueChannel(ours))
+        serve(json.loads(argument), announce, ValueChannel(ours))
 
 
 def _end_with_input(end: socket.socket) -> None:

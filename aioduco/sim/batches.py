@@ -24,9 +24,9 @@ _CYCLES = 16
 _LONGEST = 0.016
 #: real time after a request in which each cycle runs when it is due [s]: a caller with frequent
 #: requests does not wait each time until the thread has woken up
-_ATTENTION = 0.003
+_ACTIVE_WINDOW = 0.003
 #: longest real time that a caller waits for the cycles that are due [s]: the thread may be blocked
-_PATIENCE = 0.02
+_WAIT_TIMEOUT = 0.02
 
 
 class Batches:
@@ -37,18 +37,18 @@ class Batches:
     Args:
         pace: schedule of the cycles.
         wake: event that wakes the thread.
-        attended: whether a caller waits for one of the next cycles.
+        has_waiters: whether a caller waits for one of the next cycles.
 
     Attributes:
         late: delay with which the running cycle began [s].
     """
 
     def __init__(
-        self, pace: CycleSchedule, wake: threading.Event, attended: Callable[[], bool]
+        self, pace: CycleSchedule, wake: threading.Event, has_waiters: Callable[[], bool]
     ) -> None:
         self._pace = pace
         self._wake = wake
-        self._attended = attended
+        self._has_waiters = has_waiters
         #: released when the cycles that are due have run; None unless the thread sleeps past some.
         #: A condition would make the thread wait for its lock before it can wake the callers.
         self._asleep: threading.Lock | None = None
@@ -80,7 +80,7 @@ class Batches:
         if asleep is None or not wait:
             return
         self._wake.set()
-        if asleep.acquire(timeout=_PATIENCE):
+        if asleep.acquire(timeout=_WAIT_TIMEOUT):
             asleep.release()
 
     def await_cycle(self, now: float) -> float | None:
@@ -94,7 +94,7 @@ class Batches:
         begun, delay = now, self._pace.delay(now)
         if delay > 0.0:
             self.end()
-            if now - self._asked_at > _ATTENTION and not self._attended():
+            if now - self._asked_at > _ACTIVE_WINDOW and not self._has_waiters():
                 self._sleep_past(now, delay)
                 return None
             time.sleep(delay)

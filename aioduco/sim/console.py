@@ -193,4 +193,4 @@ COMMANDS: dict[str, _Command] = {
         _Command("help", "tell these commands", _help),
     )
 }
-"""By name: what `Console` carries out."""
+"""The commands of `Console`, by name."""

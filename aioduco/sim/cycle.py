@@ -109,7 +109,7 @@ class Plant(Protocol):
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         """Mount a load at the flange without setting it in the drives [kg, m]."""
 
-    def tell(self, mass: float, centre: Sequence[float]) -> None:
+    def set_modelled_load(self, mass: float, centre: Sequence[float]) -> None:
         """Set a load in the drives without mounting it [kg, m]."""
 
     def brake(self, on: bool) -> None:

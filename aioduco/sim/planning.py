@@ -29,9 +29,9 @@ __all__ = ["PlanningThreads"]
 
 #: real time for which planning sleeps, so that other threads get the interpreter's lock at once;
 #: otherwise they would wait until the interpreter takes it from the planning thread [s]
-_WAY = 5e-5
+_YIELD_SLEEP = 5e-5
 #: real time of work between two such sleeps [s]
-_WORK = 5e-4
+_YIELD_INTERVAL = 5e-4
 
 
 class PlanningThreads:
@@ -51,7 +51,7 @@ class PlanningThreads:
         changing: Callable[[], contextlib.AbstractContextManager[Controller]],
         failed: Callable[[Exception], None],
     ) -> None:
-        controller.plan_aside()
+        controller.plan_in_background()
         self._controller = controller
         self._lock = lock
         self._changing = changing
@@ -77,7 +77,7 @@ class PlanningThreads:
         if self._thread.is_alive():
             self._thread.join()
 
-    def turn(self) -> None:
+    def yield_hook(self) -> None:
         """Yield to other threads; the planning code calls this between two slices of its work.
 
         Raises:
@@ -85,8 +85,8 @@ class PlanningThreads:
         """
         if self._closing or self._controller.planning is not self._current:
             raise PlanDropped
-        if time.perf_counter() - self._worked_from >= _WORK:
-            time.sleep(_WAY)
+        if time.perf_counter() - self._worked_from >= _YIELD_INTERVAL:
+            time.sleep(_YIELD_SLEEP)
             self._worked_from = time.perf_counter()
 
     def plan(self, id_: int | None = None) -> None:
@@ -103,9 +103,9 @@ class PlanningThreads:
                 with contextlib.suppress(PlanDropped):
                     self._plan(current)
             if current.id != id_:
-                time.sleep(_WAY)  # threads that wait to plan their own motion come first
+                time.sleep(_YIELD_SLEEP)  # threads that wait to plan their own motion come first
 
-    def plan_aside(self) -> None:
+    def plan_in_background(self) -> None:
         """Let the thread plan the waiting motions, unless another does. Call under the lock."""
         if self._controller.unplanned is not None and not self._plans.locked():
             self._due.set()
@@ -113,7 +113,7 @@ class PlanningThreads:
     def _plan(self, current: motion_queue.Planning) -> None:
         came: Drafted | PlanError
         try:
-            came = current.draft.work(self.turn)
+            came = current.draft.work(self.yield_hook)
         except PlanError as exc:
             came = exc
         except PlanDropped:

@@ -103,7 +103,7 @@ class SimulatorProcess:
             self.close()
             raise RuntimeError(
                 f"the simulator's process ended with status {self.process.returncode} before it "
-                f"listened: {linked.last_words}"
+                f"listened: {linked.stderr_tail}"
             ) from error
         except BaseException:
             self.close()

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from aioduco.models.enums import TaskState
+from aioduco.models.enums import TaskState
 
 
 class Refusal(Exception):
@@ -18,6 +15,11 @@ class Rejected(Exception):
     def __init__(self, state: TaskState, message: str) -> None:
         super().__init__(message)
         self.state = state
+
+
+def mismatch(message: str) -> Rejected:
+    """Make the rejection of a task with a wrong parameter."""
+    return Rejected(TaskState.PARAMETER_MISMATCH, message)
 
 
 class Pending(Exception):

@@ -66,7 +66,7 @@ _SETTLING = 0.3
 _NO_PUSH: tuple[float, ...] = (0.0,) * 6
 #: more cycles than any idle time contains
 _MANY = 1_000_000
-_STRONG: tuple[float, ...] = (math.inf,) * 6
+_NO_EFFORT_LIMIT: tuple[float, ...] = (math.inf,) * 6
 
 
 class SimulatedClock:
@@ -114,7 +114,7 @@ class SimulationRuntime:
         plant: Plant,
         *,
         cycle: float = 0.001,
-        effort: Sequence[float] = _STRONG,
+        effort: Sequence[float] = _NO_EFFORT_LIMIT,
         speed: float = 1.0,
         sense: Callable[[Vector], Vector] = lambda wrench: wrench,
         on_network: Callable[[bool | None], None] = lambda _up: None,
@@ -132,8 +132,8 @@ class SimulationRuntime:
             controller, self._lock, self._changing, self._fail
         )
         self._wake = threading.Event()
-        self._batches = Batches(self._pace, self._wake, self._attended)
-        self._news = threading.Condition()
+        self._batches = Batches(self._pace, self._wake, self._has_waiters)
+        self._snapshot_ready = threading.Condition()
         self._watchers = 0
         #: token of the change of the controller that is under way; the snapshot is older
         self._change: object | None = None
@@ -142,7 +142,7 @@ class SimulationRuntime:
         self._holds: dict[object, float] = {}
         self._lasting: set[object] = set()
         #: real time at which a hold that had stopped simulated time was last released [s]
-        self._let_go_at = -math.inf
+        self._released_at = -math.inf
         self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
         self._closing = False
@@ -165,7 +165,7 @@ class SimulationRuntime:
         self._busy: bool = False
         self._braked: bool | None = None
         #: whether one of the following values was changed
-        self._told: bool = False
+        self._plant_dirty: bool = False
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
         self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
@@ -305,7 +305,7 @@ class SimulationRuntime:
             Whether the condition holds.
         """
         end = self.snapshot.time + timeout
-        with self._news:
+        with self._snapshot_ready:
             self._watchers += 1
         try:
             # Called without the lock: a predicate may call the controller, which needs the loop.
@@ -313,11 +313,11 @@ class SimulationRuntime:
                 snapshot = self.snapshot
                 if snapshot.time >= end or self._closing:
                     return False
-                with self._news:
-                    self._news.wait_for(functools.partial(self._newer, snapshot))
+                with self._snapshot_ready:
+                    self._snapshot_ready.wait_for(functools.partial(self._newer, snapshot))
             return True
         finally:
-            with self._news:
+            with self._snapshot_ready:
                 self._watchers -= 1
 
     @property
@@ -330,7 +330,7 @@ class SimulationRuntime:
     def push(self, wrench: Sequence[float]) -> None:
         """Push at the flange from now on [N, N m], in the base frame."""
         self._push = tuple(wrench)
-        self._told = True
+        self._plant_dirty = True
         self._wake.set()
 
     def now(self) -> float:
@@ -345,12 +345,12 @@ class SimulationRuntime:
         """
         key = object()
 
-        def let_go() -> None:
+        def release_hold() -> None:
             with self._holding:
                 held = self._holds.pop(key, None) is not None
                 self._lasting.discard(key)
                 if held and at <= self._snapshot.time:
-                    self._let_go_at = time.monotonic()
+                    self._released_at = time.monotonic()
                 self._holding.notify_all()
 
         self._catch_up()
@@ -358,7 +358,7 @@ class SimulationRuntime:
             self._holds[key] = at
             if lasting:
                 self._lasting.add(key)
-        return let_go
+        return release_hold
 
     def lock(self) -> None:
         """Lock simulated time: from now on it stands still, and only `advance` moves it.
@@ -423,13 +423,13 @@ class SimulationRuntime:
     def load(self, mass: float, centre: Sequence[float]) -> None:
         """Set a load in the drives [kg, m], and mount it unless `carry` has mounted another."""
         self._load = (mass, tuple(centre))
-        self._told = True
+        self._plant_dirty = True
         self._wake.set()
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         """Mount a load at the flange [kg, m], whatever load is set in the drives."""
         self._carry = (mass, tuple(centre))
-        self._told = True
+        self._plant_dirty = True
         self._wake.set()
 
     def set_speed(self, speed: float) -> None:
@@ -456,8 +456,8 @@ class SimulationRuntime:
         for events in waiters.values():
             for event in events:
                 event.set()
-        with self._news:
-            self._news.notify_all()
+        with self._snapshot_ready:
+            self._snapshot_ready.notify_all()
         with self._holding:
             self._holding.notify_all()
         self._wake.set()
@@ -515,7 +515,7 @@ class SimulationRuntime:
                 if begun is None:
                     now = clock()
                     continue
-                if self._told or self._braked is not self._drive.brake:
+                if self._plant_dirty or self._braked is not self._drive.brake:
                     self._change_plant()
                 self._plant.step(self._drive.setpoint)
                 pace.ran()
@@ -530,7 +530,7 @@ class SimulationRuntime:
                 self._batches.end()
                 pace.begin(now, idle=idle)
 
-    def _attended(self) -> bool:
+    def _has_waiters(self) -> bool:
         """Whether a caller waits for one of the next cycles."""
         if self._watchers or self.observer or self._holds or self._limit is not None:
             return True
@@ -540,7 +540,9 @@ class SimulationRuntime:
 
     def _change_plant(self) -> None:
         """Pass the changes since the last cycle to the physics."""
-        self._told = False  # first: a change that comes meanwhile is passed in the next cycle
+        self._plant_dirty = (
+            False  # first: a change that comes meanwhile is passed in the next cycle
+        )
         if self._braked is not self._drive.brake:
             self._braked = self._drive.brake
             self._plant.brake(self._braked)
@@ -552,7 +554,7 @@ class SimulationRuntime:
             self._plant.carry(*self._carried)
         if self._loaded is not self._load:
             self._loaded = self._load
-            mount = self._plant.load if self._carried is None else self._plant.tell
+            mount = self._plant.load if self._carried is None else self._plant.set_modelled_load
             mount(*self._loaded)
 
     def _allowed(self) -> int:
@@ -632,17 +634,17 @@ class SimulationRuntime:
             self._change = None
             # Before a command can come: else the cycle in which it counts would depend on chance.
             self._busy = controller.busy
-            released = self._take_answered() if controller.tasks.news else ()
+            released = self._take_answered() if controller.tasks.newly_answered else ()
             network = None if controller.halted else not controller.starting
             if controller.unplanned is not None:
-                self.planning.plan_aside()
+                self.planning.plan_in_background()
         if (observer := self.observer) is not None:
             observer(snapshot, self._touched)
         for event in released:
             event.set()
         if self._watchers:
-            with self._news:
-                self._news.notify_all()
+            with self._snapshot_ready:
+                self._snapshot_ready.notify_all()
         if network is not self._network:
             self._network = network
             self._on_network(network)
@@ -656,7 +658,7 @@ class SimulationRuntime:
         before the release of a hold is not caught up with, even if this thread did not notice the
         hold.
         """
-        self._pace.drop(self._let_go_at)
+        self._pace.drop(self._released_at)
         return min(self._pace.due(time.monotonic()), self._allowed())
 
     def _wait_for_plans(self) -> None:

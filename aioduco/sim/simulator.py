@@ -194,7 +194,7 @@ class Simulator:
         self._server: Server | None = None
         self._runtime: SimulationRuntime | None = None
         self._controller: Controller | None = None
-        self._studio: PictureProcess | None = None
+        self._renderer: PictureProcess | None = None
         self._world: World | None = None
 
     def __repr__(self) -> str:
@@ -278,7 +278,7 @@ class Simulator:
                 raise
             self._status = status
         self._server, self._runtime, self._controller = server, runtime, controller
-        self._studio = PictureProcess(world.model)
+        self._renderer = PictureProcess(world.model)
         self._world = world
         # If the interpreter exits during a simulation, it frees memory that a step still uses.
         atexit.register(self.close)
@@ -301,9 +301,9 @@ class Simulator:
         finally:
             runtime.close()
             self._runtime = self._controller = None
-            studio, self._studio = self._studio, None
-            if studio is not None:
-                studio.close()
+            renderer, self._renderer = self._renderer, None
+            if renderer is not None:
+                renderer.close()
 
     def __enter__(self) -> Self:
         return self.start()
@@ -436,11 +436,11 @@ class Simulator:
     @property
     def tasks(self) -> tuple[ControllerTask, ...]:
         """The tasks that have not ended, oldest first."""
-        return self._machine().tasks.unfinished()
+        return self._running_controller().tasks.unfinished()
 
     def task(self, id: int) -> ControllerTask | None:  # noqa: A002 - what it is
         """A task that runs or has ended, by its id; None if it is unknown or no longer stored."""
-        return self._machine().tasks.get(id)
+        return self._running_controller().tasks.get(id)
 
     def observe(self, observer: Observer | None) -> None:
         """Set the function that is called after every cycle, in place of an earlier one.
@@ -455,7 +455,7 @@ class Simulator:
 
     def get_digital_output(self, num: int) -> bool:
         """State of a general output of the cabinet, 1 to 16."""
-        return self._machine().signals.standard_out.level(num, self.time)
+        return self._running_controller().signals.standard_out.level(num, self.time)
 
     @property
     def forgiven(self) -> dict[str, int]:
@@ -465,7 +465,7 @@ class Simulator:
     @property
     def signals(self) -> Signals:
         """Every signal and register by number, such as `sim.signals.voltage_in[2] = 5.0`."""
-        return self._machine().signals
+        return self._running_controller().signals
 
     def statistics(self) -> LoopStatistics:
         """Timing of the controller's cycles."""
@@ -688,8 +688,8 @@ class Simulator:
 
     def _camera(self, name: str) -> tuple[float, NDArray[np.float64]]:
         positions = self.positions
-        assert self._studio is not None
-        return camera_of(self._studio.model, name, positions)
+        assert self._renderer is not None
+        return camera_of(self._renderer.model, name, positions)
 
     def render(
         self,
@@ -721,9 +721,9 @@ class Simulator:
             RenderError: This computer has no OpenGL for off-screen drawing.
         """
         shown = self.positions if positions is None else positions
-        assert self._studio is not None
+        assert self._renderer is not None
         seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._studio.picture(shown, width, height, seen, marks)
+        return self._renderer.picture(shown, width, height, seen, marks)
 
     def render_depth(
         self,
@@ -739,9 +739,9 @@ class Simulator:
             Distances along the camera's axis [m]. Shape (height, width).
         """
         shown = self.positions if positions is None else positions
-        assert self._studio is not None
+        assert self._renderer is not None
         seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._studio.depth(shown, width, height, seen)
+        return self._renderer.depth(shown, width, height, seen)
 
     def window(self) -> Viewer:
         """Open MuJoCo's window with the arm; it needs a display.
@@ -762,8 +762,10 @@ class Simulator:
         from aioduco.sim.view.viewer import Viewer  # noqa: PLC0415 - for those who have a display
 
         self._running()
-        assert self._studio is not None
-        return Viewer(self._studio.model, lambda: self.positions, towards(self.arm, self.mounting))
+        assert self._renderer is not None
+        return Viewer(
+            self._renderer.model, lambda: self.positions, towards(self.arm, self.mounting)
+        )
 
     def _connect_gripper(self, hand: Hand | None, runtime: SimulationRuntime) -> None:
         """Connect the gripper's electronics to its port, or to its signals."""
@@ -787,7 +789,7 @@ class Simulator:
             raise RuntimeError("this simulator is not running: enter it by `with` or `async with`")
         return self._runtime
 
-    def _machine(self) -> Controller:
+    def _running_controller(self) -> Controller:
         self._running()
         assert self._controller is not None
         return self._controller

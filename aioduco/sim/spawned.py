@@ -24,23 +24,24 @@ SWITCH_INTERVAL = 0.0005
 
 def serve(
     options: Mapping[str, Any],
-    tell: Callable[[dict[str, Any]], object],
-    held_by: ValueChannel,
+    announce: Callable[[dict[str, Any]], object],
+    owner_channel: ValueChannel,
     answer: Callable[[Simulator], bool] | None = None,
 ) -> None:
     """Run a simulator until its channel closes, SIGTERM or SIGINT comes, or a client shuts it down.
 
     Args:
         options: arguments of `Simulator`.
-        tell: called with the simulator's addresses, in types that JSON has.
-        held_by: channel of the program that uses the simulator; when it closes, the simulator ends.
+        announce: called with the simulator's addresses, in types that JSON has.
+        owner_channel: channel of the program that uses the simulator; when it closes, the
+            simulator ends.
         answer: reads a request from the channel and replies; returns whether the simulator
             continues. None to read nothing.
     """
     # Only the simulator uses this process. With a short interval a command does not wait long for a
     # thread that computes, such as one that plans a motion.
     sys.setswitchinterval(SWITCH_INTERVAL)
-    heard = answer or (lambda _: not held_by.ended())
+    heard = answer or (lambda _: not owner_channel.ended())
     ours, others = socket.socketpair()
     ours.setblocking(False)
     others.setblocking(False)
@@ -50,9 +51,9 @@ def serve(
         signal.signal(number, lambda *_: None)
     with Simulator(**options, on_shutdown=lambda: others.send(b"x")) as sim:
         ports = {"port": sim.port, "status_port": sim.status_port}
-        tell({"host": sim.host, **ports, "pid": os.getpid()})
+        announce({"host": sim.host, **ports, "pid": os.getpid()})
         with selectors.DefaultSelector() as selector:
-            selector.register(held_by, selectors.EVENT_READ)
+            selector.register(owner_channel, selectors.EVENT_READ)
             selector.register(ours, selectors.EVENT_READ)
             while True:
                 ready = {key.fileobj for key, _ in selector.select()}

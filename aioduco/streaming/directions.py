@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.streaming.shared.config import Turning
+from aioduco.streaming.shared.config import FrameRotation
 
 __all__ = ["MotionFrame", "into_tool", "into_wobj"]
 
@@ -24,7 +24,7 @@ def _checked(frame: str, wobj: str) -> str:
     return name
 
 
-def into_tool(frame: str, wobj: str = "", tool: str = "") -> Turning | None:
+def into_tool(frame: str, wobj: str = "", tool: str = "") -> FrameRotation | None:
     """The rotation of directions into the tool's frame.
 
     Args:
@@ -42,13 +42,13 @@ def into_tool(frame: str, wobj: str = "", tool: str = "") -> Turning | None:
     if frame == "tool":
         return None
     if frame == "wobj":
-        return Turning(reads=[["get_tcp_pose_coord", tool, name]])
+        return FrameRotation(reads=[["get_tcp_pose_coord", tool, name]])
     if not tool:
-        return Turning(reads=[["get_tcp_pose"]])
-    return Turning(reads=[["get_wobj"], ["get_tcp_pose_coord", tool, ""]])
+        return FrameRotation(reads=[["get_tcp_pose"]])
+    return FrameRotation(reads=[["get_wobj"], ["get_tcp_pose_coord", tool, ""]])
 
 
-def into_wobj(frame: str) -> Turning | None:
+def into_wobj(frame: str) -> FrameRotation | None:
     """The rotation of directions into the frame of the work object in use.
 
     Args:
@@ -64,5 +64,5 @@ def into_wobj(frame: str) -> Turning | None:
     if frame == "wobj":
         return None
     if frame == "base":
-        return Turning(reads=[["get_wobj"]])
-    return Turning(reads=[["get_tcp_pose_coord", "", ""]], back=False)
+        return FrameRotation(reads=[["get_wobj"]])
+    return FrameRotation(reads=[["get_tcp_pose_coord", "", ""]], back=False)

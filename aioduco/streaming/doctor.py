@@ -14,7 +14,7 @@ from aioduco.models import ranges
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import Feeding, LaneOptions
 from aioduco.streaming.report import times_table
-from aioduco.streaming.shared.config import Sent
+from aioduco.streaming.shared.config import StreamSpec
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 
@@ -153,7 +153,9 @@ def holdable(figures: StreamStatistics) -> float:
 async def _measure(
     endpoint: StreamEndpoint, options: LaneOptions, seconds: float
 ) -> StreamStatistics:
-    sent = Sent(name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), drive=None)
+    sent = StreamSpec(
+        name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), drive=None
+    )
     stream = Stream(endpoint, Feeding(rate=RATES[0]), options, sent, ranges.JOINTS)
     async with stream:
         await anyio.sleep(seconds)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from aioduco.streaming.shared.config import Calls, EnvelopeSettings
+from aioduco.streaming.shared.config import CallDrive, EnvelopeSettings
 from aioduco.supervision.heartbeat import HeartbeatState
 from aioduco.supervision.motion_sources import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from aioduco.streaming.shared.config import Sent
+    from aioduco.streaming.shared.config import StreamSpec
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["StreamEndpoint"]
@@ -34,8 +34,8 @@ class StreamEndpoint:
             worker then brings the arm to rest, even if set-points are queued [s].
         unanswered_timeout: longest wait for an unanswered set-point, with the arm stopped: it may
             reach the controller late [s].
-        beats: returns whether the robot's heartbeat beats; without it the controller stops the arm,
-            and the stream must not start it again.
+        heartbeat_ok: returns whether the robot's heartbeat beats; without it the controller stops
+            the arm, and the stream must not start it again.
         envelope: returns the envelope for the checks of set-points; its argument is what the stream
             sends.
     """
@@ -48,18 +48,18 @@ class StreamEndpoint:
     guarded: bool = False
     stall_limit: float = 1.0
     unanswered_timeout: float = 60.0
-    beats: Callable[[], bool] | None = None
-    envelope: Callable[[Sent], Awaitable[EnvelopeSettings | None]] | None = None
+    heartbeat_ok: Callable[[], bool] | None = None
+    envelope: Callable[[StreamSpec], Awaitable[EnvelopeSettings | None]] | None = None
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> StreamEndpoint:
         """The endpoint for the robot of a supervisor."""
 
-        def beats() -> bool:
+        def heartbeat_ok() -> bool:
             heart = supervisor.heartbeat
             return heart is None or heart.state is HeartbeatState.BEATING
 
-        async def envelope(sent: Sent) -> EnvelopeSettings | None:
+        async def envelope(sent: StreamSpec) -> EnvelopeSettings | None:
             tool, wobj = _frames(sent)
             found = await supervisor.envelope.of_stream(tool, wobj, checked=sent.meaning != "speed")
             if found is None:
@@ -77,15 +77,15 @@ class StreamEndpoint:
             guarded=supervisor.guard is not None,
             stall_limit=supervisor.settings.loop_stall_limit,
             unanswered_timeout=supervisor.settings.unanswered_timeout,
-            beats=beats,
+            heartbeat_ok=heartbeat_ok,
             envelope=envelope,
         )
 
 
-def _frames(sent: Sent) -> tuple[str, str]:
+def _frames(sent: StreamSpec) -> tuple[str, str]:
     """The names of the set-points' tool and work object; empty: those in use."""
     if len(sent.read) == 3:
         return sent.read[1], sent.read[2]
-    if sent.name == "servo_tcp" and isinstance(sent.drive, Calls):
+    if sent.name == "servo_tcp" and isinstance(sent.drive, CallDrive):
         return str(sent.drive.arguments[2]), ""
     return "", ""

@@ -70,9 +70,10 @@ _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
 def failure(name: str, reason: Reason, text: str, statistics: object) -> StreamError | None:
     """The error for the end of a stream; None if it has not ended, or was closed."""
     if reason is Reason.ENVELOPE:
-        limit, body, place, *others = json.loads(text)
+        # The worker may have added to the crossing that it could not stop the arm after it.
+        (limit, body, place, *others), end = json.JSONDecoder().raw_decode(text)
         found = Crossing(limit, body, tuple(place), *others)
-        message = f"{name}: {_ENVELOPE}: {found}"
+        message = f"{name}: {_ENVELOPE}: {found}{text[end:]}"
         return StreamLeavesEnvelope(message, *found[:4], statistics)
     if reason not in _ENDS:
         return None

@@ -93,7 +93,7 @@ class JointTrajectory:
         count = len(self.positions)
         for row in self.positions.tolist():
             ranges.JOINTS("positions", row)
-        self.times: NDArray[np.float64] = np.asarray(times, dtype=np.float64)
+        self.times: NDArray[np.float64] = _numbers("times", times)
         if self.times.shape != (count,) or not np.all(np.isfinite(self.times)):
             raise ParameterError("times", times, f"{count} finite numbers")
         if self.times[0] < 0 or np.any(np.diff(self.times) <= 0):
@@ -133,15 +133,21 @@ class JointTrajectory:
         )
 
 
-def _matrix(name: str, value: Any, count: int | None = None) -> NDArray[np.float64]:
+def _numbers(name: str, value: Any) -> NDArray[np.float64]:
+    """A copy that cannot be changed, so that the checks of it stay valid."""
     try:
         found = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as exc:
         raise ParameterError(name, value, "an array of numbers") from exc
+    found.setflags(write=False)
+    return found
+
+
+def _matrix(name: str, value: Any, count: int | None = None) -> NDArray[np.float64]:
+    found = _numbers(name, value)
     wanted = "n" if count is None else count
     if found.ndim != 2 or found.shape[1] != 6 or not len(found) or count not in (None, len(found)):
         raise ParameterError(name, found.shape, f"of the shape ({wanted}, 6)")
     if not np.all(np.isfinite(found)):
         raise ParameterError(name, value, "an array of finite numbers")
-    found.setflags(write=False)
     return found

@@ -10,7 +10,7 @@ from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Integer
 from aioduco.streaming.directions import into_wobj
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import Meaning, QueueDrive, Sent
+from aioduco.streaming.shared.config import Meaning, QueueDrive, StreamSpec
 from aioduco.streaming.shared.space import JERK, Limits
 from aioduco.streaming.stream import Stream
 
@@ -147,7 +147,7 @@ class RealtimeStreams:
             ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth),
             ranges.REALTIME_LOST_TIME("com_lost_time", com_lost_time),
         ]
-        sent = Sent(
+        sent = StreamSpec(
             name=f"realtime {chosen.name.lower()}",
             in_joints=in_joints,
             limits=_limits(v, a, jerk, groups),

@@ -10,7 +10,7 @@ from aioduco.models.names import ManualNames
 from aioduco.streaming.directions import into_tool
 from aioduco.streaming.gains import ServoGains
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import Calls, Sent
+from aioduco.streaming.shared.config import CallDrive, StreamSpec
 from aioduco.streaming.shared.space import JERK, POSE_SPACE, Limits
 from aioduco.streaming.stream import Stream
 
@@ -148,7 +148,7 @@ class Servo(ManualNames):
             reach=per_group("reach", reach, 6),
         )
         jerks = per_group("jerk", JERK * a_ if jerk is None else jerk, 6)
-        sent = Sent(
+        sent = StreamSpec(
             name="servoj",
             in_joints=True,
             limits=Limits((v_,) * 6, (a_,) * 6, jerks),
@@ -203,7 +203,7 @@ class Servo(ManualNames):
         v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
         frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
         near = ranges.JOINTS_NEAR("q_near", q_near)
-        sent = Sent(
+        sent = StreamSpec(
             name="servoj_pose",
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
@@ -261,7 +261,7 @@ class Servo(ManualNames):
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
         frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
         near = ranges.JOINTS_NEAR("q_near", q_near)
-        sent = Sent(
+        sent = StreamSpec(
             name="servol",
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
@@ -323,7 +323,7 @@ class Servo(ManualNames):
         """
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
         tool_ = ranges.FRAME("tool", tool)
-        sent = Sent(
+        sent = StreamSpec(
             name="servo_tcp",
             turning=into_tool(frame, wobj, tool_),
             in_joints=False,
@@ -335,13 +335,15 @@ class Servo(ManualNames):
         return OffsetStream(self._endpoint, fed, options, sent, ranges.POSE)
 
 
-def _calls(function: str, motion: list[Any], frames: list[str], gains: ServoGains | None) -> Calls:
+def _calls(
+    function: str, motion: list[Any], frames: list[str], gains: ServoGains | None
+) -> CallDrive:
     """The calls of a servo stream: speeds first, then frames, `block`, and the gains."""
     gains = ServoGains() if gains is None else gains
     if not isinstance(gains, ServoGains):
         raise ParameterError("gains", gains, "ServoGains, or None")
     arguments = [*motion, *frames, False, *gains.wire()]
-    return Calls(function=function, arguments=arguments)
+    return CallDrive(function=function, arguments=arguments)
 
 
 def _fed(feeding: ServoOptions | PacedOptions, max_step: _Pair, reach: _Pair) -> Feeding:

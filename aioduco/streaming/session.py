@@ -56,9 +56,9 @@ class Session:
         self._owner_loop = OwnerLoop("the stream", moves=False)
         self._background = BackgroundTasks(self._crashed)
         #: tasks that stop the robot after a task of `_background` has failed
-        self._rescue = BackgroundTasks(self._not_rescued)
+        self._rescue = BackgroundTasks(self._rescue_failed)
         self._fault = ""
-        self._minded = anyio.Event()
+        self._supervised = anyio.Event()
         self._halted = False
         self._final: StreamStatistics | None = None
         self._commanded: tuple[float, ...] | None = None
@@ -194,8 +194,8 @@ class Session:
             why = resource_error(exc) or exc
             raise LaneFailed(f"no lane could be started: {why}. Nothing was sent") from exc
         self.host = host
-        self._background.start(self._mind(host), f"aioduco {self.name}", self._minded.set)
-        self._background.start(self._live(host), f"aioduco {self.name} sign of life")
+        self._background.start(self._supervise(host), f"aioduco {self.name}", self._supervised.set)
+        self._background.start(self._send_signs_of_life(host), f"aioduco {self.name} sign of life")
         await host.until_ready(self._options.connect_timeout)
         if self._halted:
             # The robot was stopped before the worker existed, so the command is sent now.
@@ -214,7 +214,7 @@ class Session:
 
         In a forked child this does nothing.
         """
-        if self._owner_loop.forked_off:
+        if self._owner_loop.in_forked_child:
             return
         self._owner_loop.require(self.name)
         try:
@@ -232,7 +232,7 @@ class Session:
         if host is not None and self._final is None:
             if not host.gone:
                 host.command(StreamCommand.ABORT)
-                with anyio.move_on_after(self._patience):
+                with anyio.move_on_after(self._end_timeout):
                     await host.until_gone()
             if host.unanswered:
                 with anyio.move_on_after(self._config.unanswered_timeout):
@@ -246,18 +246,18 @@ class Session:
             if host.gone:
                 host.release()
         if host is not None and host.gone:
-            # After a worker that died, `_mind` may still stop the robot; that stop has a deadline.
-            await self._minded.wait()
-        with anyio.move_on_after(self._patience):
+            # After a worker that died, `_supervise` may still stop the robot, within a deadline.
+            await self._supervised.wait()
+        with anyio.move_on_after(self._end_timeout):
             await self._rescue.ended()
         await self._rescue.aclose()
         await self._background.aclose()
         self._endpoint.streams.remove(self)
 
-    async def _mind(self, host: WorkerHandle) -> None:
+    async def _supervise(self, host: WorkerHandle) -> None:
         """Listen to the worker until it ends; stop the robot if it gave no reason."""
         try:
-            await host.listen(self._patience + 20 * self._config.period)
+            await host.listen(self._end_timeout + 20 * self._config.period)
         except Exception as error:
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
@@ -265,12 +265,12 @@ class Session:
         if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 
-    async def _live(self, host: WorkerHandle) -> None:
+    async def _send_signs_of_life(self, host: WorkerHandle) -> None:
         """Give the worker signs of life: the event loop runs and the heartbeat beats."""
         every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
         due = anyio.current_time()
         while not host.gone:
-            host.touch(self._endpoint.beats is None or self._endpoint.beats())
+            host.touch(self._endpoint.heartbeat_ok is None or self._endpoint.heartbeat_ok())
             due = max(due + every, anyio.current_time())
             await anyio.sleep_until(due)
 
@@ -283,12 +283,12 @@ class Session:
         if stop is None:
             # Only the worker can bring the arm to rest.
             self.host.command(StreamCommand.ABORT)
-            patience = self._patience
+            patience = self._end_timeout
         else:
             self.host.command(StreamCommand.HALT)
             self._rescue.start(self._stop_robot(stop), f"aioduco stop of {self.name}")
             patience = _HALTED
-        self._rescue.start(self.host.bury(patience), f"aioduco end of {self.name}")
+        self._rescue.start(self.host.reap(patience), f"aioduco end of {self.name}")
 
     async def _stop_robot(self, stop: Callable[[str], Awaitable[object]]) -> None:
         # `stop` raises if the stop cannot be confirmed. This task has no caller that could handle
@@ -296,14 +296,14 @@ class Session:
         with contextlib.suppress(DucoError):
             await stop(self._config.sent.ending)
 
-    def _not_rescued(self, error: BaseException) -> None:
+    def _rescue_failed(self, error: BaseException) -> None:
         """Kill the worker's process, because the rescue failed too."""
         self._fault = f"{self._fault}, and then {error!r}"
         if self.host is not None:
             self.host.kill()
 
     @property
-    def _patience(self) -> float:
+    def _end_timeout(self) -> float:
         """Time within which the worker must bring the arm to rest and end [s]."""
         limits = self._config.sent.limits
         braking = max(v / a for v, a in zip(limits.velocity, limits.acceleration, strict=True))

@@ -9,7 +9,7 @@ from aioduco.models import ranges
 from aioduco.models.names import ManualNames
 from aioduco.streaming.directions import into_tool
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import Calls, Sent
+from aioduco.streaming.shared.config import CallDrive, StreamSpec
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 
@@ -74,7 +74,7 @@ class Speed(ManualNames):
         """
         a_, v_ = ranges.JOINT_ACCELERATION("a", a), ranges.JOINT_SPEED("v", v)
         feeding = Feeding(rate=rate, latest=latest, hold=hold)
-        sent = Sent(
+        sent = StreamSpec(
             name="speedj",
             in_joints=True,
             limits=Limits(per_group("v", v_, 6), per_group("a", a_, 6)),
@@ -131,7 +131,7 @@ class Speed(ManualNames):
         a_, v_ = ranges.FINE_ACCELERATION("a", a), ranges.FINE_SPEED("v", v)
         turning = ranges.JOINT_SPEED("turn_v", turn_v)
         feeding = Feeding(rate=rate, latest=latest, hold=hold)
-        sent = Sent(
+        sent = StreamSpec(
             name="speedl",
             turning=into_tool(frame, wobj),
             in_joints=False,
@@ -143,8 +143,8 @@ class Speed(ManualNames):
         return Stream(self._endpoint, feeding, options, sent, ranges.TWIST)
 
 
-def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> Calls:
+def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> CallDrive:
     milliseconds = ranges.RUN_TIME("dead_man", dead_man)
     if dead_man < 2 / feeding.rate:
         raise ParameterError("dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more")
-    return Calls(function=function, arguments=[a, milliseconds, False])
+    return CallDrive(function=function, arguments=[a, milliseconds, False])

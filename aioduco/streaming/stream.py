@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import Feeding, LaneOptions
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.shared.config import Sent
+    from aioduco.streaming.shared.config import StreamSpec
     from aioduco.streaming.shared.space import Space
     from aioduco.streaming.shared.state import Reason, StreamState
     from aioduco.streaming.worker_process import WorkerHandle
@@ -78,7 +78,7 @@ class Stream:
         endpoint: StreamEndpoint,
         feeding: Feeding,
         options: LaneOptions | None,
-        sent: Sent,
+        sent: StreamSpec,
         check: Callable[[str, VectorLike], list[float]],
     ) -> None:
         self._feeding = feeding
@@ -362,7 +362,8 @@ class Stream:
             else:
                 while ring.level >= ahead or not ring.put(values, time.monotonic_ns(), extra):
                     await self._begin(host)
-                    await host.until_level(max(1, ahead * 3 // 4))
+                    # With a depth of one this waits for an empty ring.
+                    await host.until_level(ahead * 3 // 4)
                     self._session.alive()
             self._last = values
             if number % _AT_ONCE == 0:

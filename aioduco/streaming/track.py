@@ -9,7 +9,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import PoolDrive, Sent
+from aioduco.streaming.shared.config import PoolDrive, StreamSpec
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.encoding import element_tail
@@ -183,7 +183,7 @@ class TrackStreams:
             period=ranges.TIMEOUT("period", period),
             extra=extra,
         )
-        sent = Sent(
+        sent = StreamSpec(
             name="track",
             in_joints=joints,
             limits=Limits((speed_,), (acc_,)),

@@ -10,6 +10,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
+import anyio.lowlevel
 
 from aioduco._spawn import Process, Unstartable
 from aioduco._wire.forks import fork_hooks
@@ -99,8 +100,8 @@ class WorkerHandle:
         if self.reason is Reason.LANE_DIED and self._process is not None:
             code = self._process.popen.poll()
             if code is not None and code < 0:
-                return f"its process was killed by {signal.Signals(-code).name}"
-            return f"its process ended with code {code}: {self._process.last_words}".strip(": ")
+                return f"its process was killed by {_signal_name(-code)}"
+            return f"its process ended with code {code}: {self._process.stderr_tail}".strip(": ")
         return self.block.text
 
     def command(self, command: StreamCommand) -> None:
@@ -174,10 +175,11 @@ class WorkerHandle:
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._guard, patience)
-                while await self._hear(self._link):
+                while await self._receive(self._link):
                     self._wake()
                 tasks.cancel_scope.cancel()
-            await self._reap()
+            with anyio.CancelScope(shield=True):
+                await self._wait_for_exit(_EXIT)
         except Exception:
             gone = False
             raise
@@ -187,17 +189,17 @@ class WorkerHandle:
             self._gone = self._gone or gone
             self._wake()
 
-    async def bury(self, patience: float) -> None:
+    async def reap(self, patience: float) -> None:
         """Reap a worker that got the command to end, if `listen` may have ended before.
 
         Args:
             patience: seconds after which its process is killed.
         """
-        await self._seen_off(patience)
+        await self._wait_for_exit(patience)
         self._gone = True
         self._wake()
 
-    async def _seen_off(self, patience: float) -> None:
+    async def _wait_for_exit(self, patience: float) -> None:
         # This polls: a wait for an event needs a descriptor, and there may be no free descriptor.
         start = anyio.current_time()
         looks = 0
@@ -216,7 +218,7 @@ class WorkerHandle:
         return self._process is not None and self._process.popen.poll() is None
 
     @staticmethod
-    async def _hear(link: socket.socket) -> bool:
+    async def _receive(link: socket.socket) -> bool:
         """Wait for a byte from the worker; returns False at the end of the socket's data (EOF)."""
         while True:
             await anyio.wait_readable(link)
@@ -238,10 +240,6 @@ class WorkerHandle:
                 beat, changed = self.beat, anyio.current_time()
             elif anyio.current_time() - changed > patience:
                 self.kill()
-
-    async def _reap(self) -> None:
-        with anyio.CancelScope(shield=True):
-            await self._seen_off(_EXIT)
 
     def forked(self) -> None:
         """Detach in a forked child: the worker belongs to the parent, and so does its block."""
@@ -288,11 +286,21 @@ class WorkerHandle:
             control[ControlWord.WAKE_BELOW] = 0
 
     async def _until(self, reached: Any) -> None:
+        # The caller may call this in a loop, so the event loop runs even if it is reached already.
+        await anyio.lowlevel.checkpoint()
         while True:
             event = self._woken
             if self._gone or reached():
                 return
             await event.wait()
+
+
+def _signal_name(number: int) -> str:
+    """The name of a signal; its number if it has no name, as most real-time signals."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def _start(memory: int | str, link: socket.socket) -> Process:

@@ -27,7 +27,7 @@ _BUSY = {ProgramState.RUNNING, ProgramState.TASK_RUNNING}
 _BOOTING = {RobotState.START, RobotState.INITIALIZE}
 _STARTING = {SafetyState.INIT, SafetyState.WAIT, SafetyState.BOOT}
 
-_HANDS: dict[SafetyState, str] = {
+_MANUAL_ACTIONS: dict[SafetyState, str] = {
     SafetyState.FAIL: (
         "the safety controller reports a fatal error: switch the cabinet off and on again; if it "
         "comes back, call the vendor"
@@ -82,7 +82,7 @@ class BringUp:
             PersonNeeded: a person has to do something first; the message says what.
             RobotStateError: a program runs that this must not end.
         """
-        self._refuse_what_needs_hands(states, emergency_stop)
+        self._raise_if_person_needed(states, emergency_stop)
         stopped = states.safety in _STOPS
         step = BringUpStep.WAIT
         if states.safety in _STARTING or states.robot in _BOOTING:
@@ -109,14 +109,14 @@ class BringUp:
         self._asked.add(step)
         return step
 
-    def _refuse_what_needs_hands(self, states: RobotStates, emergency_stop: bool) -> None:
+    def _raise_if_person_needed(self, states: RobotStates, emergency_stop: bool) -> None:
         again = f"then call {self._call}() again"
         if emergency_stop:
             raise PersonNeeded(
                 "an emergency stop is pressed: see that nobody is near the arm, release the "
                 f"button, {again}"
             )
-        if (reason := _HANDS.get(states.safety)) is not None:
+        if (reason := _MANUAL_ACTIONS.get(states.safety)) is not None:
             raise PersonNeeded(f"{reason}; {again}")
         if states.robot is RobotState.UPDATE:
             raise PersonNeeded(f"the robot is being updated: wait until that has ended, {again}")

@@ -179,7 +179,7 @@ class MotionCommand:
         if exc is None:
             await task
         elif not task.done:
-            await task._forsake()
+            await task._on_wait_cancelled()
 
 
 class HeldMotion(MotionCommand):
@@ -209,7 +209,7 @@ class HeldMotion(MotionCommand):
         if exc is None:
             await task.end()
         elif not task.done:
-            await task._forsake()
+            await task._on_wait_cancelled()
 
 
 def check_motions(given: Iterable[object], kind: type, meant: str) -> None:

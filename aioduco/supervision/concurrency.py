@@ -220,15 +220,16 @@ class _Job(Generic[T]):
 class DaemonThread:
     """A daemon thread for blocking calls. It starts at once: later there may be no threads left.
 
+    Args:
+        name: the thread's name.
+
     Raises:
         RuntimeError: the system has no more threads.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, name: str) -> None:
         self._inbox: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
-        threading.Thread(
-            target=_serve, args=(self._inbox,), name="aioduco-guard-wait", daemon=True
-        ).start()
+        threading.Thread(target=_serve, args=(self._inbox,), name=name, daemon=True).start()
 
     def __del__(self) -> None:
         if (inbox := getattr(self, "_inbox", None)) is not None:
@@ -262,18 +263,19 @@ class BackgroundTasks:
 
     Args:
         crashed: called with the exception of a coroutine, other than its cancellation.
-        cut_off: called when other code cancelled a coroutine, mostly because its event loop ends.
+        on_foreign_cancel: called when other code cancelled a coroutine, mostly because its event
+            loop ends.
     """
 
     def __init__(
         self,
         crashed: Callable[[BaseException], None],
-        cut_off: Callable[[], None] = lambda: None,
+        on_foreign_cancel: Callable[[], None] = lambda: None,
     ) -> None:
         self._crashed = crashed
-        self._cut_off = cut_off
+        self._on_foreign_cancel = on_foreign_cancel
         self._closing = False
-        self._forked_off = False
+        self._in_forked_child = False
         self._tasks: set[asyncio.Task[Any]] = set()
         fork_hooks.add(self)
 
@@ -302,7 +304,7 @@ class BackgroundTasks:
 
     def forked(self) -> None:
         """Note that this is a forked child: coroutines that end here continue in the parent."""
-        self._forked_off = True
+        self._in_forked_child = True
 
     async def aclose(self) -> None:
         """Cancel the coroutines that still run, and wait until they have ended."""
@@ -323,13 +325,13 @@ class BackgroundTasks:
 
     def _ended(self, task: asyncio.Task[Any]) -> None:
         self._tasks.discard(task)
-        if self._forked_off:
+        if self._in_forked_child:
             if not task.cancelled():
                 task.exception()  # it is retrieved, so that asyncio does not log it
             return
         if task.cancelled():
             if not self._closing:
-                self._cut_off()
+                self._on_foreign_cancel()
         elif (error := task.exception()) is not None:
             self._crashed(error)
             _log.error("%s failed", task.get_name(), exc_info=error)

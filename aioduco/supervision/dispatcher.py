@@ -164,14 +164,14 @@ class Dispatcher:
     def _held(self, command: Command) -> Iterator[None]:
         """Hold the clock until the start time of a motion that this program must end is known."""
         motion = command.continuous
-        if motion is None or not motion.timed_here or motion.time is None:
+        if motion is None or not motion.timed_by_program or motion.time is None:
             yield
             return
-        let_go = self._clock.hold(self._clock.now())
+        release_clock = self._clock.hold(self._clock.now())
         try:
             yield
         finally:
-            let_go()
+            release_clock()
 
     async def _launch(
         self,
@@ -329,7 +329,7 @@ class Dispatcher:
             eta=command.eta,
             errors_before=errors,
         )
-        if command.continuous and command.continuous.timed_here and command.continuous.time:
+        if command.continuous and command.continuous.timed_by_program and command.continuous.time:
             task.hold_at_end()
         self.accepted += 1
         if command.motion:

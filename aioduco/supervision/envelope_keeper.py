@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import anyio
 
+from aioduco.controller_clock import release_nothing
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import DucoError, EnvelopeViolated, ParameterError
@@ -118,7 +119,7 @@ class EnvelopeKeeper:
         self._accepted = 0
         #: period of the samples in the controller's time [s]
         self._period = max(1.0 / feed.rate, _LEAST_PERIOD)
-        self._let_go: Callable[[], None] = _nothing
+        self._release_clock: Callable[[], None] = release_nothing
 
     # -- which envelope ------------------------------------------------------------------------
 
@@ -175,7 +176,7 @@ class EnvelopeKeeper:
             self._moves_unchecked()
             return command
         checker = EnvelopeChecker(envelope.packed(frames[0]), by_tip=way.by_tip)
-        checker.near = q
+        checker.seed = q
         found, share = ways.check_way(checker, way)
         if found is None and before is not None:
             found = ways.cut_corner(before[1], before[0], checker, way)
@@ -270,8 +271,8 @@ class EnvelopeKeeper:
 
     def _hold(self) -> None:
         """Hold the controller's time at the next sample, if the clock can be held."""
-        held = self._let_go
-        self._let_go = self._clock.hold(self._clock.now() + self._period)
+        held = self._release_clock
+        self._release_clock = self._clock.hold(self._clock.now() + self._period)
         held()
 
     def _moves_unchecked(self) -> None:
@@ -292,9 +293,9 @@ class EnvelopeKeeper:
                     if self._unchecked and envelope is not None:
                         self._hold()
                     else:
-                        self._let_go()
+                        self._release_clock()
         finally:
-            self._let_go()
+            self._release_clock()
             self._watching = False
 
     def _force(self, envelope: Envelope, sample: Snapshot) -> Crossing | None:
@@ -368,7 +369,3 @@ class EnvelopeKeeper:
             _log.critical("the arm leaves its envelope, and %s", exc)
         finally:
             self._stopping = False
-
-
-def _nothing() -> None:
-    """Do nothing: the clock was not held."""

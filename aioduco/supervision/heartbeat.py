@@ -83,7 +83,7 @@ class HeartbeatMachine:
         losses: how often the heartbeat was lost.
         stalls: how often the event loop stalled.
         longest_gap: longest time between two answered beats in a row [s].
-        held_up_at: when the sender of the beats was last found to have been suspended; minus
+        suspended_at: when the sender of the beats was last found to have been suspended; minus
             infinity: never.
     """
 
@@ -92,12 +92,12 @@ class HeartbeatMachine:
         "_stall_limit",
         "_time",
         "beats",
-        "held_up_at",
         "longest_gap",
         "losses",
         "missed",
         "stalls",
         "state",
+        "suspended_at",
     )
 
     def __init__(self, time: float, stall_limit: float, now: float) -> None:
@@ -110,7 +110,7 @@ class HeartbeatMachine:
         self.losses: int = 0
         self.stalls: int = 0
         self.longest_gap: float = 0.0
-        self.held_up_at: float = -math.inf
+        self.suspended_at: float = -math.inf
 
     def may_beat(self, now: float, alive: float) -> bool:
         """Whether a beat may be sent now.
@@ -121,15 +121,15 @@ class HeartbeatMachine:
         """
         if self.state is HeartbeatState.STALLED:
             return False
-        if now - max(alive, self.held_up_at) > self._stall_limit:
+        if now - max(alive, self.suspended_at) > self._stall_limit:
             self.state = HeartbeatState.STALLED
             self.stalls += 1
             return False
-        return alive > self.held_up_at
+        return alive > self.suspended_at
 
-    def held_up(self, now: float) -> None:
+    def suspended(self, now: float) -> None:
         """Note that the sender of the beats was suspended longer than the heartbeat time."""
-        self.held_up_at = now
+        self.suspended_at = now
         self._note_loss(now)
 
     def beaten(self, now: float) -> None:
@@ -141,7 +141,7 @@ class HeartbeatMachine:
         if self.state is not HeartbeatState.STALLED:
             self.state = HeartbeatState.BEATING
 
-    def not_heard(self, now: float) -> None:
+    def missed_beat(self, now: float) -> None:
         """Note that a beat was not answered."""
         self.missed += 1
         self._note_loss(now)
@@ -216,7 +216,7 @@ class HeartbeatLike(Protocol):
         ...
 
     @property
-    def heard(self) -> bool:
+    def answered(self) -> bool:
         """Whether a beat was answered, and no later one was lost."""
         ...
 
@@ -326,7 +326,7 @@ class Heartbeat:
         self._thread.start()
 
     @property
-    def heard(self) -> bool:
+    def answered(self) -> bool:
         """Whether a beat was answered since `start` or `rearm`, and no later one was lost."""
         return self._machine.state is HeartbeatState.BEATING
 
@@ -368,7 +368,7 @@ class Heartbeat:
                 now = time.monotonic()
                 before = self._machine.state
                 if self._remote and now - planned > self._seconds:
-                    self._machine.held_up(now)
+                    self._machine.suspended(now)
                 may = self._machine.may_beat(now, self._life.stamp)
                 if (
                     self._machine.state is HeartbeatState.STALLED
@@ -393,7 +393,7 @@ class Heartbeat:
         """Return when to wake up: for the next beat, or because a sign of life is overdue."""
         if self._machine.state is HeartbeatState.STALLED:
             return due
-        since = max(self._life.stamp, self._machine.held_up_at)
+        since = max(self._life.stamp, self._machine.suspended_at)
         return min(due, since + self._stall_limit + _LATER)
 
     def _stop_stalled(self, deadline: float) -> None:
@@ -427,7 +427,7 @@ class Heartbeat:
             self._drop()
             self._error = exc
             if not self._ended:
-                self._machine.not_heard(time.monotonic())
+                self._machine.missed_beat(time.monotonic())
                 _log.debug("heartbeat not answered: %s", exc)
         else:
             self._error = None

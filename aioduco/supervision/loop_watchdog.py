@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
 
-__all__ = ["LoopWatchdog", "SignOfLife", "WatchedLoop", "culprit", "watchdogs"]
+__all__ = ["LoopWatchdog", "SignOfLife", "WatchedLoop", "blocking_stack", "watchdogs"]
 
 _log = BackgroundLogger(__name__)
 
@@ -49,7 +49,7 @@ class SignOfLife:
         self.stamp = time.monotonic()
         self.longest_stall = max(self.longest_stall, self.stamp - due)
 
-    def say(self, moves: bool) -> bool:
+    def set_moves(self, moves: bool) -> bool:
         """Set whether the program may move the arm from now on. Returns whether that worked."""
         self.moves = moves
         return True
@@ -119,7 +119,7 @@ class LoopWatchdog:
             if self._latest() != stamp:
                 continue
             # Now, while it is blocked: afterwards the blocking line cannot be found.
-            where = culprit(sys._current_frames().get(self._loop_thread))
+            where = blocking_stack(sys._current_frames().get(self._loop_thread))
             while self._latest() == stamp:
                 if self._changed.wait(limit / 4):
                     return
@@ -175,7 +175,7 @@ class _Watchdogs:
 watchdogs: Final = _Watchdogs()
 
 
-def culprit(frame: FrameType | None) -> str:
+def blocking_stack(frame: FrameType | None) -> str:
     """Return the innermost calls of a thread's stack, as Python prints them; "" if it is idle."""
     if frame is None:
         return ""

@@ -131,7 +131,7 @@ class MotionPath:
         else:
             for task in self._live:
                 if not task.done:
-                    await task._forsake()
+                    await task._on_wait_cancelled()
                     break
 
     async def _stop_rest(self) -> None:

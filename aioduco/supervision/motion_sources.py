@@ -49,16 +49,16 @@ class Modes:
         channel: sends the functions that end them.
 
     Attributes:
-        standing: modes that may be left only while the arm stands.
+        left_at_standstill: modes that may be left only while the arm stands.
     """
 
     def __init__(self, channel: StopChannel) -> None:
         self._channel = channel
         self._moving: dict[str, tuple[bool, ...]] = {}
-        self.standing: set[str] = set()
+        self.left_at_standstill: set[str] = set()
 
     def __repr__(self) -> str:
-        return f"<Modes {sorted(self._moving)}, while standing {sorted(self.standing)}>"
+        return f"<Modes {sorted(self._moving)}, while standing {sorted(self.left_at_standstill)}>"
 
     def __contains__(self, ending: str) -> bool:
         return ending in self._moving
@@ -71,7 +71,7 @@ class Modes:
     @property
     def any(self) -> bool:
         """Whether a mode of either kind is on."""
-        return bool(self._moving or self.standing)
+        return bool(self._moving or self.left_at_standstill)
 
     def enter(self, ending: str, args: tuple[bool, ...] = ()) -> bool:
         """Note a mode in which the arm yields or follows, before it is entered.
@@ -100,7 +100,7 @@ class Modes:
             except DucoError as exc:
                 _log.warning("%s after a stop was not carried out: %s", name, exc)
 
-    async def leave_standing(
+    async def leave_at_standstill(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]
     ) -> None:
         """Leave the modes that may be left only while the arm stands; failures are logged.
@@ -109,16 +109,16 @@ class Modes:
             timeout: seconds for each step.
             follow: waits for the end of a task, given its name, its id and a time limit.
         """
-        if not self.standing:
+        if not self.left_at_standstill:
             return
         try:
             await self._channel.standstill(timeout)
         except DucoError as exc:
-            names = ", ".join(sorted(self.standing))
+            names = ", ".join(sorted(self.left_at_standstill))
             _log.warning("%s was not sent, since the arm is not known to stand: %s", names, exc)
             return
-        for name in sorted(self.standing):
-            self.standing.discard(name)
+        for name in sorted(self.left_at_standstill):
+            self.left_at_standstill.discard(name)
             try:
                 answer = await self._channel.leave(name, (), timeout)
                 if answer > max(TaskState):
@@ -240,15 +240,15 @@ class Claim:
     """Reports to the guard and the heartbeat whether this program may be moving the arm.
 
     Args:
-        say: sends whether the program may move the arm, before it returns; it returns whether that
-            was possible.
+        set_moves: sends whether the program may move the arm, before it returns; it returns whether
+            that was possible.
 
     Attributes:
         made: whether the program may be moving the arm.
     """
 
-    def __init__(self, say: Callable[[bool], bool]) -> None:
-        self._say = say
+    def __init__(self, set_moves: Callable[[bool], bool]) -> None:
+        self._set_moves = set_moves
         self.made: bool = False
 
     def __repr__(self) -> str:
@@ -266,7 +266,7 @@ class Claim:
             GuardLost: no guard would stop the arm for the program; the command must not be sent.
         """
         self.made = True
-        if not self._say(True):
+        if not self._set_moves(True):
             raise GuardLost(
                 f"{name} was not sent: the guard is gone or does not read, and would not stop the "
                 "arm if this program died. Another guard is being started; try again, or connect "
@@ -276,4 +276,4 @@ class Claim:
     def drop(self) -> None:
         """Drop the claim: the arm stands, and nothing that this program started still runs."""
         self.made = False
-        self._say(False)
+        self._set_moves(False)

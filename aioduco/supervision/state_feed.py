@@ -371,9 +371,9 @@ class StateFeed:
                 if predicate(snapshot):
                     return snapshot
                 seen, newest = seen + 1, snapshot
-        raise TimeoutError(self._in_vain(predicate, timeout, seen, newest))
+        raise TimeoutError(self._timeout_message(predicate, timeout, seen, newest))
 
-    def _in_vain(
+    def _timeout_message(
         self,
         predicate: Callable[[Snapshot], bool],
         timeout: float | None,

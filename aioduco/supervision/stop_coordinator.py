@@ -233,7 +233,7 @@ class StopCoordinator:
             timeout: seconds for each step of leaving a mode that needs a standing arm.
         """
         await self.modes.leave()
-        await self.modes.leave_standing(timeout, self.follower.complete)
+        await self.modes.leave_at_standstill(timeout, self.follower.complete)
 
     def begin_stop(self) -> None:
         """Send a stop before anything else runs on the event loop; `stop` must be awaited next."""
@@ -340,7 +340,7 @@ class StopCoordinator:
 
     async def cancelled_while_waiting(self, task: Task) -> None:
         """Do what the `on_cancel` of a task says after its await was cancelled, then return."""
-        if task.done or task.on_cancel == "detach" or self._poll.owner_loop.forked_off:
+        if task.done or task.on_cancel == "detach" or self._poll.owner_loop.in_forked_child:
             return
         if task.on_cancel == "pause":
             try:
@@ -401,7 +401,7 @@ class StopCoordinator:
             await self._silence_streams()
         # A paused motion whose task has ended looks as if it were over, but continues when resumed.
         self.unfollowed_motion = self.unfollowed_motion or any(
-            task.life.goes_on for task in self.follower.tasks
+            task.life.continues_after_task for task in self.follower.tasks
         )
         await self._controlled("pause")
         await self.standstill()
@@ -454,7 +454,7 @@ class StopCoordinator:
         stops = self.stops
         answer = await self._channel.send(name)
         for task in self.follower.tasks:
-            task.let_go()  # `name` was sent, or the arm was stopped: its time continues
+            task.release_clock()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
 
     async def _resumed(self) -> int:
@@ -491,7 +491,7 @@ class _CommandDelivery:
         self._coordinator = coordinator
         self._commands = commands
 
-    def tell(self, motion: UnansweredMotion) -> bool:
+    def report(self, motion: UnansweredMotion) -> bool:
         """Report the delivery of each; discard the unsent bytes of a command that is stuck."""
         if self._coordinator.closed:
             return False

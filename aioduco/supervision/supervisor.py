@@ -13,11 +13,12 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
-from aioduco._spawn import misplaced
+from aioduco._spawn import started_in_place_of
 from aioduco._wire.connection import Connection
 from aioduco._wire.handoff import OwnerLoop, loop_callback
 from aioduco._wire.lane import WireLane
@@ -146,7 +147,7 @@ class Supervisor:
         self._control_lane = self._lane("control")
         self._motion_lane = self._lane("motion")
         self._feed_lane = self._lane("feed")
-        self._background = BackgroundTasks(self._crashed, self._cut_off)
+        self._background = BackgroundTasks(self._crashed, self._stop_at_loop_end)
         self.guard: GuardClient | None = None
         self.heartbeat: HeartbeatLike | None = None
         self.stop_channel: StopChannel
@@ -155,7 +156,10 @@ class Supervisor:
             self.stop_channel = StopChannel(self._stop_lane, self._control_lane, self.poll)
             if settings.heartbeat is not None:
                 self.heartbeat = Heartbeat(
-                    self._line, settings.heartbeat, self._life, settings.loop_stall_limit
+                    partial(Connection, host, port, connect_timeout=settings.connect_timeout),
+                    settings.heartbeat,
+                    self._life,
+                    settings.loop_stall_limit,
                 )
         else:
             self.guard = GuardClient(host, port, settings)
@@ -170,7 +174,7 @@ class Supervisor:
             self.poll,
             self._background,
             settings,
-            Claim(self._life.say),
+            Claim(self._life.set_moves),
             self.heartbeat,
         )
         self.dispatcher: Dispatcher = Dispatcher(
@@ -212,9 +216,6 @@ class Supervisor:
             owner_loop=self.owner_loop,
         )
 
-    def _line(self) -> Connection:
-        return Connection(self.host, self.port, connect_timeout=self.settings.connect_timeout)
-
     @property
     def lanes(self) -> tuple[WireLane, ...]:
         """All lanes, that of the stop first."""
@@ -230,7 +231,7 @@ class Supervisor:
     @property
     def state(self) -> str:
         """State of the supervision in a word."""
-        if self.owner_loop.forked_off:
+        if self.owner_loop.in_forked_child:
             return "of the process that forked this one"
         if self._closed:
             return "closed"
@@ -325,7 +326,7 @@ class Supervisor:
         self.owner_loop.require("open")
         if self._opened or self._closed:
             raise RuntimeError("a robot can be opened once; call aioduco.connect again")
-        if started := misplaced():
+        if started := started_in_place_of():
             raise RobotStateError(
                 f"nothing was sent: this program was started in place of {started}, since its "
                 "executable is no Python interpreter; connect without a guard, and open streams "
@@ -419,7 +420,7 @@ class Supervisor:
 
     def forget(self) -> None:
         """Stop what moves, and end the heartbeat, after the program dropped an open robot."""
-        if self.owner_loop.forked_off:
+        if self.owner_loop.in_forked_child:
             return
         if self._exit_stop is not None:
             self._exit_stop.stop()
@@ -447,7 +448,7 @@ class Supervisor:
             StopUnconfirmed: it is not known that the arm stands.
             WrongLoop: the robot's own event loop is another one, which is still open.
         """
-        if self._closed or not self._opened or self.owner_loop.forked_off:
+        if self._closed or not self._opened or self.owner_loop.in_forked_child:
             return
         if self.owner_loop.closed:
             _log.warning("the robot's event loop was closed before the robot: it is left on this")
@@ -533,7 +534,7 @@ class Supervisor:
         if self.heartbeat is not None:
             self.heartbeat.end()
 
-    def _cut_off(self) -> None:
+    def _stop_at_loop_end(self) -> None:
         """Stop the arm, because the event loop ends, and with it the supervision.
 
         Before the interpreter exits, code of the program may run: an excepthook may take any time.
@@ -557,7 +558,7 @@ async def _beats(heartbeat: HeartbeatLike, timeout: float) -> bool:
     """Wait until a beat was answered. Returns whether one was, within `timeout` seconds."""
     until = time.monotonic() + timeout
     async for due in every(_LOOK_EVERY):
-        if heartbeat.heard:
+        if heartbeat.answered:
             return True
         if due >= until:
             break

@@ -129,7 +129,7 @@ class Task:
         self.placed = False
         #: when its end is expected, by the clock; None if unknown
         self.expected_end: float | None = None
-        self._let_go: Callable[[], None] | None = None
+        self._release_clock: Callable[[], None] | None = None
         self._start: Sequence[float] | None = None
         #: why it could not be followed any more, or was not stopped in time
         self.fault: BaseException | None = None
@@ -320,7 +320,7 @@ class Task:
             self._control.check_loop("resume")
             await self._control.resume()
 
-    async def _forsake(self) -> None:
+    async def _on_wait_cancelled(self) -> None:
         """Do what a cancelled await of this task does to the arm: see `on_cancel`."""
         if not self.done:
             self._control.check_loop("forsake")
@@ -336,7 +336,7 @@ class Task:
         self.expected_end = None if seconds is None else self.since + seconds
 
     @property
-    def in_time(self) -> bool:
+    def time_over(self) -> bool:
         """Whether the time of a continuous motion is over."""
         if self.continuous is None or self.continuous.time is None:
             return False
@@ -346,13 +346,13 @@ class Task:
         """Hold the clock at the end of the motion's time, until the motion is ended."""
         assert self.continuous is not None
         assert self.continuous.time is not None
-        self._let_go = self._clock.hold(self.since + self.continuous.time)
+        self._release_clock = self._clock.hold(self.since + self.continuous.time)
 
-    def let_go(self) -> None:
+    def release_clock(self) -> None:
         """Release the clock."""
-        if self._let_go is not None:
-            self._let_go()
-            self._let_go = None
+        if self._release_clock is not None:
+            self._release_clock()
+            self._release_clock = None
 
     def _observed(self, state: TaskState, now: float) -> bool:
         """Take in a state from the controller. Returns whether it differs from the last one."""
@@ -369,7 +369,7 @@ class Task:
         if not self.done:
             self._errors = added_entries(self._errors_before, errors)
             self.ended_at, self._over = now, self._clock.now()
-            self.let_go()
+            self.release_clock()
             self._ended.set()
             self._wake()
 

@@ -202,7 +202,7 @@ class TaskFollower:
         """Follow a task from now on."""
         if self._closed:
             now = time.monotonic()
-            task.life.lose()
+            task.life.mark_lost()
             if task.motion:
                 # it was sent, and is not followed: it is stopped before it settles
                 self._stop_lost(task, lambda: task._settle((), now))
@@ -289,7 +289,7 @@ class TaskFollower:
             await self._expect(task)
         answered = True
         self._note_stop(task)
-        if task.life.goes_on:
+        if task.life.continues_after_task:
             answered = await self._ask_whether_it_stands(task)
         elif not task.life.undecided:
             self.polls += 1
@@ -305,7 +305,7 @@ class TaskFollower:
                 self._answered(task, TaskState(value))
         now = time.monotonic()
         if not answered and now - self._seen[task] > LOST_AFTER:
-            task.life.lose()
+            task.life.mark_lost()
         if task.life.ended:
             await self._end(task)
             return
@@ -316,8 +316,8 @@ class TaskFollower:
                 self._background.start(self._stop_overdue(task), "aioduco stop of an overdue task")
         elif (
             task.continuous
-            and task.continuous.timed_here
-            and task.in_time
+            and task.continuous.timed_by_program
+            and task.time_over
             and not task.life.end_seen
         ):
             task.life.end_sent()
@@ -328,7 +328,7 @@ class TaskFollower:
 
     def _note_stop(self, task: Task) -> None:
         if self._arm.stops != task.stops_before:
-            task.let_go()
+            task.release_clock()
             task.life.stop_sent()
 
     async def _ask_whether_it_stands(self, task: Task) -> bool:
@@ -348,8 +348,8 @@ class TaskFollower:
             task.stood_since = None
         elif task.stood_since is None:
             task.stood_since = now
-        elif task.in_time or now - task.stood_since >= STOOD:
-            task.life.stood()
+        elif task.time_over or now - task.stood_since >= STOOD:
+            task.life.mark_standing()
         return True
 
     async def _expect(self, task: Task) -> None:
@@ -371,7 +371,7 @@ class TaskFollower:
         # be noted, or an interruption by it could be taken for blending.
         self._note_stop(task)
         if state is None:
-            task.life.lose()
+            task.life.mark_lost()
         elif task._observed(state, now):
             tell(self.observers, task)
 
@@ -412,7 +412,7 @@ class TaskFollower:
             if task.motion:
                 self._arm.unfollowed_motion = True
             self._schedule.remove(task)
-            task.life.lose()
+            task.life.mark_lost()
             self._mark_ended(task, (), now)
 
     def _stop_lost(self, task: Task, mark_ended: Callable[[], None]) -> None:
@@ -491,5 +491,5 @@ class TaskFollower:
             await self._arm.halt()
         except StopUnconfirmed as exc:
             task.fault = exc
-            task.life.lose()
+            task.life.mark_lost()
             _log.critical("%r is overdue: %s", task, exc)

@@ -59,19 +59,19 @@ class ContinuousMotion:
     Attributes:
         ending: the function of the wire that ends it.
         time: seconds after which it ends by itself; None if it does not.
-        timed_here: whether this program must end it then, because the wire has no such time.
-        until_told: whether it continues even if the arm stands, as hand guiding does.
+        timed_by_program: whether this program must end it then, because the wire has no such time.
+        until_commanded: whether it continues even if the arm stands, as hand guiding does.
     """
 
     ending: str
     time: float | None = None
-    timed_here: bool = False
-    until_told: bool = False
+    timed_by_program: bool = False
+    until_commanded: bool = False
 
     @property
     def mode(self) -> bool:
         """Whether it is a mode that a stop may leave on, and that its own function ends."""
-        return self.until_told and self.ending != "stop"
+        return self.until_commanded and self.ending != "stop"
 
     @property
     def limit(self) -> float | None:
@@ -173,15 +173,15 @@ class TaskLifecycle:
         successor: what is known of the motion after this one.
         stop_seen: whether a stop was sent while the task was live.
         end_seen: whether the function that ends it was sent while the task was live.
-        goes_on: whether the controller has ended its task, but the motion continues.
+        continues_after_task: whether the controller has ended its task, but the motion continues.
     """
 
     __slots__ = (
         "_blends",
         "_continuous",
         "_idle_again",
+        "continues_after_task",
         "end_seen",
-        "goes_on",
         "outcome",
         "started",
         "state",
@@ -199,7 +199,7 @@ class TaskLifecycle:
         self.successor: Successor = Successor.NONE
         self.stop_seen: bool = False
         self.end_seen: bool = False
-        self.goes_on: bool = False
+        self.continues_after_task: bool = False
 
     def __repr__(self) -> str:
         end = self.outcome.value if self.outcome else "live"
@@ -217,7 +217,7 @@ class TaskLifecycle:
 
     def observe(self, state: TaskState) -> bool:
         """Take in a state that the controller reported. Returns whether anything changed."""
-        if self.ended or self.undecided or self.goes_on:
+        if self.ended or self.undecided or self.continues_after_task:
             return False
         if state is TaskState.IDLE and self.started:
             self._idle_again += 1
@@ -232,7 +232,7 @@ class TaskLifecycle:
         if state is TaskState.INTERRUPT:
             self._judge()
         elif state is TaskState.FINISHED and self._continuous is not None:
-            self.goes_on = True
+            self.continues_after_task = True
             self._judge()
         elif state is TaskState.STOPPED and self.end_seen and not self.stop_seen:
             self.outcome = Outcome.FINISHED
@@ -273,22 +273,22 @@ class TaskLifecycle:
             self.end_seen = True
             self._judge()
 
-    def stood(self) -> None:
+    def mark_standing(self) -> None:
         """Note that the arm stands, and has stood for a while or the motion's time is over."""
         if (
-            self.goes_on
+            self.continues_after_task
             and not self.ended
-            and not (self._continuous and self._continuous.until_told)
+            and not (self._continuous and self._continuous.until_commanded)
         ):
             self.outcome = Outcome.FINISHED
 
-    def lose(self) -> None:
+    def mark_lost(self) -> None:
         """Note that the task cannot be followed any more."""
         if not self.ended:
             self.outcome = Outcome.UNKNOWN
 
     def _judge(self) -> None:
-        if self.goes_on:
+        if self.continues_after_task:
             if self.stop_seen:
                 self.outcome = Outcome.STOPPED
             elif self.end_seen:

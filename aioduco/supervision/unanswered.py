@@ -188,7 +188,7 @@ class PendingCommands:
 class Delivery(Protocol):
     """Interface that reports the delivery of a motion to the controller."""
 
-    def tell(self, motion: UnansweredMotion) -> bool:
+    def report(self, motion: UnansweredMotion) -> bool:
         """Report the delivery to `motion`. Returns whether the controller can still be polled."""
         ...
 
@@ -216,7 +216,7 @@ async def stop_until_certain(
     """
     ticker = every(STANDSTILL_EVERY)
     while True:
-        if not delivery.tell(motion):
+        if not delivery.report(motion):
             return False
         now = time.monotonic()
         match motion.step(now):
@@ -238,7 +238,7 @@ async def stop_until_certain(
                 try:
                     moving = await moves()
                 except DucoError:
-                    motion.unheard(time.monotonic())
+                    motion.poll_failed(time.monotonic())
                 else:
                     motion.seen(time.monotonic(), moving=moving)
                 await ticker.wait()

@@ -67,11 +67,11 @@ class Subscription(Generic[T]):
 def _reading(
     runner: Runner, opened: AbstractContextManager[aio_feed.Subscription[T]]
 ) -> Iterator[Subscription[T]]:
-    subscription = runner.look(opened.__enter__)
+    subscription = runner.call_sync(opened.__enter__)
     try:
         yield Subscription(runner, subscription)
     finally:
-        runner.look(lambda: opened.__exit__(None, None, None))
+        runner.call_sync(lambda: opened.__exit__(None, None, None))
 
 
 class Feed:
@@ -110,7 +110,7 @@ class Feed:
 
     def statistics(self) -> FeedStatistics:
         """Figures since the feed began."""
-        return self._runner.look(self._feed.statistics)
+        return self._runner.call_sync(self._feed.statistics)
 
     def latest(self, *, max_age: float = 0.5) -> Snapshot:
         """Return the newest sample; wait for the first one.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-__all__ = ["Presence"]
+__all__ = ["CallTimes"]
 
 
-class Presence:
+class CallTimes:
     """Stores for each thread whether it is in a call, and when its last call ended.
 
     A thread writes only its own entries, so no lock is needed.
@@ -24,7 +24,7 @@ class Presence:
         self._left[thread] = now
         self._inside[thread] -= 1
 
-    def silence(self, thread: int, now: float) -> float:
+    def idle_time(self, thread: int, now: float) -> float:
         """Time since a thread's last call ended [s]; 0.0 while it is in a call."""
         if self._inside.get(thread):
             return 0.0

@@ -226,7 +226,7 @@ class Robot(Sections):
 
     def statistics(self) -> SupervisorStatistics:
         """Figures of lanes, tasks, stops and heartbeat since the robot was opened."""
-        return self._runner.look(self._robot.statistics)
+        return self._runner.call_sync(self._robot.statistics)
 
     @property
     def feed(self) -> Feed:
@@ -252,7 +252,7 @@ class Robot(Sections):
         def use() -> None:
             self._robot.envelope = envelope
 
-        self._runner.look(use)
+        self._runner.call_sync(use)
 
     def record(self, path: str | PathLike[str], *, forces: bool = True) -> Recording:
         """Record the robot to an MCAP file: `with robot.record("run.mcap"):`.
@@ -272,7 +272,7 @@ class Robot(Sections):
         Raises:
             ParameterError: the path is not the name of a file.
         """
-        made = self._runner.look(lambda: self._robot.record(path, forces=forces))
+        made = self._runner.call_sync(lambda: self._robot.record(path, forces=forces))
         return Recording(self._runner, made)
 
     def publish(
@@ -298,7 +298,7 @@ class Robot(Sections):
         Raises:
             ParameterError: an argument is out of range.
         """
-        made = self._runner.look(lambda: self._robot.publish(port, host=host, forces=forces))
+        made = self._runner.call_sync(lambda: self._robot.publish(port, host=host, forces=forces))
         return Publication(self._runner, made)
 
     @property

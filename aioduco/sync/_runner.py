@@ -21,7 +21,7 @@ from anyio.from_thread import BlockingPortal
 
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.reporting import BackgroundLogger
-from aioduco.sync._presence import Presence
+from aioduco.sync._presence import CallTimes
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
@@ -99,10 +99,10 @@ class Runner:
         self.robot = robot
         self._hold_limit = hold_limit
         self._program_limit = program_limit
-        self._presence = Presence()
+        self._call_times = CallTimes()
         self._holders: dict[int, int] = {}
         #: ids of the tasks that were stopped because their thread made no call for too long
-        self._let_go: set[int] = set()
+        self._stopped_unheld: set[int] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
         self._portal: BlockingPortal | None = None
@@ -128,7 +128,7 @@ class Runner:
             self.call(self.robot.open())
         except BaseException:
             self._asked_to_end = True
-            _to_the_end(self._thread.join)
+            _uninterrupted(self._thread.join)
             raise
 
     def close(self) -> None:
@@ -139,7 +139,7 @@ class Runner:
             self.call(self.robot.aclose())
         finally:
             self._asked_to_end = True
-            _to_the_end(self._thread.join)
+            _uninterrupted(self._thread.join)
 
     def ask_to_close(self) -> None:
         """Request that the loop closes the robot and ends; do not wait. From any thread."""
@@ -166,18 +166,18 @@ class Runner:
         """
         thread = threading.get_ident()
         call = StartedCall(work)
-        self._presence.enter(thread)
+        self._call_times.enter(thread)
         try:
             self._hand_over(call, work)
             call.wait()
         except BaseException as interrupt:
             # An interrupt may have come at any moment, even before the work was handed over.
-            self._give_up(call, undo)
+            self._cancel_call(call, undo)
             if call.error is not None:
                 raise interrupt from call.error
             raise
         finally:
-            self._presence.leave(thread, time.monotonic())
+            self._call_times.leave(thread, time.monotonic())
         if call.error is not None:
             try:
                 raise call.error
@@ -196,7 +196,7 @@ class Runner:
         self._hand_over(call, work)
         return call
 
-    def look(self, function: Callable[[], T]) -> T:
+    def call_sync(self, function: Callable[[], T]) -> T:
         """Call a function that does not block, on the loop if it runs."""
         if threading.get_ident() == self._thread.ident or not self.running:
             return function()
@@ -210,9 +210,9 @@ class Runner:
         """Note that the calling thread holds a task."""
         self._holders[task.id] = threading.get_ident()
 
-    def was_let_go(self, task: Task) -> bool:
+    def was_stopped_unheld(self, task: Task) -> bool:
         """Whether a task was stopped because its thread made no call for too long."""
-        return task.id in self._let_go
+        return task.id in self._stopped_unheld
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
         portal = self._portal
@@ -231,7 +231,7 @@ class Runner:
             work.close()
             raise RobotStateError("the robot is being closed: nothing was sent") from exc
 
-    def _give_up(
+    def _cancel_call(
         self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
     ) -> None:
         portal = self._portal
@@ -246,11 +246,11 @@ class Runner:
             if begun:
                 call.wait()
 
-        _to_the_end(withdraw)
+        _uninterrupted(withdraw)
         if call.answers and undo is not None:
             undoing = StartedCall(undo(call.answers[0]))
             portal.start_task_soon(undoing.run)
-            _to_the_end(undoing.wait)
+            _uninterrupted(undoing.wait)
             call.error = undoing.error
 
     # The methods below run on the loop.
@@ -259,7 +259,7 @@ class Runner:
         """Register a function that is awaited after the robot has been closed."""
         self._at_close.append(work)
 
-    def not_at_close(self, work: Callable[[], Awaitable[None]]) -> None:
+    def remove_at_close(self, work: Callable[[], Awaitable[None]]) -> None:
         """Remove a function that was registered by `at_close`, if it was."""
         if work in self._at_close:
             self._at_close.remove(work)
@@ -276,7 +276,7 @@ class Runner:
             if not main.is_alive():
                 _log.warning("the program ended and left %r open: it is closed", self.robot)
                 break
-            await self._let_go_of_unheld()
+            await self._stop_unheld()
             due = max(due + _WATCH_EVERY, time.monotonic())
             await anyio.sleep(max(0.0, due - time.monotonic()))
         try:
@@ -286,7 +286,7 @@ class Runner:
         while self._at_close:
             await self._at_close.pop()()
 
-    async def _let_go_of_unheld(self) -> None:
+    async def _stop_unheld(self) -> None:
         now = time.monotonic()
         live = {task.id: task for task in self.robot.tasks}
         for task_id in [known for known in self._holders if known not in live]:
@@ -294,13 +294,13 @@ class Runner:
         unheld = []
         for task_id, thread in self._holders.items():
             limit = self._limit(live[task_id])
-            if limit is not None and self._presence.silence(thread, now) > limit:
+            if limit is not None and self._call_times.idle_time(thread, now) > limit:
                 unheld.append(task_id)
         if not unheld:
             return
         for task_id in unheld:
             _log.warning("%r is stopped: the program made no call for too long", live[task_id])
-            self._let_go.add(task_id)
+            self._stopped_unheld.add(task_id)
             del self._holders[task_id]
         try:
             await self.robot.stop()
@@ -310,7 +310,7 @@ class Runner:
     def _limit(self, task: Task) -> float | None:
         held = task.continuous
         # In hand guiding a person moves the arm, and it stands when nobody does.
-        endless = held is not None and held.time is None and not held.until_told
+        endless = held is not None and held.time is None and not held.until_commanded
         limits = [self._program_limit, self._hold_limit if endless else None]
         return min((limit for limit in limits if limit is not None), default=None)
 
@@ -319,7 +319,7 @@ async def _await(function: Callable[[], T]) -> T:
     return function()
 
 
-def _to_the_end(wait: Callable[[], object]) -> None:
+def _uninterrupted(wait: Callable[[], object]) -> None:
     """Wait, and ignore every further Ctrl-C; the caller raises the first one."""
     while True:
         try:

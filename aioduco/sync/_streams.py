@@ -40,10 +40,10 @@ class Stream:
         self._runner = runner
         self._stream = stream
         #: the error with which it ended, if the robot was closed before it
-        self._cut_off: StreamError | None = None
+        self._close_error: StreamError | None = None
 
     def __repr__(self) -> str:
-        return self._runner.look(lambda: repr(self._stream))
+        return self._runner.call_sync(lambda: repr(self._stream))
 
     # -- what it is ----------------------------------------------------------------------------
 
@@ -55,27 +55,27 @@ class Stream:
     @property
     def state(self) -> StreamState:
         """State of the stream."""
-        return self._runner.look(lambda: self._stream.state)
+        return self._runner.call_sync(lambda: self._stream.state)
 
     @property
     def reason(self) -> Reason:
         """Why it ended, or ends."""
-        return self._runner.look(lambda: self._stream.reason)
+        return self._runner.call_sync(lambda: self._stream.reason)
 
     @property
     def commanded(self) -> tuple[float, ...] | None:
         """The last set-point that the worker sent; None before the first, and up to 10 ms old."""
-        return self._runner.look(lambda: self._stream.commanded)
+        return self._runner.call_sync(lambda: self._stream.commanded)
 
     @property
     def taken(self) -> int:
         """Number of the program's set-points that the worker has taken."""
-        return self._runner.look(lambda: self._stream.taken)
+        return self._runner.call_sync(lambda: self._stream.taken)
 
     @property
     def pid(self) -> int | None:
         """Id of the worker's process; None for a thread, and before it is started."""
-        return self._runner.look(lambda: self._stream.pid)
+        return self._runner.call_sync(lambda: self._stream.pid)
 
     @property
     def quiet(self) -> bool:
@@ -88,7 +88,7 @@ class Stream:
         Raises:
             StreamClosed: the stream was never opened.
         """
-        return self._runner.look(self._stream.statistics)
+        return self._runner.call_sync(self._stream.statistics)
 
     # -- its life ------------------------------------------------------------------------------
 
@@ -117,8 +117,8 @@ class Stream:
         """
         if self._runner.running:
             self._runner.call(self._close(exc))
-        if exc is None and self._cut_off is not None:
-            raise self._cut_off
+        if exc is None and self._close_error is not None:
+            raise self._close_error
 
     async def _open(self) -> None:
         await self._stream.__aenter__()
@@ -126,14 +126,14 @@ class Stream:
 
     async def _close(self, exc: BaseException | None) -> None:
         await self._stream.__aexit__(None if exc is None else type(exc), exc, None)
-        self._runner.not_at_close(self._leave)
+        self._runner.remove_at_close(self._leave)
 
     async def _leave(self) -> None:
         """Close the stream after the robot's closing has ended it."""
         try:
             await self._stream.__aexit__(None, None, None)
         except StreamError as exc:
-            self._cut_off = exc
+            self._close_error = exc
 
     def ended(self) -> None:
         """Wait until the stream has ended, for whatever reason, and its worker has exited."""

@@ -63,7 +63,7 @@ class Task:
     ) -> None:
         if exc is not None:
             if not self.done:
-                self._runner.call(self._task._forsake())
+                self._runner.call(self._task._on_wait_cancelled())
         elif self._task.continuous is not None:
             self.end()
         else:
@@ -164,7 +164,7 @@ class Task:
             with anyio.move_on_after(timeout):
                 await self._task.wait()
         except anyio.get_cancelled_exc_class():
-            await self._task._forsake()
+            await self._task._on_wait_cancelled()
             raise
         if not self._task.done:
             raise TimeoutError(f"{self._task!r} has not ended within {timeout:g} s: it goes on")
@@ -181,7 +181,7 @@ class Task:
             try:
                 return await anext(states, None)
             except anyio.get_cancelled_exc_class():
-                await self._task._forsake()
+                await self._task._on_wait_cancelled()
                 raise
 
         while True:
@@ -232,7 +232,7 @@ class Task:
         try:
             return function()
         except TaskError as exc:
-            if self._runner.was_let_go(self._task):
+            if self._runner.was_stopped_unheld(self._task):
                 exc.add_note(
                     "the arm was stopped because the thread that held this motion made no call for "
                     "too long: let time pass by robot.sleep(), or see hold_limit of connect()"
@@ -292,7 +292,7 @@ class MotionCommand:
         """
         self.awaitable.hand_over()
         work = self.awaitable.start(deadline=deadline, on_cancel=on_cancel)
-        return Task(self._runner, self._runner.call(work, undo=_forsake))
+        return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
 
 class MotionPath:
@@ -338,7 +338,7 @@ class MotionPath:
         """
         (command,) = awaitables([motion])
         work = self._path.add(command)
-        return Task(self._runner, self._runner.call(work, undo=_forsake))
+        return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
     def __enter__(self) -> Self:
         self._runner.call(self._path.__aenter__())
@@ -369,8 +369,8 @@ def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:
     return [each.awaitable for each in given]
 
 
-def _forsake(task: aio_task.Task) -> Coroutine[Any, Any, None]:
-    return task._forsake()
+def _on_wait_cancelled(task: aio_task.Task) -> Coroutine[Any, Any, None]:
+    return task._on_wait_cancelled()
 
 
 class MotionFunction(Generic[P]):

@@ -66,7 +66,7 @@ class TapNote(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Talk:
+class _ConnectionState:
     """The unfinished data of one connection."""
 
     calls: Inbox = field(
@@ -90,7 +90,7 @@ class Conversation:
     """
 
     def __init__(self) -> None:
-        self._talks: dict[int, _Talk] = {}
+        self._states: dict[int, _ConnectionState] = {}
 
     def feed(
         self, at: float, connection: int, kind: CopyKind, data: bytes
@@ -103,42 +103,42 @@ class Conversation:
             kind: kind of the copy.
             data: the bytes.
         """
-        talk = self._talks.setdefault(connection, _Talk())
+        state = self._states.setdefault(connection, _ConnectionState())
         if kind in (CopyKind.REQUEST, CopyKind.ANSWER):
-            if kind not in talk.lost:
-                yield from self._said(talk, at, connection, kind, data)
+            if kind not in state.lost:
+                yield from self._decode(state, at, connection, kind, data)
             return
         text = data.decode("utf-8", "backslashreplace")
         if kind is CopyKind.OPENED:
             yield TapNote(connection, at, f"opened by {text}")
         elif kind is CopyKind.MISSED:
-            talk.lost |= {CopyKind.REQUEST, CopyKind.ANSWER}
+            state.lost |= {CopyKind.REQUEST, CopyKind.ANSWER}
             yield TapNote(
                 connection, at, f"{text} bytes passed unseen: from here on it is not read"
             )
         else:
-            del self._talks[connection]
+            del self._states[connection]
             refused = kind is CopyKind.REFUSED
             end = f"the controller was not reached: {text}" if refused else f"closed by the {text}"
-            for came, call in talk.open:
+            for came, call in state.open:
                 yield _tapped(connection, came, call, None, f"no answer: {end}", None)
             yield TapNote(connection, at, end)
 
-    def _said(
-        self, talk: _Talk, at: float, connection: int, kind: CopyKind, data: bytes
+    def _decode(
+        self, state: _ConnectionState, at: float, connection: int, kind: CopyKind, data: bytes
     ) -> Iterator[TappedCall | TapNote]:
-        inbox = talk.calls if kind is CopyKind.REQUEST else talk.answers
+        inbox = state.calls if kind is CopyKind.REQUEST else state.answers
         inbox.feed(data)
         try:
             while (message := inbox.take()) is not None:
                 if kind is CopyKind.ANSWER:
-                    yield from _answered(talk, at, connection, message)
+                    yield from _answered(state, at, connection, message)
                 elif message.kind is MessageType.ONEWAY:
                     yield _tapped(connection, at, message, None, "", None)
                 else:
-                    talk.open.append((at, message))
+                    state.open.append((at, message))
         except Malformed as error:
-            talk.lost.add(kind)
+            state.lost.add(kind)
             side = "client" if kind is CopyKind.REQUEST else "controller"
             yield TapNote(
                 connection, at, f"the {side} says what is no message, and is not read on: {error}"
@@ -146,11 +146,11 @@ class Conversation:
 
 
 def _answered(
-    talk: _Talk, at: float, connection: int, message: Message
+    state: _ConnectionState, at: float, connection: int, message: Message
 ) -> Iterator[TappedCall | TapNote]:
-    for index, (came, call) in enumerate(talk.open):
+    for index, (came, call) in enumerate(state.open):
         if call.seqid == message.seqid:
-            del talk.open[index]
+            del state.open[index]
             answer, error = _answer(call, message)
             yield _tapped(connection, came, call, answer, error, at - came)
             return

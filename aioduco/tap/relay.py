@@ -43,7 +43,7 @@ _SLICE: Final = 100_000
 _AHEAD: Final = 1024 * 1024
 _CHUNK: Final = 64 * 1024
 #: seconds within which the program must take the remaining copies at the end
-_FAREWELL: Final = 5.0
+_DRAIN_TIMEOUT: Final = 5.0
 #: `SO_LINGER` for a reset: unsent bytes are discarded, and the other side gets an error
 _RESET: Final = struct.pack("ii", 1, 0)
 
@@ -122,7 +122,7 @@ class _Copies:
         Raises:
             OSError: the program did not take them in time, or has exited.
         """
-        self._link.settimeout(_FAREWELL)
+        self._link.settimeout(_DRAIN_TIMEOUT)
         self._link.sendall(self._waiting)
 
 
@@ -146,7 +146,7 @@ class _Side:
         #: whether it has closed its direction
         self.ended = False
         #: whether the close of the other side's direction was passed on to it
-        self.told = False
+        self.end_forwarded = False
 
 
 class _Link:
@@ -187,7 +187,7 @@ class _Link:
         except OSError as error:
             self._cut(side, error)
             return
-        if self.client.told and self.server.told:
+        if self.client.end_forwarded and self.server.end_forwarded:
             self._over()
         else:
             self._watch()
@@ -225,8 +225,13 @@ class _Link:
         if side.waiting and side.connected:
             sent = side.sock.send(side.waiting)
             del side.waiting[:sent]
-        if not side.waiting and side.connected and self.other(side).ended and not side.told:
-            side.told = True
+        if (
+            not side.waiting
+            and side.connected
+            and self.other(side).ended
+            and not side.end_forwarded
+        ):
+            side.end_forwarded = True
             side.sock.shutdown(socket.SHUT_WR)
 
     def _watch(self) -> None:

@@ -74,7 +74,7 @@ class Tap:
             ready = linked.channel.receive(_START)
         except (EOFError, TimeoutError, OSError) as error:
             linked.close()
-            raise RuntimeError(f"the relay did not start: {linked.last_words}") from error
+            raise RuntimeError(f"the relay did not start: {linked.stderr_tail}") from error
         except BaseException:
             linked.close()
             raise

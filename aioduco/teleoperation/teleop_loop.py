@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.errors import ParameterError
+from aioduco.models.ranges import JOINT_SPEED
 from aioduco.teleoperation.reading import STANDING
 from aioduco.teleoperation.scale import TeleopScale
 
@@ -30,7 +31,7 @@ class TeleopReport(NamedTuple):
 
     Attributes:
         held: how often the dead-man switch was pressed.
-        seconds: total time for which it was held, without a hold that lasts until the end [s].
+        seconds: total time for which it was held [s].
         stream: statistics of the stream of speeds.
     """
 
@@ -100,7 +101,7 @@ async def teleoperate(
             a=acceleration,
             turn_a=turn_acceleration,
             v=found.speed * 3**0.5,
-            turn_v=min(3.93, found.turn_speed * 3**0.5),
+            turn_v=min(JOINT_SPEED.high, found.turn_speed * 3**0.5),
             frame=frame,
             wobj=wobj,
             dead_man=_DEAD_MAN,
@@ -122,6 +123,8 @@ async def teleoperate(
                 seconds += now - began
             before = reading.held
             if reading.done:
+                if before:
+                    seconds += now - began
                 break
             await stream.send(found.joints(reading) if joints else found.twist(reading))
     return TeleopReport(held, seconds, stream.statistics())

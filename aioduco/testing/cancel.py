@@ -72,14 +72,14 @@ class _Stepped:
             self.awaits += 1
             error = value = None
             if self.awaits in self._at:
-                error = self._strike(waited)
+                error = self._cancel(waited)
             if error is None:
                 try:
                     value = yield waited
                 except BaseException as exc:
                     error = exc
 
-    def _strike(self, waited: Any) -> BaseException | None:
+    def _cancel(self, waited: Any) -> BaseException | None:
         """Cancel; return the exception to raise in the program at once, if any."""
         self.strikes += 1
         if self._how == "scope":

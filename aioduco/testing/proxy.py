@@ -184,7 +184,7 @@ class FaultProxy:
     async def _refuse(self) -> None:
         if self._listening is not None:
             self._listening.cancel()
-            await self._silent.wait()
+            await self._listener_closed.wait()
 
     async def _cut(self, how: Ending) -> None:
         relays = list(self._relays)
@@ -194,7 +194,7 @@ class FaultProxy:
             await relay.wait()
 
     async def _listen(self, *, task_status: TaskStatus[None]) -> None:
-        self._silent = anyio.Event()
+        self._listener_closed = anyio.Event()
         try:
             with _bound(self.port) as listener, anyio.CancelScope() as self._listening:
                 listener.setblocking(False)
@@ -203,7 +203,7 @@ class FaultProxy:
                 await self._accept_from(listener, self._group)
         finally:
             self._listening = None
-            self._silent.set()
+            self._listener_closed.set()
 
     async def _accept_from(self, listener: socket.socket, group: TaskGroup) -> None:
         while True:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco._platform import guard_lacks
+from aioduco._platform import missing_guard_features
 from aioduco.supervision.guard.client import Answer, shared
 from aioduco.supervision.guard.messages import Release
 
@@ -25,7 +25,7 @@ def one_guard() -> Iterator[None]:
 
     Where there can be none, tests without it are run all the same.
     """
-    if guard_lacks():
+    if missing_guard_features():
         yield
         return
     link = shared.acquire()

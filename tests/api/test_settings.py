@@ -10,7 +10,7 @@ import pytest
 import aioduco
 from aioduco import Joints, Load, Pose
 from aioduco._wire import rpc
-from aioduco.api.section import settled
+from aioduco.api.section import check_accepted
 from api.motion_cases import HOME, NEAR, OTHER, POSE
 from api.setting_cases import CAPS, DAMP, FORCE, ON, PRESS
 
@@ -81,9 +81,9 @@ async def test_a_load_goes_out_as_it_came_in(robot: aioduco.Robot, desk: Desk) -
 
 def test_what_returns_nothing_by_the_manual() -> None:
     for taken in (0, 1, 2, 4, 1000):
-        settled("set_load_data", taken)
+        check_accepted("set_load_data", taken)
     with pytest.raises(aioduco.Refused):
-        settled("set_load_data", -1)
+        check_accepted("set_load_data", -1)
     for code, error in [
         (3, aioduco.TaskStopped),
         (5, aioduco.TaskInterrupted),
@@ -92,7 +92,7 @@ def test_what_returns_nothing_by_the_manual() -> None:
         (8, aioduco.TaskParameterMismatch),
     ]:
         with pytest.raises(error):
-            settled("set_load_data", code)
+            check_accepted("set_load_data", code)
 
 
 @pytest.mark.parametrize(("mode", "interval"), [(0, 5.0), (1, 0.25)])

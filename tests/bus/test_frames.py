@@ -44,8 +44,8 @@ def test_an_answer_comes_byte_by_byte(unit: int, address: int, values: list[int]
     whole = frames.framed(bytes((unit, 3, len(data))) + data)
     for length in range(len(whole)):
         assert request.answer(whole[:length]) is None
-        assert 0 < request.missing(whole[:length]) <= len(whole) - length
-    assert request.missing(whole) == 0
+        assert 0 < request.missing_bytes(whole[:length]) <= len(whole) - length
+    assert request.missing_bytes(whole) == 0
     assert request.answer(whole) == tuple(values)
 
 

@@ -120,7 +120,9 @@ def test_a_camera_of_opencv(tmp_path: Path) -> None:
         assert frame.time == 12.25
         assert frame.depth is None
         assert np.abs(frame.image.mean(axis=(0, 1)) - (200, 40, 20)).max() < 8
-        camera.read()
+        with pytest.raises(CameraError, match="open already"):
+            camera.__enter__()
+        camera.read()  # the next picture: it was not opened again
         with pytest.raises(CameraError, match="no picture"):
             camera.read()
     with pytest.raises(CameraError, match="no camera"), OpenCvCamera("/nowhere.avi", lens):

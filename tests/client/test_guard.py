@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -14,14 +15,15 @@ import pytest
 
 import aioduco
 from aioduco import HeartbeatState
+from aioduco.supervision.concurrency import DaemonThread
 from aioduco.supervision.guard.messages import (
     Alive,
     Beat,
     Done,
+    LogMessage,
     Message,
     Rearm,
     Release,
-    Said,
     Stop,
     Watch,
     pack,
@@ -78,7 +80,7 @@ def running(pid: int) -> bool:
         Rearm(1),
         Release(1, 2),
         Done(2, ""),
-        Said(30, "the arm was not seen to stop"),
+        LogMessage(30, "the arm was not seen to stop"),
         Beat(1, "beating", 3, 0, 0, 0, 0.33, "", False),
     ],
 )
@@ -90,6 +92,34 @@ def test_messages_survive_the_way(message: Message) -> None:
 def test_what_is_no_message_is_refused(packet: bytes) -> None:
     with pytest.raises(ValueError, match="no message"):
         unpack(packet)
+
+
+async def test_a_thread_for_blocking_calls_has_the_name_that_it_was_given() -> None:
+    thread = DaemonThread("aioduco-reader")
+    try:
+        name, _ = await thread.run(lambda: threading.current_thread().name)
+    finally:
+        thread.end()
+    assert name == "aioduco-reader"
+
+
+@pytest.mark.parametrize("code", [errno.EPERM, errno.ENOSYS, errno.EINVAL])
+def test_a_guard_without_priority_asks_for_short_slices_whatever_the_reason(
+    monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    """A sandbox may refuse the call by any error; the guard has to start all the same."""
+    from aioduco.supervision.guard import process  # noqa: PLC0415  # not on Windows
+
+    slices: list[int] = []
+
+    def refuse(*_: object) -> None:
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(os, "sched_getscheduler", lambda _: os.SCHED_OTHER)
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    monkeypatch.setattr(process, "shorten_slice", slices.append)
+    process._raise_priority()
+    assert slices == [process._SLICE]
 
 
 async def test_the_guard_beats_and_stops(bench: Bench, robot: aioduco.Robot) -> None:

@@ -10,12 +10,12 @@ from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.task_state import BRAKING, ContinuousMotion, TaskLifecycle
 
 MOTION = ContinuousMotion("speed_stop", time=1.0)
-GUIDING = ContinuousMotion("end_teach_mode", until_told=True)
+GUIDING = ContinuousMotion("end_teach_mode", until_commanded=True)
 JOG = ContinuousMotion("stop")
 
 
 def life(held: ContinuousMotion = MOTION) -> TaskLifecycle:
-    made = TaskLifecycle(blends=not held.until_told, continuous=held)
+    made = TaskLifecycle(blends=not held.until_commanded, continuous=held)
     made.observe(TaskState.RUNNING)
     return made
 
@@ -28,7 +28,7 @@ def going(held: ContinuousMotion = MOTION) -> TaskLifecycle:
 
 def test_the_end_of_the_task_is_not_the_end_of_the_motion() -> None:
     motion = going()
-    assert motion.goes_on
+    assert motion.continues_after_task
     assert not motion.ended
     assert motion.state is TaskState.FINISHED
     assert not motion.observe(TaskState.IDLE)  # nothing more is to be learned from the task
@@ -37,19 +37,19 @@ def test_the_end_of_the_task_is_not_the_end_of_the_motion() -> None:
 def test_it_ends_when_the_arm_stands() -> None:
     """Whenever that is: what the controller calls finished is not interrupted by our clock."""
     motion = going()
-    motion.stood()
+    motion.mark_standing()
     assert motion.outcome is Outcome.FINISHED
 
 
 def test_an_arm_that_stands_while_the_task_runs_means_nothing() -> None:
     motion = life()
-    motion.stood()
+    motion.mark_standing()
     assert not motion.ended
 
 
 def test_hand_guiding_goes_on_though_the_arm_stands() -> None:
     motion = going(GUIDING)
-    motion.stood()
+    motion.mark_standing()
     assert not motion.ended
     motion.end_sent()
     assert motion.outcome is Outcome.FINISHED
@@ -111,7 +111,7 @@ def test_its_limits() -> None:
     assert MOTION.limit == 1.0 + BRAKING
     assert GUIDING.limit is None
     assert [held.mode for held in (MOTION, GUIDING, JOG)] == [False, True, False]
-    assert not ContinuousMotion("stop", until_told=True).mode
+    assert not ContinuousMotion("stop", until_commanded=True).mode
 
 
 EVENTS = {
@@ -119,7 +119,7 @@ EVENTS = {
     "interrupted": lambda one: one.observe(TaskState.INTERRUPT),
     "stopped": lambda one: one.observe(TaskState.STOPPED),
     "idle": lambda one: one.observe(TaskState.IDLE),
-    "stood": TaskLifecycle.stood,
+    "stood": TaskLifecycle.mark_standing,
     "sent": TaskLifecycle.successor_sent,
     "accepted": TaskLifecycle.successor_accepted,
     "refused": TaskLifecycle.successor_refused,
@@ -137,4 +137,4 @@ def test_it_has_not_finished_unless_it_was_told_to_or_the_arm_stands(
     if motion.outcome is Outcome.FINISHED:
         assert "finished" in events
         assert "stood" in events
-        assert not held.until_told
+        assert not held.until_commanded

@@ -184,7 +184,7 @@ async def test_each_rung_is_logged(bench: Bench, caplog: pytest.LogCaptureFixtur
     caplog.set_level("DEBUG", "aioduco.supervision.supervisor")
     ladder = aioduco.ExitLadder(modes=None)
     async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
-        robot._supervisor.stop_coordinator.modes.standing.add("fc_stop")
+        robot._supervisor.stop_coordinator.modes.left_at_standstill.add("fc_stop")
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     said = [record.getMessage().removeprefix("leaving the robot: ") for record in caplog.records]
     assert [line.split(" took ")[0] for line in said] == [

@@ -45,7 +45,7 @@ def test_an_end_is_final(late: TaskState) -> None:
     life = TaskLifecycle()
     life.observe(TaskState.FINISHED)
     life.stop_sent()
-    life.lose()
+    life.mark_lost()
     assert not life.observe(late)
     assert life.outcome is Outcome.FINISHED
     assert life.state is TaskState.FINISHED
@@ -141,12 +141,12 @@ def test_idle_now_and_then_after_running_does_not() -> None:
 
 def test_a_task_that_was_lost_has_no_known_outcome() -> None:
     life = TaskLifecycle()
-    life.lose()
+    life.mark_lost()
     assert life.outcome is Outcome.UNKNOWN
 
 
 DEEDS = st.sampled_from(
-    ["successor_sent", "successor_accepted", "successor_refused", "stop_sent", "lose"]
+    ["successor_sent", "successor_accepted", "successor_refused", "stop_sent", "mark_lost"]
 )
 STATES = st.integers(-1, 10).map(TaskState)
 

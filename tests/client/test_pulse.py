@@ -46,11 +46,11 @@ def test_a_loop_that_hangs_is_latched_until_rearmed() -> None:
 def test_lost_only_when_the_heartbeat_time_has_passed() -> None:
     heart = pulse()
     heart.beaten(0.0)
-    heart.not_heard(0.4)
-    heart.not_heard(0.8)
+    heart.missed_beat(0.4)
+    heart.missed_beat(0.8)
     assert state(heart) is HeartbeatState.BEATING
-    heart.not_heard(1.1)
-    heart.not_heard(1.5)
+    heart.missed_beat(1.1)
+    heart.missed_beat(1.5)
     assert state(heart) is HeartbeatState.LOST
     assert heart.losses == 1
     heart.beaten(1.6)
@@ -78,4 +78,4 @@ def test_no_beat_is_allowed_after_a_stall(steps: list[tuple[float, bool, float]]
             assert allowed is not stalled
         stalled = not allowed
         if allowed:
-            (heart.beaten if heard else heart.not_heard)(now)
+            (heart.beaten if heard else heart.missed_beat)(now)

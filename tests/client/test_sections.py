@@ -10,7 +10,7 @@ import pytest
 import aioduco
 from aioduco import Joints, Op, Pose, TaskState, output
 from aioduco._wire import rpc
-from aioduco.api.section import done, succeeded
+from aioduco.api.section import check_finished, check_zero
 from client.bench import HOME, POSE
 
 if TYPE_CHECKING:
@@ -199,11 +199,11 @@ async def test_the_mode_and_the_end(robot: aioduco.Robot, bench: Bench) -> None:
 )
 def test_end_states_that_are_no_success(answer: int, error: type[Exception]) -> None:
     with pytest.raises(error, match="set_it"):
-        done("set_it", answer)
+        check_finished("set_it", answer)
 
 
 def test_answers_that_are_a_success() -> None:
-    done("set_it", 4)
-    succeeded("set_it", 0)
+    check_finished("set_it", 4)
+    check_zero("set_it", 0)
     with pytest.raises(aioduco.Refused, match=r"refused set_it \(answer 2\)"):
-        succeeded("set_it", 2)
+        check_zero("set_it", 2)

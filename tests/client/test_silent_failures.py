@@ -9,7 +9,7 @@ import pytest
 
 import aioduco
 import aioduco.sync
-from aioduco.api.section import added
+from aioduco.api.section import new_errors
 from aioduco.sim import Simulator
 from aioduco.sim.cabinet import ModbusSlave
 
@@ -94,4 +94,4 @@ async def test_a_nought_that_is_true_is_read(sim: Simulator, robot: aioduco.Robo
     ],
 )
 def test_what_came_onto_the_error_list(before: list[str], after: list[str], new: list[str]) -> None:
-    assert list(added(before, after, "modbus_read", "v")) == new
+    assert list(new_errors(before, after, "modbus_read", "v")) == new

@@ -150,7 +150,7 @@ def test_the_same_holds_for_poses_of_the_tool(seed: int) -> None:
         found = []
         for kind in (CountingChecker, PlainChecker):
             checker = kind(packed, by_tip=True)
-            checker.near = tuple(joints[0].tolist())
+            checker.seed = tuple(joints[0].tolist())
             checker.begin(configs[0])
             found.append([checker.sweep(*two) for two in pairwise(configs)])
         assert found[0] == found[1]
@@ -162,7 +162,7 @@ def test_a_way_between_poses_that_no_joints_reach_is_checked() -> None:
     far = Zone.sphere((3.0, 0.0, 0.5), 0.1, bodies=("tool",))
     other = Zone.sphere((0.0, 0.0, -5.0), 0.1, bodies=("elbow",))  # so that joints are sought
     checker = EnvelopeChecker(Envelope(ARM, far, other).packed(TOOL), by_tip=True)
-    checker.near = tuple(START.tolist())
+    checker.seed = tuple(START.tolist())
     one, two = ((1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 3.0, y, 0.5) for y in (-0.5, 0.5))
     assert checker.begin(one) is None
     found = checker.sweep(one, two)

@@ -51,7 +51,7 @@ def test_places_are_those_of_the_kinematics() -> None:
         tip = chain[6] @ TOOL.matrix
         wanted = np.array([tip[:3, 3], chain[2][:3, 3], chain[6][:3, 3]])
         np.testing.assert_allclose(by_joints.places(tuple(q.tolist())), wanted, atol=1e-12)
-        by_tip.near = tuple((q + rng.uniform(-0.01, 0.01, 6)).tolist())
+        by_tip.seed = tuple((q + rng.uniform(-0.01, 0.01, 6)).tolist())
         np.testing.assert_allclose(by_tip.places(tip_of(tip)), wanted, atol=1e-9)
 
 
@@ -182,3 +182,16 @@ def test_a_crossing_says_what_and_where() -> None:
 def test_what_is_no_limit_is_refused(make: Any) -> None:
     with pytest.raises(ParameterError):
         make()
+
+
+def test_margins_leave_out_a_zone_of_bodies_whose_places_are_not_known() -> None:
+    """The elbow, for a pose of the tool that no joints reach."""
+    seen = checker(
+        Zone.plane((0, 0, -2), (0, 0, 1), bodies=("elbow",), name="elbow"),
+        Zone.plane((0, 0, -2), (0, 0, 1), bodies=("tool", "elbow"), name="both"),
+        by_tip=True,
+    )
+    seen.seed = START
+    far = np.eye(4)
+    far[:3, 3] = 5.0, 0.0, 0.0
+    assert [(each.limit, each.body) for each in seen.margins(tip_of(far))] == [("both", "tool")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import signal
 import socket
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
+import zenoh
 from ports import free_port
 
 import aioduco
-from aioduco.fleet import FleetClient, FleetSettings, FleetView
+from aioduco.fleet import ArmSettings, FleetClient, FleetGateway, FleetSettings, FleetView
+from aioduco.fleet.link import FleetLink
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
@@ -232,6 +235,58 @@ def test_a_gateway_that_is_told_to_end_stops_its_arms_first(tmp_path: Path) -> N
             await robot.aclose()
 
         anyio.run(move)
+
+
+@pytest.fixture
+def sessions(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Sessions of Zenoh that are opened in this process."""
+    opened: list[Any] = []
+    connect = zenoh.open
+
+    def watched(config: Any) -> Any:
+        opened.append(connect(config))
+        return opened[-1]
+
+    monkeypatch.setattr(zenoh, "open", watched)
+    return opened
+
+
+def refuse(*_: object) -> None:
+    raise zenoh.ZError("refused")
+
+
+@pytest.mark.parametrize("declares", ["answer_stops", "declare_alive"])
+async def test_a_gateway_that_cannot_be_declared_leaves_nothing_open(
+    declares: str, sessions: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(FleetLink, declares, refuse)
+    arms = (ArmSettings("left", "127.0.0.1", free_port()),)
+    gateway = FleetGateway(FleetSettings("plant", "one", listen=(free_endpoint(),), arms=arms))
+    before = asyncio.all_tasks()
+    with pytest.raises(zenoh.ZError, match="refused"):
+        await gateway.__aenter__()
+    assert [session.is_closed() for session in sessions] == [True]
+    assert asyncio.all_tasks() == before
+
+
+@pytest.mark.parametrize("declares", ["watch_gateways", "watch_states"])
+async def test_a_client_that_cannot_be_declared_leaves_nothing_open(
+    declares: str, sessions: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(FleetLink, declares, refuse)
+    client = FleetClient(FleetSettings("plant", listen=(free_endpoint(),)))
+    with pytest.raises(zenoh.ZError, match="refused"):
+        await client.__aenter__()
+    assert [session.is_closed() for session in sessions] == [True]
+
+
+async def test_a_client_that_is_entered_again_leaves_no_session_open(sessions: list[Any]) -> None:
+    client = FleetClient(FleetSettings("plant", listen=(free_endpoint(),)))
+    async with client:
+        pass
+    with pytest.raises(RuntimeError):
+        await client.__aenter__()
+    assert all(session.is_closed() for session in sessions)
 
 
 def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> None:

@@ -107,7 +107,8 @@ def test_a_stop_is_never_taken_for_done_by_another_one() -> None:
     for arm in ("left", "right"):
         state.opened(arm)
     state.closed("away", "no route")
-    state.silent("right", "it does not answer")  # its robot is open: it is told all the same
+    # Its robot is open: it is told all the same.
+    state.connection_lost("right", "it does not answer")
     first, second = state.stop(b""), state.stop(StopRequest(frozenset(["left"])).encode())
     assert first.arms == ("left", "right")
     assert second.arms == ("left",)
@@ -129,7 +130,7 @@ def test_a_report_says_how_old_it_is() -> None:
     assert state.report(5.0).arms[0] == ArmReport("left", "opening")
     state.opened("left")
     state.sampled("left", ArmReport("left", robot="ENABLED"), 5.0)
-    state.silent("left", "gone")
+    state.connection_lost("left", "gone")
     report = state.report(7.5)
     assert report.arms[0] == ArmReport("left", "lost", "gone", robot="ENABLED", seconds=2.5)
     assert report.number == 2

@@ -164,6 +164,28 @@ async def test_no_answer_and_a_wrong_checksum(spoil: Any, error: type[Exception]
             assert gripper.state.width == before.width
 
 
+async def test_no_answer_while_it_is_activated() -> None:
+    gripper, peer = robotiq()
+    gripper._modbus._timeout = 0.01
+    behave = peer.before_read
+
+    def silent_from_then_on(reads: int) -> None:
+        behave(reads)
+        if peer.written:
+            peer.spoil = lambda _: b""
+
+    peer.before_read = silent_from_then_on
+    with pytest.raises(errors.ModbusTimeout):
+        await gripper.activate()
+
+
+async def test_an_activation_that_does_not_end() -> None:
+    gripper, peer = robotiq(timeout=0.01)
+    peer.before_read = lambda _: None
+    with pytest.raises(errors.GripperTimeout, match="was not ready"):
+        await gripper.activate()
+
+
 async def test_a_fault() -> None:
     gripper, peer = robotiq()
     peer.before_read = lambda _: peer.registers.update({0x07D0: 0x3900, 0x07D1: 0x0E00})

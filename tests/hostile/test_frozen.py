@@ -204,6 +204,6 @@ def test_a_frozen_program_without_a_console_ends_its_process(
     monkeypatch.setattr("sys.argv", ["program", MARK, "aioduco.supervision.guard.process", "x"])
     monkeypatch.setattr("sys.stderr", None)
     monkeypatch.setattr("os._exit", codes.append)
-    monkeypatch.setattr(children, "told_apart", False)
+    monkeypatch.setattr(children, "freeze_support_called", False)
     aioduco.freeze_support()
     assert codes == [1]

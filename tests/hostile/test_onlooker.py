@@ -185,10 +185,10 @@ def test_a_claim_that_nobody_hears_is_an_error() -> None:
 def test_who_was_held_up_beats_after_a_new_sign_of_life() -> None:
     heart = HeartbeatMachine(time=1.0, stall_limit=2.0, now=0.0)
     heart.beaten(0.0)
-    heart.held_up(50.0)
+    heart.suspended(50.0)
     assert HeartbeatState(heart.state.value) is HeartbeatState.LOST
     assert not heart.may_beat(50.0, alive=49.9)  # given before, and read only now
     assert heart.may_beat(50.2, alive=50.1)
-    heart.held_up(90.0)
+    heart.suspended(90.0)
     assert not heart.may_beat(92.1, alive=50.1)
     assert HeartbeatState(heart.state.value) is HeartbeatState.STALLED

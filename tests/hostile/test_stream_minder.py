@@ -31,7 +31,7 @@ class Failing:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, parts: str) -> None:
         self.now = anyio.Event()
-        hear, touch = WorkerHandle._hear, WorkerHandle.touch
+        hear, touch = WorkerHandle._receive, WorkerHandle.touch
 
         async def failing_hear(link: Any) -> bool:
             heard: list[bool] = []
@@ -54,7 +54,7 @@ class Failing:
             touch(host, alive)
 
         if parts in ("minder", "both"):
-            monkeypatch.setattr(WorkerHandle, "_hear", staticmethod(failing_hear))
+            monkeypatch.setattr(WorkerHandle, "_receive", staticmethod(failing_hear))
         if parts in ("sign of life", "both"):
             monkeypatch.setattr(WorkerHandle, "touch", failing_touch)
 

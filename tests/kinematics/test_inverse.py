@@ -21,7 +21,7 @@ from aioduco.errors import ParameterError, Unreachable
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import BRANCHES, closed_form, residual, wrap
-from aioduco.kinematics.single import miss, nearest_turns, solutions
+from aioduco.kinematics.single import nearest_turns, pose_error, solutions
 from aioduco.models.pose import Pose
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def test_one_pose_is_solved_as_many_are_singular_ones_too(
     if regular:
         np.testing.assert_allclose(wrap(np.array(alone) - together), 0.0, atol=1e-9)
     for each in alone:
-        assert miss(any_arm.geometry, each, flange.tolist()) < 2e-9
+        assert pose_error(any_arm.geometry, each, flange.tolist()) < 2e-9
 
 
 @given(MODELS, FULL_TURNS, FULL_TURNS)
@@ -139,7 +139,7 @@ def test_what_misses_a_pose_is_the_difference_of_the_forward_kinematics(
     flange = any_arm.fkine(other)
     expected = np.abs(any_arm.fkine(q) - flange).max()
     a, b, c, d, e, f = q.tolist()
-    assert miss(any_arm.geometry, (a, b, c, d, e, f), flange.tolist()) == pytest.approx(
+    assert pose_error(any_arm.geometry, (a, b, c, d, e, f), flange.tolist()) == pytest.approx(
         expected, abs=1e-13
     )
 

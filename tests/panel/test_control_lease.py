@@ -79,15 +79,15 @@ def test_one_page_commands_at_a_time() -> None:
     assert isinstance(made.press(2, JOG, 0.0, 0.0), RefusePage)
     assert made.press(1, JOG, 0.0, 0.0) == BeginMotion(JOG)
     assert isinstance(made.press(1, JOG, 0.0, 0.0), RefusePage), "one motion at a time"
-    assert made.let_go(2) is None
+    assert made.button_released(2) is None
     assert made.beat(2, 9.0, 9.0, down=False) is None
-    assert made.give_back(2) is None
-    assert made.let_go(1) == EndMotion()
-    assert made.let_go(1) is None
+    assert made.release(2) is None
+    assert made.button_released(1) == EndMotion()
+    assert made.button_released(1) is None
     assert isinstance(made.press(1, JOG, 0.0, 0.0), RefusePage), "its end is not seen yet"
     made.motion_ended()
     assert made.press(1, JOG, 0.0, 0.0) == BeginMotion(JOG)
-    assert made.give_back(1, "its page is gone") == EndLease("its page is gone")
+    assert made.release(1, "its page is gone") == EndLease("its page is gone")
     assert isinstance(made.take(2, TOKEN, 0.0), RefusePage), "it is not seen through yet"
     made.closed()
     assert made.take(2, TOKEN, 0.0) == BeginLease(2)
@@ -140,7 +140,7 @@ def test_a_silent_page_loses_the_lease() -> None:
 def test_a_lease_that_is_lost_while_it_opens_is_not_opened() -> None:
     made = lease()
     made.take(1, TOKEN, 0.0)
-    assert isinstance(made.give_back(1), EndLease)
+    assert isinstance(made.release(1), EndLease)
     made.opened()
     assert made.phase.value == "ending"
     made.closed()
@@ -162,7 +162,7 @@ def test_a_stop_ends_what_is_held_and_nothing_starts_until_it_is_through() -> No
 def test_the_end_of_a_lease_is_the_end_of_its_motion_which_is_told_once() -> None:
     made = commanded()
     made.press(1, JOG, 0.0, 0.0)
-    assert isinstance(made.give_back(1), EndLease)
+    assert isinstance(made.release(1), EndLease)
     assert made.due(60.0) is None
     assert made.stop() is None
 
@@ -218,12 +218,12 @@ class Pages(RuleBasedStateMachine):
         self.saw(self.lease.beat(page, self.now - age, self.now, down=down))
 
     @rule(page=page)
-    def let_go(self, page: int) -> None:
-        self.saw(self.lease.let_go(page))
+    def button_released(self, page: int) -> None:
+        self.saw(self.lease.button_released(page))
 
     @rule(page=page)
     def leave(self, page: int) -> None:
-        self.saw(self.lease.give_back(page, "gone"))
+        self.saw(self.lease.release(page, "gone"))
 
     @rule()
     def opened(self) -> None:

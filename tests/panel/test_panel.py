@@ -193,7 +193,7 @@ async def test_a_page_that_takes_nothing_is_cut_off_and_holds_up_nobody(bench: B
         async with connect(url, max_queue=1):  # and reads no more
             await eventually_async(lambda: panel._server.pages == 2)
             for _ in range(600):  # megabytes, more than the system keeps for it
-                panel._server.tell_all({"tell": "event", "text": "x" * 50_000})
+                panel._server.broadcast({"tell": "event", "text": "x" * 50_000})
                 await anyio.lowlevel.checkpoint()
             await eventually_async(lambda: panel._server.pages == 1)
         seen = page.state["n"]

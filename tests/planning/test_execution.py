@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import anyio
 import numpy as np
 import pytest
 from moments import complaints, streamed_in_time
@@ -16,15 +18,22 @@ from patient import patient_queue
 from PIL import Image
 
 import aioduco
-from aioduco import FirstPointTooFar, Joints, ParameterError, PlanObstructed
-from aioduco.planning import Planner, Scene
+from aioduco import FirstPointTooFar, Joints, ParameterError, PlanObstructed, StreamStopped
+from aioduco.models.ranges import JOINT_SPEED
+from aioduco.planning import Plan, Planner, Scene
+from aioduco.planning.execution import execute
+from aioduco.planning.motion_limits import MotionLimits
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Sphere
+from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, Tolerances
+from aioduco.streaming.options import LaneOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
+    from aioduco.planning.plan import PlanCheck
     from aioduco.robot import Robot
+    from aioduco.streaming.joint_trajectory import TrajectoryResult
 
 RUNNER = str(Path(__file__).parents[1] / "patient.py")
 COMMAND = str(Path(aioduco.__file__).parent / "cli" / "__main__.py")
@@ -74,6 +83,104 @@ async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions() -> No
         assert await joints(robot) == pytest.approx(LEFT, abs=1e-3)
         # No collision was detected, which ends in an error.
         assert not await robot.state.get_last_error()
+
+
+class FakeMotion:
+    """Stands for `robot.motion`: it tells of progress until it is cancelled."""
+
+    def __init__(self) -> None:
+        self.followed = 0
+
+    async def follow_joint_trajectory(
+        self, trajectory: JointTrajectory, *, feedback: Any = None, **_: Any
+    ) -> TrajectoryResult:
+        self.followed += 1
+        here = trajectory.positions[0]
+        with anyio.fail_after(30):
+            while True:
+                feedback(Feedback(0.0, here, here, 0.0 * here))
+                await anyio.lowlevel.checkpoint()
+
+    def movej2(self, joints: Any, v: float, a: float, *, r: float = 0.0) -> Any:
+        raise AssertionError("a plan is followed as a stream")
+
+    async def run(self, *motions: Any) -> Any:
+        raise AssertionError("a plan is followed as a stream")
+
+
+def straight(scene: Scene, v: float = 1.0) -> Plan:
+    """A plan from left to right, as if nothing stood there."""
+    positions = np.linspace(LEFT, RIGHT, 20)
+    times = np.linspace(0.0, 2.0, 20)
+    return Plan(
+        scene.arm,
+        JointTrajectory(positions, times),
+        MotionLimits.of(scene.arm, v, 2.0, None),
+        tip=np.eye(4),
+        corners=positions[[0, -1]],
+        looked=times[[0, -1]],
+        clearances=np.full(2, 0.1),
+        radii=np.ones(6),
+    )
+
+
+async def test_a_change_during_the_check_is_checked_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, motion = Scene("gcr5_910"), FakeMotion()
+    check = Plan.check
+
+    def changed_meanwhile(plan: Plan, scene: Scene, *, after: float = 0.0) -> PlanCheck:
+        found = check(plan, scene, after=after)
+        if "board" not in scene:
+            scene.add(BOARD)
+        return found
+
+    monkeypatch.setattr(Plan, "check", changed_meanwhile)
+
+    async def at_start() -> Joints:
+        return LEFT
+
+    with pytest.raises(PlanObstructed, match="brought to rest") as caught:
+        await execute(motion, at_start, straight(scene), watch=scene)
+    assert motion.followed == 1
+    assert caught.value.pair is not None
+    assert caught.value.pair[1] == "board"
+
+
+async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
+    asked: list[float] = []
+
+    class FastMotion(FakeMotion):
+        async def follow_joint_trajectory(
+            self, trajectory: JointTrajectory, *, feedback: Any = None, v: float = 0.0, **_: Any
+        ) -> TrajectoryResult:
+            asked.append(JOINT_SPEED("v", v))
+            raise StreamStopped("nothing is to move here", None)
+
+    async def at_start() -> Joints:
+        return LEFT
+
+    with pytest.raises(StreamStopped):
+        await execute(FastMotion(), at_start, straight(Scene("gcr5_910"), JOINT_SPEED.high))
+    assert asked == [JOINT_SPEED.high]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"watch": Scene("gcr5_910")},
+        {"tolerances": Tolerances()},
+        {"feedback": print},
+        {"options": LaneOptions()},
+    ],
+    ids=lambda given: next(iter(given)),
+)
+async def test_blended_motions_take_no_options_of_a_stream(given: dict[str, Any]) -> None:
+    async def at_start() -> Joints:
+        return LEFT
+
+    plan = straight(Scene("gcr5_910"))
+    with pytest.raises(ParameterError, match="through"):
+        await execute(FakeMotion(), at_start, plan, through="blended", **given)
 
 
 @pytest.mark.slow
@@ -136,14 +243,18 @@ def test_the_example() -> None:
     root = Path(__file__).parents[2]
     example = root / "examples" / "16_plan_round_obstacle.py"
     command = [sys.executable, "-W", "error", str(root / "tests" / "patient.py"), str(example)]
-    with Simulator.spawn(scene=[BOARD], joints=list(LEFT)) as sim:
-        done = subprocess.run(
-            [*command, sim.host, "--port", str(sim.port)],
-            capture_output=True,
-            text=True,
-            timeout=100,
-            check=False,
-        )
+    for _ in range(5):
+        with Simulator.spawn(scene=[BOARD], joints=list(LEFT)) as sim:
+            done = subprocess.run(
+                [*command, sim.host, "--port", str(sim.port)],
+                capture_output=True,
+                text=True,
+                timeout=100,
+                check=False,
+            )
+        # On a machine that is too busy for its set-points, a stream ends, as it should.
+        if not re.search("StreamStarved|StreamRefused", done.stderr):
+            break
     assert (complaints(done.stderr), done.returncode) == ("", 0)
     assert "on the right side\non the left side again, round a ball" in done.stdout
 

@@ -10,8 +10,10 @@ import pytest
 import aioduco
 from aioduco.envelope import Envelope, ToolSpeed, Zone
 from aioduco.kinematics import arm
+from aioduco.models.ranges import JOINT_SPEED
 from aioduco.playback import RecordedPath, check_path
 from aioduco.playback.path_check import fastest, sharpest
+from aioduco.playback.player import follow
 from aioduco.recording import read
 from playback.recorded import FAR, HOME, RATE, nod, write
 
@@ -134,6 +136,37 @@ def test_what_speaks_against_a_path_is_said_with_its_place(tmp_path: Path) -> No
     (incident,) = check_path(bad, ARM)
     assert str(incident) == "incident at 1.00 s: the recorded arm had fault 7"
     assert kinds(RecordedPath.of(read(tmp_path / "bad.mcap"), end=0.95)) == []
+
+
+def test_an_acceleration_is_said_with_the_time_at_which_it_is_largest(tmp_path: Path) -> None:
+    def bump(times: Any) -> Any:
+        share = np.exp(-(((times - 1.25) / 0.15) ** 2) / 2)
+        return np.asarray(HOME + share[:, None] * (0.6 * (FAR - HOME)))
+
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", bump)))
+    (found,) = check_path(path, ARM, a=5.0)
+    assert found.kind == "acceleration"
+    assert found.time == pytest.approx(1.25, abs=0.008)
+
+
+async def test_a_path_that_is_about_as_fast_as_allowed_is_followed(tmp_path: Path) -> None:
+    def fast(times: Any) -> Any:
+        return np.asarray(HOME + 4.4 * (nod(times, seconds=1.8) - HOME) * (np.arange(6) == 0))
+
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", fast)))
+    assert kinds(path) == []
+    assert fastest(path) > 3.8
+    speeds: list[float] = []
+
+    class Motion:
+        async def follow_joint_trajectory(self, _: object, *, v: float, **__: object) -> None:
+            speeds.append(JOINT_SPEED("v", v))
+
+    async def joints() -> Any:
+        return path.start.array
+
+    await follow(Motion(), joints, path)
+    assert speeds == [JOINT_SPEED.high]
 
 
 def test_a_sample_of_a_moving_arm_takes_60_bytes(tmp_path: Path) -> None:

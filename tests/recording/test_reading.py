@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import logging
@@ -19,7 +20,15 @@ import aioduco.sync
 from aioduco.models.pose import Pose
 from aioduco.recording import RecordedRun, read
 from aioduco.recording.channels import ANGLE, LENGTH, QUATERNION, SPEED, plain
-from aioduco.recording.container import DATA_END
+from aioduco.recording.container import (
+    CHANNEL,
+    CHUNK,
+    DATA_END,
+    MAGIC,
+    MESSAGE,
+    METADATA,
+    SCHEMA,
+)
 from aioduco.sim import Simulator
 
 if TYPE_CHECKING:
@@ -199,6 +208,79 @@ def test_a_garbled_chunk_ends_what_is_read(whole: Path, tmp_path: Path) -> None:
     found = read(bad)
     assert not found.complete
     assert sum(found.topics.values()) < sum(read(whole).topics.values())
+
+
+def record_of(kind: int, content: bytes) -> bytes:
+    return struct.pack("<BQ", kind, len(content)) + content
+
+
+def text_of(text: bytes) -> bytes:
+    return struct.pack("<I", len(text)) + text
+
+
+@pytest.mark.parametrize(
+    ("kind", "content"),
+    [
+        pytest.param(MESSAGE, struct.pack("<HIQQ", 7, 0, 0, 0), id="unknown channel"),
+        pytest.param(MESSAGE, b"\0" * 21, id="short message"),
+        pytest.param(SCHEMA, b"\0", id="short schema"),
+        pytest.param(CHANNEL, b"\0" * 3, id="short channel"),
+        pytest.param(CHANNEL, struct.pack("<HHI", 2, 0, 9) + b"/x", id="short text"),
+        pytest.param(CHANNEL, b"\0" * 4 + text_of(b"\xff") + text_of(b"json"), id="no UTF-8"),
+        pytest.param(METADATA, text_of(b"\xff") + text_of(b""), id="no UTF-8 in metadata"),
+        pytest.param(METADATA, text_of(b"end") + struct.pack("<I", 9), id="short metadata"),
+        pytest.param(CHUNK, b"\0" * 27, id="short chunk"),
+        pytest.param(
+            CHUNK,
+            struct.pack("<QQQI", 0, 0, 2, 0) + text_of(b"") + struct.pack("<Q", 2) + b"\5\1",
+            id="incomplete record in a chunk",
+        ),
+    ],
+)
+def test_a_damaged_record_ends_what_is_read(kind: int, content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "bad.mcap"
+    before = [
+        record_of(METADATA, text_of(b"aioduco") + text_of(text_of(b"arm") + text_of(b"gcr5"))),
+        record_of(CHANNEL, struct.pack("<HH", 1, 0) + text_of(b"/io") + text_of(b"json")),
+        record_of(MESSAGE, struct.pack("<HIQQ", 1, 0, 5, 5) + b'{"a": 1}'),
+    ]
+    after = [before[-1], record_of(DATA_END, b"\0" * 4)]
+    path.write_bytes(MAGIC + b"".join([*before, *after]))
+    assert read(path).complete
+    path.write_bytes(MAGIC + b"".join([*before, record_of(kind, content), *after]))
+    found = read(path)
+    assert not found.complete
+    assert found.metadata == {"arm": "gcr5"}
+    assert [message.data for message in found.messages()] == [{"a": 1}]
+
+
+def test_a_damaged_begin_is_that_of_the_first_message(tmp_path: Path) -> None:
+    path = tmp_path / "bad.mcap"
+    records = [
+        record_of(METADATA, text_of(b"aioduco") + text_of(text_of(b"started") + text_of(b"1?"))),
+        record_of(CHANNEL, struct.pack("<HH", 1, 0) + text_of(b"/io") + text_of(b"json")),
+        record_of(MESSAGE, struct.pack("<HIQQ", 1, 0, 5, 5) + b'{"a": 1}'),
+        record_of(DATA_END, b"\0" * 4),
+    ]
+    path.write_bytes(MAGIC + b"".join(records))
+    found = read(path)
+    assert found.started_ns == 5
+    assert not found.complete
+
+
+@pytest.mark.slow
+def test_no_changed_byte_makes_a_file_unreadable(
+    whole: Path, tmp_path: Path, thorough: bool
+) -> None:
+    data = whole.read_bytes()
+    bad = tmp_path / "bad.mcap"
+    for at in range(8, len(data), 53 if thorough else 499):
+        changed = bytearray(data)
+        changed[at] ^= 0xFF
+        bad.write_bytes(changed)
+        with contextlib.suppress(aioduco.RecordingError):  # its compression has another name
+            for message in read(bad).messages():
+                assert message.topic
 
 
 def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:

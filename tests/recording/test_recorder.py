@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
+import foxglove
 import pytest
 from client.bench import HOME, Bench
 
@@ -19,7 +20,7 @@ import aioduco
 import aioduco.sync
 from aioduco.errors import TaskStopped
 from aioduco.models.enums import TaskState
-from aioduco.recording import read, writer
+from aioduco.recording import channels, read, writer
 from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async
 
@@ -225,6 +226,31 @@ async def test_a_file_that_cannot_be_made_is_said_before_the_program_begins(
         await robot.state.get_robot_state()
 
 
+@pytest.mark.parametrize("step", ["open_mcap", "metadata", "flush", "_write_out"])
+def test_a_file_that_cannot_be_begun_leaves_nothing(
+    step: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    for _ in range(2):  # the second time with the channels that the first one has released
+        free = len(channels._free)
+        with monkeypatch.context() as patched:
+            places = {"open_mcap": foxglove, "_write_out": writer.RecordingWriter}
+            patched.setattr(places.get(step, channels.FileChannels), step, full)
+            begun = writer.RecordingWriter(tmp_path / "run.mcap", dict)
+            begun.begin({"clock_offset": "0"}, lambda: None, lambda: None)
+            assert begun.join(60.0)
+        assert isinstance(begun.error, OSError)
+        assert len(channels._free) == max(free, 1)
+        assert not list(tmp_path.iterdir())
+    again = writer.RecordingWriter(tmp_path / "run.mcap", dict)
+    again.begin({"clock_offset": "0"}, lambda: None, lambda: None)
+    again.finish()
+    assert again.join(60.0)
+    assert read(tmp_path / "run.mcap").complete
+
+
 def test_in_programs_that_wait(bench: Bench, tmp_path: Path) -> None:
     with aioduco.sync.connect(bench.host, bench.port, record=tmp_path / "a.mcap") as robot:
         with robot.record(tmp_path / "b.mcap", forces=False) as recording:
@@ -256,7 +282,7 @@ async def test_a_disk_that_hangs_delays_no_call_and_what_is_dropped_is_counted(
 
     async with robot.record(tmp_path / "run.mcap") as recording:
         monkeypatch.setattr(os, "write", hang)
-        monkeypatch.setattr(writer, "_MOST", 10)
+        monkeypatch.setattr(writer, "_QUEUE_LIMIT", 10)
         await eventually_async(wrote.is_set)
         for _ in range(30):
             await robot.io.get_standard_digital_out(1)

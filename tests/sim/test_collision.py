@@ -123,7 +123,7 @@ def test_a_load_that_was_not_told_is_a_torque_from_outside() -> None:
     np.testing.assert_allclose(world.external_torque, FIVE.jacobian(HOME).T @ weight, atol=0.1)
     sagged = np.abs(world.q - HOME).max()
     assert 1e-4 < sagged < 0.02
-    world.tell(2.0)
+    world.set_modelled_load(2.0)
     for _ in range(1000):
         world.step(JointSetPoint.at_rest(HOME))
     np.testing.assert_allclose(world.external_torque, np.zeros(6), atol=0.01)

@@ -59,13 +59,13 @@ class Arm:
         self.points: list[JointSetPoint] = []
         self.time = 0.0
 
-    def run(self, force: Vector, cycles: int, *, giving: bool = True) -> Any:
+    def run(self, force: Vector, cycles: int, *, compliant: bool = True) -> Any:
         """Go on; what the last cycle came to."""
         outcome = None
         for _ in range(cycles):
             self.time += CYCLE
             sensed = SensedState(self.time, 0.0, self.drives.q, self.drives.qd, force, ZEROS)
-            self.drives, outcome = self.control.tick(self.rest, sensed, giving=giving)
+            self.drives, outcome = self.control.tick(self.rest, sensed, compliant=compliant)
             self.points.append(self.drives)
             if outcome is not None:
                 break
@@ -187,7 +187,7 @@ def test_set_points_are_smooth_and_fit_each_other() -> None:
     jerked = Arm(law(ALL))
     for force in (40.0, -40.0, 0.0):
         jerked.run(wrench(force, force, force, 0.05 * force, 0.0, 0.0), 150)
-    jerked.run(ZEROS, 200, giving=False)
+    jerked.run(ZEROS, 200, compliant=False)
     q = np.array([point.q for point in jerked.points])
     qd = np.array([point.qd for point in jerked.points])
     mean = (q[1:] - q[:-1]) / CYCLE
@@ -234,7 +234,7 @@ def test_a_force_beyond_the_guard_is_told(force: float) -> None:
     guarded = Arm(law(NONE))
     guarded.control.guard = ForceGuard(Z, (10.0, 10.0, 40.0, 1.0, 1.0, 1.0), FLANGE)
     assert guarded.run(wrench(500.0, 500.0, math.copysign(39.5, force)), 5) is None
-    outcome = guarded.run(wrench(0, 0, force), 1, giving=False)
+    outcome = guarded.run(wrench(0, 0, force), 1, compliant=False)
     assert outcome.verdict == "guard"
     assert "along z, but at most 40 N" in outcome.message
 

@@ -44,7 +44,7 @@ class Parking:
         self.after = 10  # turns that it has before
         self.now: Callable[[], float] = lambda: 0.0
         self.times: list[float] = []  # simulated times of the turns
-        turn = PlanningThreads.turn
+        yield_hook = PlanningThreads.yield_hook
 
         def parked(planning: PlanningThreads) -> None:
             self.turns += 1
@@ -52,10 +52,10 @@ class Parking:
             if self.turns > self.after:
                 self.reached.set()
                 while not self.go.wait(0.001):
-                    turn(planning)  # as between any two slices, but there is no next one
-            turn(planning)
+                    yield_hook(planning)  # as between any two slices, but there is no next one
+            yield_hook(planning)
 
-        monkeypatch.setattr(PlanningThreads, "turn", parked)
+        monkeypatch.setattr(PlanningThreads, "yield_hook", parked)
 
     def wait(self) -> None:
         assert self.reached.wait(30.0)
@@ -236,7 +236,7 @@ def test_a_simulator_ends_while_it_plans(
 @pytest.fixture
 def bench() -> Bench:
     bench = Bench().enabled()
-    bench.controller.plan_aside()
+    bench.controller.plan_in_background()
     return bench
 
 

@@ -86,7 +86,7 @@ class Cell:
             self.time += CYCLE
             world = self.world
             sensed = SensedState(self.time, 0.0, world.q, world.qd, world.wrench, ZEROS)
-            point, outcome = self.control.tick(self.mover.tick().setpoint, sensed, giving=True)
+            point, outcome = self.control.tick(self.mover.tick().setpoint, sensed, compliant=True)
             assert outcome is None
             world.step(point)
             self.forces.append(self.control.sensor.reading(world.wrench))

@@ -67,7 +67,7 @@ class Follower:
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         self.carried = (mass, tuple(centre))
 
-    def tell(self, mass: float, centre: Sequence[float]) -> None:
+    def set_modelled_load(self, mass: float, centre: Sequence[float]) -> None:
         self.told = (mass, tuple(centre))
 
     def push(self, wrench: Sequence[float]) -> None:
@@ -235,7 +235,7 @@ def in_batches(
 
     The sleeps are longer than they are, so that they are seen.
     """
-    for name, value in (("_CYCLES", 50), ("_LONGEST", 0.05), ("_PATIENCE", 60.0)):
+    for name, value in (("_CYCLES", 50), ("_LONGEST", 0.05), ("_WAIT_TIMEOUT", 60.0)):
         monkeypatch.setattr(batches, name, value)
     controller = controller_of(FakeMover)
     runtime = SimulationRuntime(controller, arm, speed=1.0)

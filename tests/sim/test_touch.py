@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from aioduco.grippers import gripper_model
 from aioduco.kinematics import Arm, arm, models
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.segments import joint_move
+from aioduco.sim.scene import Box, Table, mjcf_of
 from aioduco.sim.simulator import READY
 
 if TYPE_CHECKING:
@@ -88,3 +90,29 @@ def test_an_arm_that_is_blocked_pushes_and_does_not_fly_apart(any_arm: Arm, into
     for _ in range(500):
         world.step(JointSetPoint.at_rest(world.q))
     assert np.abs(world.qd).max() < 0.05
+
+
+def test_contacts_are_those_of_the_arm_and_of_what_it_holds() -> None:
+    """A part stands on a table between the fingers, and another one beside it."""
+    gripper, five = gripper_model("parallel"), arm("gcr5_910")
+    tip = five.fkine(HOME) @ np.array([0.0, 0.0, gripper.length, 1.0])
+    x, y, z = (float(each) for each in tip[:3])
+    scene = mjcf_of(
+        [
+            Table(at=(x, y, z - 0.02), size=(0.4, 0.4), name="table"),
+            Box(at=(x, y, z), size=(0.03, 0.03, 0.04), mass=0.1, name="part"),
+            Box(at=(x + 0.15, y, z), size=(0.03, 0.03, 0.04), mass=0.1, name="other"),
+        ]
+    )
+    world = World(five, q=HOME, scene=scene, gripper=gripper)
+    hand, still = world.hand, JointSetPoint.at_rest(HOME)
+    assert hand is not None
+    for _ in range(100):
+        world.step(still)
+    assert world.data.ncon > 0
+    assert world.touched() == ""
+    hand.command((0.0,), 0.1, 40.0)
+    for _ in range(2000):
+        world.step(still)
+    assert hand.reading.caught == 1
+    assert world.touched() == "part touches table, the tool grips part"

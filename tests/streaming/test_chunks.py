@@ -49,7 +49,7 @@ class Bench:
             clock=lambda: round(self.now * 1e9),
         )
         start = space.decode(ZERO)
-        self.timeline.rest(start)
+        self.timeline.reset(start)
         self.source.begin(Follower("ruckig", space, limits, PERIOD, start, self.timeline))
         self.given: list[Config] = [start]
         self._ring: list[SetPoint] = []

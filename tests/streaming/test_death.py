@@ -6,8 +6,10 @@ import os
 import signal
 import subprocess
 import sys
+from typing import TYPE_CHECKING
 
 import anyio
+import anyio.lowlevel
 import numpy as np
 import pytest
 
@@ -18,6 +20,9 @@ from aioduco.streaming.session import Session
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, runs, shared_files
+
+if TYPE_CHECKING:
+    from anyio.abc import TaskGroup
 
 RATE = 500
 ACCELERATION = 5.0
@@ -143,7 +148,7 @@ async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
 async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Session, "_patience", 0.5)
+    monkeypatch.setattr(Session, "_end_timeout", 0.5)
     stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
 
     async def program() -> None:
@@ -225,3 +230,55 @@ async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> 
     with pytest.raises(LaneFailed, match="lost sight of the program"):
         await program()
     assert controller.names()[-1] == "stop"
+
+
+@pytest.mark.timeout(30)
+async def test_sending_with_one_set_point_ahead_lets_the_event_loop_run(
+    controller: Controller,
+) -> None:
+    """Also while a worker that stands still takes no set-point, and when it is killed then."""
+    stream = controller.servo.joints(v=1.0, a=5.0, rate=RATE, ahead=1)
+    sent = 0
+
+    async def kill_it_when_nothing_is_sent_any_more() -> None:
+        before = -1
+        while sent != before:
+            before = sent
+            for _ in range(20):
+                await anyio.lowlevel.checkpoint()
+        assert stream.pid is not None
+        os.kill(stream.pid, signal.SIGKILL)
+
+    async def program(tasks: TaskGroup) -> None:
+        nonlocal sent
+        async with stream:
+            await stream.send(HERE)
+            assert stream.pid is not None
+            os.kill(stream.pid, signal.SIGSTOP)
+            tasks.start_soon(kill_it_when_nothing_is_sent_any_more)
+            while True:
+                await stream.send(HERE)
+                sent += 1
+
+    async with no_leaks(), anyio.create_task_group() as tasks:
+        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+            await program(tasks)
+
+
+@pytest.mark.linux("real-time signals")
+async def test_a_lane_killed_by_a_signal_without_a_name_is_an_error(
+    controller: Controller,
+) -> None:
+    stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
+    number = signal.SIGRTMIN + 1
+
+    async def program() -> None:
+        async with stream:
+            await stream.send(HERE)
+            assert stream.pid is not None
+            os.kill(stream.pid, number)
+            while True:
+                await stream.send(HERE)
+
+    with pytest.raises(LaneFailed, match=f"killed by signal {number}"):
+        await program()

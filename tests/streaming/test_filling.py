@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.worker.buffered import Depth, PoolStates, Todo
+from aioduco.streaming.worker.buffered import Depth, PoolAction, PoolStates
 
 # -- the realtime queue ------------------------------------------------------------------------
 
@@ -85,38 +85,38 @@ def test_a_pool_is_filled_up_to_its_high_mark_when_below_its_low_one() -> None:
 
 def test_a_pool_that_ran_dry_is_resumed_by_the_next_points() -> None:
     pool = following()
-    assert pool.look(5, 0, 0.0) is Todo.FOLLOW
-    assert pool.look(0, 0, 0.1) is Todo.WAIT
-    assert pool.look(0, 0, 0.2) is Todo.WAIT
+    assert pool.look(5, 0, 0.0) is PoolAction.FOLLOW
+    assert pool.look(0, 0, 0.1) is PoolAction.WAIT
+    assert pool.look(0, 0, 0.2) is PoolAction.WAIT
     assert (pool.state, pool.drained, pool.starved) == (StreamState.HOLDING, 1, 2)
-    assert pool.look(0, 20, 0.3) is Todo.RESUME
+    assert pool.look(0, 20, 0.3) is PoolAction.RESUME
     assert pool.state is StreamState.FOLLOWING
-    assert pool.look(19, 0, 0.4) is Todo.FOLLOW
+    assert pool.look(19, 0, 0.4) is PoolAction.FOLLOW
 
 
 def test_a_pool_that_ran_dry_unseen_is_resumed() -> None:
     pool = following()
-    assert pool.look(5, 0, 0.0) is Todo.FOLLOW
-    assert pool.look(0, 20, 0.1) is Todo.RESUME  # it ran dry between two looks
-    assert pool.look(18, 0, 0.2) is Todo.FOLLOW
-    assert pool.look(2, 20, 0.3) is Todo.FOLLOW  # it runs dry before the points are in it
-    assert pool.look(22, 0, 0.4) is Todo.RESUME
-    assert pool.look(21, 0, 0.5) is Todo.FOLLOW
+    assert pool.look(5, 0, 0.0) is PoolAction.FOLLOW
+    assert pool.look(0, 20, 0.1) is PoolAction.RESUME  # it ran dry between two looks
+    assert pool.look(18, 0, 0.2) is PoolAction.FOLLOW
+    assert pool.look(2, 20, 0.3) is PoolAction.FOLLOW  # it runs dry before the points are in it
+    assert pool.look(22, 0, 0.4) is PoolAction.RESUME
+    assert pool.look(21, 0, 0.5) is PoolAction.FOLLOW
 
 
 def test_a_pool_that_stays_dry_ends() -> None:
     pool = following()
-    assert pool.look(0, 0, 5.0) is Todo.WAIT
-    assert pool.look(0, 0, 6.0) is Todo.WAIT
-    assert pool.look(0, 0, 6.1) is Todo.EMPTY
+    assert pool.look(0, 0, 5.0) is PoolAction.WAIT
+    assert pool.look(0, 0, 6.0) is PoolAction.WAIT
+    assert pool.look(0, 0, 6.1) is PoolAction.EMPTY
     assert (pool.state, pool.reason) == (StreamState.DECELERATING, Reason.STARVED)
 
 
 def test_a_closed_pool_that_runs_dry_has_not_starved() -> None:
     pool = following()
     pool.close()
-    assert pool.look(3, 0, 0.0) is Todo.FOLLOW
-    assert pool.look(0, 0, 100.0) is Todo.FINISH
+    assert pool.look(3, 0, 0.0) is PoolAction.FOLLOW
+    assert pool.look(0, 0, 100.0) is PoolAction.FINISH
     assert (pool.drained, pool.starved) == (0, 0)
 
 
@@ -140,3 +140,12 @@ def test_there_is_no_way_back_from_the_end_and_the_first_reason_stays(steps: lis
         assert pool.state >= before or before is StreamState.HOLDING
         assert reason in (Reason.NONE, pool.reason)
         before, reason = pool.state, pool.reason
+
+
+def test_the_text_of_the_first_reason_stays() -> None:
+    pool = PoolStates(10, 20, 1.0)
+    pool.begin()
+    pool.brake(Reason.ENVELOPE, "first")
+    pool.brake(Reason.FAILED, "second")
+    pool.end(Reason.REFUSED, "third")
+    assert (pool.reason, pool.text) == (Reason.ENVELOPE, "first")

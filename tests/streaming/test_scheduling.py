@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from aioduco import LaneOptions
-from aioduco._platform import set_first
+from aioduco._platform import set_realtime_priority
 from aioduco.scheduling import shorten_slice
 from aioduco.streaming.worker.clock import ProcessorShare
 from aioduco.testing import eventually_async
@@ -52,7 +52,7 @@ def test_a_short_slice_leaves_another_policy_as_it_is(
 def allowed() -> bool:
     """Whether a thread of this program may go before all others."""
     found: list[bool] = []
-    thread = threading.Thread(target=lambda: found.append(set_first(1)))
+    thread = threading.Thread(target=lambda: found.append(set_realtime_priority(1)))
     thread.start()
     thread.join()
     return found[0]
@@ -60,15 +60,15 @@ def allowed() -> bool:
 
 _HOG = """
 import os, time
-from aioduco._platform import go_first_by_moments, goes_first
+from aioduco._platform import boost_main_thread, realtime_priority
 
 told = []
-assert go_first_by_moments(0.02, lambda: told.append(os.sched_getscheduler(0)))
-assert goes_first() == 1
+assert boost_main_thread(0.02, lambda: told.append(os.sched_getscheduler(0)))
+assert realtime_priority() == 1
 while not told and time.process_time() < 30.0:
     pass
 assert told == [os.SCHED_OTHER], told
-assert goes_first() == 0
+assert realtime_priority() == 0
 """
 
 

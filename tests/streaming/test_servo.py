@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 import socket
@@ -14,12 +15,15 @@ import anyio
 import numpy as np
 import pytest
 
+from aioduco import kinematics
+from aioduco.envelope import Envelope, Zone
 from aioduco.errors import (
     FirstPointTooFar,
     ParameterError,
     RobotStateError,
     SetPointTooFar,
     StreamClosed,
+    StreamLeavesEnvelope,
     StreamLost,
     StreamRefused,
     StreamStarved,
@@ -29,6 +33,7 @@ from aioduco.models.pose import Pose
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.servo import Servo
+from aioduco.streaming.shared.config import EnvelopeSettings
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.testing import eventually_async, no_leaks
 
@@ -492,3 +497,52 @@ async def test_a_stream_says_what_chunks_need(controller: Controller) -> None:
     async with servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
         with pytest.raises(ParameterError, match="chunks=True"):
             await stream.send_chunk([near(0.0)])
+
+
+@pytest.mark.parametrize("then", ["refuses a set-point", "refuses the stop"])
+async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
+    controller: Controller, then: str
+) -> None:
+    """The arm brakes before a wall, and the controller refuses something meanwhile."""
+    step = 1e-3
+    wall = Zone.plane((0, 0.1, 0), (0, -1, 0), bodies=("tool",), name="wall")
+    packed = Envelope("gcr5_910", wall).packed([0.0] * 6)
+    arm = kinematics.arm("gcr5_910")
+    begin = [0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0]
+    begin[0] = -math.atan2(*arm.fkine(begin)[[1, 0], 3]) - 0.1
+    controller.server.answer("get_actual_joints_position", begin)
+
+    async def envelope(_: object) -> EnvelopeSettings:
+        return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, tip=())
+
+    places: list[float] = []
+
+    def servoj(joints: list[float], *_: object) -> int:
+        places.append(joints[0])
+        braking = len(places) > 100 and places[-1] - places[-2] < 0.9 * step
+        return -1 if braking and then == "refuses a set-point" else 1001
+
+    def stop(_: bool) -> int:
+        assert then != "refuses the stop"
+        return 4
+
+    controller.server.answer("servoj", servoj)
+    controller.server.answer("stop", stop)
+
+    async def program() -> None:
+        opened = Servo(replace(controller.endpoint, envelope=envelope)).joints(
+            v=1.0, a=5.0, rate=500, options=THREAD
+        )
+        async with opened as stream:
+            # It is raised again, with the last word of the worker, when the stream is left.
+            with contextlib.suppress(StreamLeavesEnvelope):
+                for n in range(2000):
+                    way = 5e-6 * n * n if n < 100 else 0.05 + step * (n - 100)
+                    await stream.send([begin[0] + way, *begin[1:]])
+
+    with pytest.raises(StreamLeavesEnvelope, match="'wall': tool") as caught:
+        await program()
+    assert caught.value.limit == "wall"
+    assert ("it is not known that the arm stands" in str(caught.value)) == (
+        then == "refuses the stop"
+    )

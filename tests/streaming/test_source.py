@@ -227,3 +227,12 @@ def test_whatever_happens_limits_hold_and_the_end_is_final(
             assert math.isfinite(b)
             # a speed of 1 per second at most, or for speeds a change of 10 per second
             assert abs(b - a) <= (10.0 if rates else 1.0) * PERIOD * (1 + 1e-6)
+
+
+def test_the_text_of_the_first_reason_stays() -> None:
+    bench = Bench()
+    bench.step(0.01, 0.02)
+    bench.source.brake(Reason.ENVELOPE, "first")
+    bench.source.brake(Reason.FAILED, "second")
+    bench.source.end(Reason.REFUSED, "third")
+    assert (bench.source.reason, bench.source.text) == (Reason.ENVELOPE, "first")

@@ -275,6 +275,7 @@ async def test_through_the_realtime_queue(controller: Controller) -> None:
     [
         (([[0.0] * 6] * 2, [0.0]), "times"),
         (([[0.0] * 6] * 2, [-1.0, 0.5]), "times"),
+        (([[0.0] * 6] * 2, ["soon", "late"]), "times"),
         (([[0.0] * 6] * 2, [0.0, 1.0], [[0.0] * 6]), "velocities"),
         (([[0.0] * 6] * 2, [0.0, 1.0], None, [[0.0] * 6] * 2), "accelerations"),
         (([[7.0] * 6] * 2, [0.0, 1.0]), "positions"),
@@ -284,3 +285,12 @@ def test_trajectories_that_do_not_fit_are_refused(arguments: Any, name: str) -> 
     with pytest.raises(ParameterError) as caught:
         JointTrajectory(*arguments)
     assert caught.value.parameter.startswith(name)
+
+
+def test_the_times_of_a_trajectory_are_a_copy_and_cannot_be_changed() -> None:
+    times = np.array([0.0, 1.0])
+    trajectory = JointTrajectory([[0.0] * 6] * 2, times)
+    times[1] = -1.0
+    assert trajectory.times.tolist() == [0.0, 1.0]
+    with pytest.raises(ValueError, match="read-only"):
+        trajectory.times[1] = -1.0

@@ -9,7 +9,7 @@ import pytest
 
 import aioduco.sync
 from aioduco import Jog, Joints, Outcome, ParameterError, TaskStopped
-from aioduco.sync._presence import Presence
+from aioduco.sync._presence import CallTimes
 from aioduco.testing import eventually
 
 if TYPE_CHECKING:
@@ -22,18 +22,18 @@ HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
 
 def test_presence() -> None:
-    presence = Presence()
+    presence = CallTimes()
     presence.enter(1)
-    assert presence.silence(1, 50.0) == 0.0
+    assert presence.idle_time(1, 50.0) == 0.0
     presence.enter(1)  # a call within a call
     presence.leave(1, 51.0)
-    assert presence.silence(1, 60.0) == 0.0
+    assert presence.idle_time(1, 60.0) == 0.0
     presence.leave(1, 60.0)
-    assert presence.silence(1, 60.5) == 0.5
+    assert presence.idle_time(1, 60.5) == 0.5
     presence.enter(2)
-    assert presence.silence(1, 61.0) == 1.0  # another thread does not speak for it
+    assert presence.idle_time(1, 61.0) == 1.0  # another thread does not speak for it
     presence.enter(1)
-    assert presence.silence(1, 70.0) == 0.0
+    assert presence.idle_time(1, 70.0) == 0.0
 
 
 def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:

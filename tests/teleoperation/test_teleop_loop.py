@@ -11,10 +11,12 @@ import pytest
 
 import aioduco
 from aioduco.errors import ParameterError
+from aioduco.models.ranges import JOINT_SPEED
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from aioduco.streaming.options import LaneOptions
-from aioduco.teleoperation import KeyboardDevice, Reading, TeleopScale, teleoperate
+from aioduco.streaming.shared.state import Reason
+from aioduco.teleoperation import InputDevice, KeyboardDevice, Reading, TeleopScale, teleoperate
 from aioduco.teleoperation.keyboard import Keyboard
 from aioduco.testing import eventually_async
 
@@ -125,3 +127,37 @@ async def test_joints_are_turned_and_a_wrong_scale_is_refused(pipe: tuple[int, i
             assert np.abs(moved[:5]).max() < 2e-3
             with pytest.raises(ParameterError, match="TeleopScale"):
                 await teleoperate(robot, device, 0.5)  # type: ignore[arg-type]  # what is refused
+
+
+class Held(InputDevice):
+    """A device whose dead-man switch is held until its person ends it."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self.first: float | None = None
+        self.last = 0.0
+
+    def read(self, now: float) -> Reading:
+        self.first = now if self.first is None else self.first
+        self.last = now
+        return Reading(held=True, done=now - self.first >= self._seconds)
+
+
+async def test_a_hold_that_lasts_until_the_end_counts() -> None:
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            device = Held(0.1)
+            report = await teleoperate(robot, device, **WAITING)
+    assert report.held == 1
+    assert device.first is not None
+    assert report.seconds == device.last - device.first
+
+
+async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
+    fastest = TeleopScale(turn_speed=JOINT_SPEED.high)
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            report = await teleoperate(robot, Held(0.0), fastest, **WAITING)
+    assert report.stream.reason is Reason.CLOSED

@@ -206,7 +206,7 @@ async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str) -> 
         # never sent again by itself, not even a stop: nobody wants its answer any more
         assert server.names.count(name) == 1
         assert lane.statistics().abandoned == 1
-        await eventually_async(lambda: not any(w.alive for w in lane._leaving))
+        await eventually_async(lambda: not any(w.alive for w in lane._dismissed))
 
 
 async def test_a_cancelled_call_holds_nobody_up() -> None:

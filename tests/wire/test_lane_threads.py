@@ -14,7 +14,9 @@ import anyio
 import pytest
 
 from aioduco._wire.lane import WireLane
+from aioduco._wire.worker import Worker
 from aioduco.errors import (
+    ConnectError,
     ConnectionLost,
     NotSent,
     OutcomeUnknown,
@@ -26,6 +28,8 @@ from .servers import PATIENCE, ScriptedServer, honest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from aioduco._wire.handoff import Call
 
 # From other threads
 
@@ -150,6 +154,51 @@ async def test_a_signal_handler_stops_in_the_middle_of_a_call() -> None:
         finally:
             signal.signal(signal.SIGUSR1, before)
         assert server.names == ["get_noneblock_taskstate", "stop"]
+
+
+@pytest.mark.parametrize("error", [ValueError, RuntimeError, ConnectionLost, KeyboardInterrupt])
+@pytest.mark.parametrize("blocking", [True, False])
+@pytest.mark.parametrize("submitted", [True, False])
+async def test_what_a_signal_handler_raises_leaves_no_connection_claimed(
+    monkeypatch: pytest.MonkeyPatch, error: type[BaseException], blocking: bool, submitted: bool
+) -> None:
+    submit = Worker.submit
+
+    def interrupted(worker: Worker, call: Call) -> None:
+        if submitted:
+            submit(worker, call)
+        raise error("by a signal handler")
+
+    async with opened() as (lane, server):
+
+        async def pause() -> int:
+            if blocking:
+                answer: int = lane.call_from_thread("pause", (True,), PATIENCE)
+                return answer
+            return await lane.rpc.pause(True)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(Worker, "submit", interrupted)
+            with pytest.raises(error, match="by a signal handler"):
+                await pause()
+        for _ in range(2):
+            assert lane.call_from_thread("stop", (True,), PATIENCE) == 0
+            assert await lane.rpc.stop(True) == 0
+        # A call that was not handed over is not sent, and one that was is not sent again.
+        assert [name for name in server.names if name != "stop"] in ([], ["pause"] * submitted)
+        assert lane.statistics().busy == 0
+
+
+async def test_a_stop_that_fails_waits_for_no_lock_of_other_calls(background: Any) -> None:
+    async with opened(honest) as (lane, server):
+        (worker,) = lane._pool.workers
+        other = object()
+        assert worker.claim(other)  # so the stop needs a connection of its own
+        server.stop_listening()
+        with worker._lock:
+            failed = background(partial(lane.call_from_thread, "stop", (True,), PATIENCE))()
+        assert isinstance(failed, ConnectError)
+        worker._claims.clear()
 
 
 async def test_signals_at_random_moments_of_busy_calls() -> None:

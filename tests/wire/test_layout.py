@@ -59,7 +59,7 @@ def test_what_is_known_would_be_measured_as_whole(
     kept = body(call, value)
     layouts = layouts_of(function)
     assert layouts.find(kept) is None
-    layouts.keep(kept)
+    layouts.store(kept)
     assert layouts.find(kept) is not None
     for _ in range(20):
         damaged = bytearray(kept)
@@ -72,7 +72,7 @@ def test_what_is_known_would_be_measured_as_whole(
 def test_every_byte_that_is_no_value_decides() -> None:
     kept = body(call_of("getRobotStatus"), status(random.Random(1)))
     layouts = layouts_of(STATUS)
-    layouts.keep(kept)
+    layouts.store(kept)
     decide = 0
     for at, byte in enumerate(kept):
         damaged = bytearray(kept)
@@ -111,7 +111,7 @@ def test_values_are_those_that_thriftpy2_reads(answer: tuple[Message, Any]) -> N
     function = FUNCTIONS[call.name]
     kept = body(call, value)
     layouts = layouts_of(function)
-    layouts.keep(kept)
+    layouts.store(kept)
     layout = layouts.find(kept)
     assert layout is not None
     event("by one format" if layout.read else "field by field")
@@ -134,7 +134,7 @@ def test_nearly_all_functions_are_read_at_once() -> None:
         buffer: Any = TCyMemoryBuffer()
         _protocol(buffer).write_struct(result)
         layouts = layouts_of(function)
-        layouts.keep(buffer.getvalue())
+        layouts.store(buffer.getvalue())
         layout = layouts.find(buffer.getvalue())
         assert layout is not None
         if layout.read is None:
@@ -154,7 +154,7 @@ def test_layouts_are_few_and_short(length: int, most: int) -> None:
     call = call_of("read_raw_data_485")
     bodies = [body(call, [0] * (length + n)) for n in range(20)]
     for each in bodies:
-        layouts.keep(each)
+        layouts.store(each)
     assert sum(layouts.find(each) is not None for each in bodies) == most
 
 

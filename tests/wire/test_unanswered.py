@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco._wire.unanswered import LONGEST, SHORTEST, NextStep, UnansweredMotion
+from aioduco._wire.unanswered import MAX_WATCH, MIN_WATCH, NextStep, UnansweredMotion
 
 ANSWER_BY, UNTIL = 60.0, 70.0
 
@@ -46,7 +46,7 @@ def test_an_answer_makes_a_new_stop_certain() -> None:
 
 
 @pytest.mark.parametrize(
-    ("outage", "watch"), [(0.01, SHORTEST), (1.0, 1.0), (3.2, 3.2), (30.0, LONGEST)]
+    ("outage", "watch"), [(0.01, MIN_WATCH), (1.0, 1.0), (3.2, 3.2), (30.0, MAX_WATCH)]
 )
 def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, watch: float) -> None:
     one = motion()
@@ -81,7 +81,7 @@ def test_a_controller_that_is_not_heard_is_told_to_stop_again() -> None:
     one = motion()
     one.answered(0.0)
     one.stopped(0.0, 0.1)
-    one.unheard(0.6)
+    one.poll_failed(0.6)
     assert one.step(0.6) is NextStep.STOP
 
 
@@ -120,7 +120,7 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
                 one.seen(now, moving=True)
                 disturbed_at = now
             case "unheard":
-                one.unheard(now)
+                one.poll_failed(now)
                 disturbed_at = now
         if one.step(now) is NextStep.DONE:
             assert fate is not None
@@ -128,5 +128,5 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
             assert stop_at >= fate_at
             assert stop_at >= disturbed_at or what != "unheard"
             if fate == "dissolved":
-                assert now - stop_at >= min(max(stop_at - fate_at, SHORTEST), LONGEST)
+                assert now - stop_at >= min(max(stop_at - fate_at, MIN_WATCH), MAX_WATCH)
             return

@@ -24,7 +24,7 @@ class Worker:
 class Call:
     def __init__(self, number: int) -> None:
         self.number = number
-        self.refused = False
+        self.settled = False
 
 
 class PoolMachine(RuleBasedStateMachine):
@@ -49,7 +49,7 @@ class PoolMachine(RuleBasedStateMachine):
     def _begin(self, worker: Worker, call: Call) -> None:
         assert worker.claimed
         assert worker.call is None
-        assert not call.refused
+        assert not call.settled
         worker.call = call
         self.begun.append(call.number)
 
@@ -62,7 +62,7 @@ class PoolMachine(RuleBasedStateMachine):
         self._drop_refused()
 
     def _drop_refused(self) -> None:
-        while self.queue and self.queue[0].refused:
+        while self.queue and self.queue[0].settled:
             self.queue.pop(0)
 
     def _busy(self) -> list[Worker]:
@@ -77,7 +77,7 @@ class PoolMachine(RuleBasedStateMachine):
             self.queue.append(call)
             self._assign()
         else:
-            assert not [other for other in self.queue if not other.refused]
+            assert not [other for other in self.queue if not other.settled]
             self._begin(worker, call)
 
     @precondition(lambda self: self._busy())
@@ -106,7 +106,7 @@ class PoolMachine(RuleBasedStateMachine):
     @rule(data=st.data())
     def refuse(self, data: st.DataObject) -> None:
         """A caller is cancelled and the pool finds out by itself."""
-        data.draw(st.sampled_from(self.queue)).refused = True
+        data.draw(st.sampled_from(self.queue)).settled = True
 
     @precondition(lambda self: self.queue)
     @rule(data=st.data())
@@ -150,7 +150,7 @@ class PoolMachine(RuleBasedStateMachine):
 
     @invariant()
     def nobody_waits_beside_a_free_worker(self) -> None:
-        if not self.unnoticed and any(not call.refused for call in self.queue):
+        if not self.unnoticed and any(not call.settled for call in self.queue):
             assert len(self.pool.workers) == self.pool.size
             assert all(worker.claimed for worker in self.pool.workers)
 

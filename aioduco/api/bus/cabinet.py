@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api.bus.octets import octets, written
-from aioduco.api.section import Section, done
+from aioduco.api.section import Section, check_finished
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class CabinetPort(Section):
         Manual section 1.3.6.
         """
         value_ = ranges.BAUD_RATE("value", value)
-        done("set_baudrate_485", await self._rpc.set_baudrate_485(value_, True))
+        check_finished("set_baudrate_485", await self._rpc.set_baudrate_485(value_, True))
 
     async def read_raw_data_485(self, len: Whole) -> bytes:  # noqa: A002  # the manual's name
         """Take bytes out of the buffer of the cabinet's port (485 读取原生数据).

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.api.bus.octets import octets, written
-from aioduco.api.section import Section, done
+from aioduco.api.section import Section, check_finished
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class CanBus(Section):
         Manual section 1.3.6.
         """
         value_ = ranges.BAUD_RATE("value", value)
-        done("set_baudrate_can", await self._rpc.set_baudrate_can(value_, True))
+        check_finished("set_baudrate_can", await self._rpc.set_baudrate_can(value_, True))
 
     async def read_raw_data_can(self) -> CanFrame | None:
         """Take a frame out of the buffer of the CAN bus (读取一帧 CAN 数据).

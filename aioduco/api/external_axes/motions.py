@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section
+from aioduco.api.section import JOG_TIME, Section
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
 
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.command import HeldMotion, MotionCommand
 
 __all__ = ["AxisMotions"]
-
-#: duration of a jog if the program gives none [s]
-JOG_TIME = 1.0
 
 
 class AxisMotions(Section):
@@ -93,8 +90,8 @@ class AxisMotions(Section):
             lambda rpc: rpc.move_jog_eaxis(name, direction_, vel_, False),
             "stop",
             time=time,
-            timed_here=True,
-            until_told=True,
+            timed_by_program=True,
+            until_commanded=True,
         )
 
     def movej2_eaxis(

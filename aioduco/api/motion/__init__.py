@@ -13,7 +13,7 @@ from aioduco.api.motion.servo import ServoMotions
 from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.motion.velocity import Velocity
-from aioduco.api.section import done
+from aioduco.api.section import check_finished
 from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
@@ -91,7 +91,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """
         per_ = ranges.BLEND_AHEAD("per", per)
         num_ = ranges.BLEND_AHEAD_MOVES("num", num)
-        done("set_blend_ahead", await self._rpc.set_blend_ahead(per_, num_))
+        check_finished("set_blend_ahead", await self._rpc.set_blend_ahead(per_, num_))
 
     async def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
         """Send motions one after another, ahead of the arm, and wait for all of them.
@@ -248,7 +248,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj; "blended"
                 for joint motions of the controller that blend, as fast as it makes them within
-                the plan's limits, and without `watch`, `tolerances` and `feedback`.
+                the plan's limits, and without `watch`, `tolerances`, `feedback` and `options`.
             tolerances: largest distances of the arm from the plan; None: the defaults of
                 `Tolerances`.
             feedback: callback that gets a `Feedback` about 50 times a second.

@@ -11,7 +11,7 @@ from aioduco.streaming.shared.turning import composed, turned
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco.streaming.shared.config import Turning
+    from aioduco.streaming.shared.config import FrameRotation
     from aioduco.streaming.shared.space import Config
     from aioduco.supervision.command import Command
     from aioduco.supervision.supervisor import Supervisor
@@ -35,7 +35,7 @@ class ToolAim:
         self,
         supervisor: Supervisor,
         frame: str,
-        turning: Turning,
+        turning: FrameRotation,
         turn: Callable[[Sequence[float], Config], tuple[float, ...]],
     ) -> None:
         self._supervisor = supervisor

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section
+from aioduco.api.section import JOG_TIME, Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.jog import Jog, JogDirections
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Jogging"]
 
-#: duration of a jog without a step if the program gives none [s]
-JOG_TIME = 1.0
 _ENDING = "stop_manual_move"
 
 
@@ -66,7 +64,7 @@ class Jogging(Section):
         if jog.step is not None:
             return self._motion(lambda rpc: rpc.move_jog(param, False))
         return self._held(
-            lambda rpc: rpc.move_jog(param, False), _ENDING, time=time, timed_here=True
+            lambda rpc: rpc.move_jog(param, False), _ENDING, time=time, timed_by_program=True
         )
 
     async def stop_manual_move(self) -> None:

@@ -15,14 +15,19 @@ def demo(
         str | None, typer.Option(help="Address of a controller. Without it: a simulated arm.")
     ] = None,
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the controller.")] = 7003,
-    model: Annotated[str, typer.Option(help="The arm to simulate, or that is there.")] = "gcr5_910",
+    model: Annotated[
+        str, typer.Option(help="Arm to simulate, or model of the real one.")
+    ] = "gcr5_910",
     speed: Annotated[
-        float, typer.Option(min=0.01, max=100.0, help="Times faster than the wall, if simulated.")
+        float,
+        typer.Option(
+            min=0.01, max=100.0, help="Speed of simulated time, as a multiple of real time."
+        ),
     ] = 1.0,
-    plot: Annotated[Path, typer.Option(help="Where to write the plot.")] = Path("demo.png"),
+    plot: Annotated[Path, typer.Option(help="File for the plot.")] = Path("demo.png"),
     no_plot: Annotated[bool, typer.Option("--no-plot", help="Write no plot.")] = False,
     result: Annotated[
-        Path | None, typer.Option("--json", help="Where to write the result. -: the output.")
+        Path | None, typer.Option("--json", help="File for the result. -: standard output.")
     ] = None,
     planned: Annotated[
         bool,

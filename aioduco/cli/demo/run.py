@@ -16,6 +16,7 @@ from aioduco.cli import extras
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
 from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
+from aioduco.cli.questions import ask
 from aioduco.errors import DucoError
 from aioduco.kinematics import forward
 
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["run", "run_planned"]
 
-NOT_CONFIRMED = 3
 OUTPUT = Path("-")
 #: joints of the simulated arm at the start, as if someone had left it there [rad]
 LEFT = (-0.7, -0.4, 1.2, 0.1, -1.1, 0.2)
@@ -141,15 +141,7 @@ def _ask(host: str, port: int, model: str, plan: Choreography, console: Console)
     except DucoError as error:
         console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
         raise typer.Exit(1) from None
-    warning = _warning(f"{host}:{port}", model, plan, found)
-    console.print(warning, markup=False, highlight=False, soft_wrap=True)
-    try:
-        agreed = typer.confirm("Move the arm?", default=False)
-    except typer.Abort:
-        agreed = False
-    if not agreed:
-        console.print("not confirmed: nothing was sent that moves the arm")
-        raise typer.Exit(NOT_CONFIRMED)
+    ask(_warning(f"{host}:{port}", model, plan, found), "Move the arm?", yes=False)
 
 
 def _warning(controller: str, model: str, plan: Choreography, found: Found) -> str:

@@ -11,7 +11,7 @@ import anyio
 import aioduco
 from aioduco.cli.demo.script import pick_and_place
 from aioduco.cli.demo.stage import Stage
-from aioduco.cli.signals import heard
+from aioduco.cli.signals import receive_signals
 from aioduco.errors import ControllerError, DucoError
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ async def _end_on_signal(
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
-    with heard(signal.SIGINT, signal.SIGTERM) as signals:
+    with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
         task_status.started()
         async for number in signals:
             told.append(number)

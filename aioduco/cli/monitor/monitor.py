@@ -22,8 +22,8 @@ _ENDED = "the monitor was ended; nothing was stopped"
 def monitor(
     host: Host = None,
     port: Port = None,
-    rate: Annotated[float, typer.Option(min=1, max=50, help="Samples a second.")] = 10.0,
-    forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
+    rate: Annotated[float, typer.Option(min=1, max=50, help="Samples per second.")] = 10.0,
+    forces: Annotated[bool, typer.Option(help="Also show forces and external torques.")] = True,
 ) -> None:
     """Watch an arm in the terminal, whichever program moves it; keys stop, pause and resume it.
 
@@ -45,7 +45,7 @@ def monitor(
 
     import aioduco  # noqa: PLC0415
     from aioduco.cli.monitor.keyboard import single_keys  # noqa: PLC0415
-    from aioduco.cli.monitor.onlooker import Onlooker  # noqa: PLC0415
+    from aioduco.cli.monitor.onlooker import MonitorClient  # noqa: PLC0415
     from aioduco.cli.monitor.screen import screen  # noqa: PLC0415
 
     robot = aioduco.connect(
@@ -64,7 +64,7 @@ def monitor(
     with ended_by_errors(_ENDED):
         try:
             with single_keys(terminal):
-                told = anyio.run(Onlooker(robot, str(address), terminal, draw).watch)
+                told = anyio.run(MonitorClient(robot, str(address), terminal, draw).watch)
         finally:
             live.stop()
     if told is not None:

@@ -19,7 +19,7 @@ import anyio
 
 from aioduco.cli.monitor.keyboard import Key, wait_for_keys
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
-from aioduco.cli.signals import heard
+from aioduco.cli.signals import receive_signals
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.events import (
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from aioduco.robot import Robot
 
-__all__ = ["Onlooker", "event_line"]
+__all__ = ["MonitorClient", "event_line"]
 
 #: seconds between two reads of values that change seldom
 _SELDOM: Final = 1.0
@@ -60,7 +60,7 @@ class LogLines(logging.Handler):
         self._events.append(EventLine(_clock(), record.getMessage(), "warning"))
 
 
-class Onlooker:
+class MonitorClient:
     """Observes one robot.
 
     Args:
@@ -110,7 +110,7 @@ class Onlooker:
         return self._told
 
     async def _until_told(self, looking: anyio.CancelScope) -> None:
-        with heard(signal.SIGINT, signal.SIGTERM) as signals:
+        with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
             async for self._told in signals:
                 looking.cancel()
 

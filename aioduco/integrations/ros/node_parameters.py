@@ -12,8 +12,9 @@ from aioduco.integrations.ros.trajectory_goals import GoalRules
 __all__ = ["parameter_defaults", "settings_of"]
 
 _RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
-_RULES |= {"start": "start_tolerance", "late": "stamp_tolerance"}
+_RULES |= {"start": "start_tolerance", "max_stamp_age": "stamp_tolerance"}
 _DEFAULTS = NodeSettings(host="-")
+_COMMANDS = ("command_rate", "command_timeout", "hold_commands")  # need a topic of joint commands
 
 
 def parameter_defaults() -> dict[str, Any]:
@@ -26,13 +27,15 @@ def parameter_defaults() -> dict[str, Any]:
     return found | {said: getattr(GoalRules(), name) for name, said in _RULES.items()}
 
 
-def settings_of(parameters: dict[str, Any]) -> NodeSettings:
+def settings_of(parameters: dict[str, Any], *, joint_commands: bool = True) -> NodeSettings:
     """The driver's settings from its parameters.
 
     Args:
         parameters: values by name. `robot_ip`, the manual's name of the launch argument, is an
             alias of `host`. Tolerances of goals are `path_tolerance`, `goal_tolerance`,
             `goal_time_tolerance`, `start_tolerance` and `stamp_tolerance`.
+        joint_commands: whether the shell takes joint commands; without them, the parameters of
+            joint commands are unknown.
 
     Raises:
         ParameterError: a parameter is missing, unknown, of a wrong type or out of range.
@@ -42,6 +45,8 @@ def settings_of(parameters: dict[str, Any]) -> NodeSettings:
         given.setdefault("host", given.pop("robot_ip"))
         given.pop("robot_ip", None)
     known = parameter_defaults()
+    if not joint_commands:
+        known = {name: default for name, default in known.items() if name not in _COMMANDS}
     for name, value in given.items():
         if name not in known:
             raise ParameterError(name, value, f"one of {', '.join([*known, 'robot_ip'])}")

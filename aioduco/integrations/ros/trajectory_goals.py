@@ -19,6 +19,7 @@ from aioduco.errors import (
     RobotStateError,
 )
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.ranges import JOINT_SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,8 +44,6 @@ __all__ = [
 _LOOKS = 16
 #: tolerance of comparisons with a limit from which the number may have been computed
 _ROUNDING = 1e-3
-#: the largest speed that streams allow [rad/s], manual section 1.3.5
-_FASTEST = 1.25 * math.pi
 #: larger than any possible distance of a joint [rad]: stands for no tolerance
 _ANYWHERE = 8.0 * math.pi
 #: shortest time between two points [s]: less is a rounding error of a message's nanoseconds
@@ -184,7 +183,7 @@ class ArmProfile:
             tuple(prefix + name for name in names),
             arm.lower,
             arm.upper,
-            tuple(min(most, own, _FASTEST) for own in arm.velocity),
+            tuple(min(most, own, JOINT_SPEED.high) for own in arm.velocity),
             min(acceleration, *arm.acceleration),
         )
 
@@ -198,9 +197,9 @@ class GoalRules:
         goal: default tolerance at the end [rad].
         goal_time: default time after the end for reaching the goal [s].
         start: largest distance of a joint from a first point that is due at once [rad].
-        late: largest age of a stamp [s].
-        ahead: largest time of a stamp in the future [s].
-        longest: longest duration of a trajectory [s].
+        max_stamp_age: largest age of a stamp [s].
+        max_stamp_ahead: largest time of a stamp in the future [s].
+        max_duration: longest duration of a trajectory [s].
         most_points: largest number of points of a trajectory.
     """
 
@@ -208,9 +207,9 @@ class GoalRules:
     goal: float = 0.01
     goal_time: float = 1.0
     start: float = 0.02
-    late: float = 1.0
-    ahead: float = 60.0
-    longest: float = 600.0
+    max_stamp_age: float = 1.0
+    max_stamp_ahead: float = 60.0
+    max_duration: float = 600.0
     most_points: int = 5000
 
 
@@ -369,23 +368,25 @@ def _check_points(points: Sequence[GoalPoint], count: int, rules: GoalRules) -> 
         if point.time < before + _CLOSEST and not (number == 0 and point.time == 0.0):
             raise GoalRefused(ErrorCode.INVALID_GOAL, f"the time of {where} does not rise")
         before = point.time
-    if before > rules.longest:
+    if before > rules.max_duration:
         raise GoalRefused(
-            ErrorCode.INVALID_GOAL, f"it takes {before:.1f} s, up to {rules.longest:g} s allowed"
+            ErrorCode.INVALID_GOAL,
+            f"it takes {before:.1f} s, up to {rules.max_duration:g} s allowed",
         )
 
 
 def _check_stamp(stamp: float, rules: GoalRules, now: float) -> None:
     if stamp == 0.0:
         return
-    if not math.isfinite(stamp) or stamp > now + rules.ahead:
+    if not math.isfinite(stamp) or stamp > now + rules.max_stamp_ahead:
         raise GoalRefused(
-            ErrorCode.INVALID_GOAL, f"its stamp is more than {rules.ahead:g} s in the future"
+            ErrorCode.INVALID_GOAL,
+            f"its stamp is more than {rules.max_stamp_ahead:g} s in the future",
         )
-    if stamp < now - rules.late:
+    if stamp < now - rules.max_stamp_age:
         raise GoalRefused(
             ErrorCode.OLD_HEADER_TIMESTAMP,
-            f"its stamp is {now - stamp:.1f} s old, {rules.late:g} s allowed",
+            f"its stamp is {now - stamp:.1f} s old, {rules.max_stamp_age:g} s allowed",
         )
 
 
@@ -413,9 +414,9 @@ def _tolerance(
 
 
 def _goal_time(given: float, rules: GoalRules) -> float:
-    if not math.isfinite(given) or given < 0.0 or given > rules.longest:
+    if not math.isfinite(given) or given < 0.0 or given > rules.max_duration:
         raise GoalRefused(
-            ErrorCode.INVALID_GOAL, f"goal time tolerance {given:g} s, 0 to {rules.longest:g}"
+            ErrorCode.INVALID_GOAL, f"goal time tolerance {given:g} s, 0 to {rules.max_duration:g}"
         )
     return given or rules.goal_time
 

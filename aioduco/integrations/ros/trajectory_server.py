@@ -191,7 +191,7 @@ class TrajectoryServer:
             waiting.handle.cancelled(why)
         self._halt(why)
 
-    async def abandon(self, why: str) -> None:
+    async def cancel_on_loss(self, why: str) -> None:
         """Cancel all goals because the middleware has gone; stop the arm if `stop_at_loss`.
 
         Args:

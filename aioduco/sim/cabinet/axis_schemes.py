@@ -13,7 +13,7 @@ import numpy as np
 from aioduco.models.enums import TaskState
 from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -108,7 +108,7 @@ class SimulatedExternalAxes:
         """
         _check_number(number)
         if not (axis.lower < axis.upper and axis.velocity > 0.0 and axis.acceleration > 0.0):
-            raise _mismatch("an axis has a way, a highest speed and an acceleration")
+            raise mismatch("an axis has a way, a highest speed and an acceleration")
         if any(number in scheme.axes and scheme.active for scheme in self._schemes.values()):
             raise _illegal(f"axis {number} is in use")
         self._axes[number] = axis
@@ -132,9 +132,9 @@ class SimulatedExternalAxes:
 
     def _link(self, scheme: Scheme, axes: tuple[int, ...]) -> None:
         if not 1 <= len(axes) <= _MOST or len(set(axes)) < len(axes):
-            raise _mismatch(f"a scheme has one to {_MOST} axes, each once")
+            raise mismatch(f"a scheme has one to {_MOST} axes, each once")
         if missing := set(axes) - self._axes.keys():
-            raise _mismatch(f"axis {min(missing)} has not been set up")
+            raise mismatch(f"axis {min(missing)} has not been set up")
         scheme.axes = axes
 
     def _inactive(self, number: int) -> int:
@@ -225,11 +225,7 @@ class SimulatedExternalAxes:
 
 def _check_number(number: int) -> None:
     if not 0 <= number < CAPACITY:
-        raise _mismatch(f"num is {number}, but must be from 0 to {CAPACITY - 1}")
-
-
-def _mismatch(message: str) -> Rejected:
-    return Rejected(TaskState.PARAMETER_MISMATCH, message)
+        raise mismatch(f"num is {number}, but must be from 0 to {CAPACITY - 1}")
 
 
 def _illegal(message: str) -> Rejected:

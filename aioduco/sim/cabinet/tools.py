@@ -15,7 +15,15 @@ if TYPE_CHECKING:
 
     Matrix = NDArray[np.float64]
 
-__all__ = ["PointLoad"]
+__all__ = [
+    "DEFAULT",
+    "MAX_NAME",
+    "FrameTable",
+    "PointLoad",
+    "Tool",
+    "UnknownName",
+    "WorkObject",
+]
 
 DEFAULT = "default"
 MAX_NAME = 32
@@ -160,7 +168,7 @@ class PointLoad(NamedTuple):
     mass: float = 0.0
     centre: tuple[float, ...] = (0.0, 0.0, 0.0)
 
-    def along(self, other: PointLoad) -> PointLoad:
+    def combined_with(self, other: PointLoad) -> PointLoad:
         """Combine two loads into one."""
         mass = self.mass + other.mass
         if mass == 0.0:

@@ -137,7 +137,7 @@ class ForceTasks:
             return id_
         if self._motion.phase is MotionPhase.IDLE and control.shifted:
             self._motion.reset(control.setpoint.q)
-            control.fold()
+            control.drop_offset()
         return None
 
     # -- the cycle ---------------------------------------------------------------------------
@@ -148,13 +148,13 @@ class ForceTasks:
         if not control.active:
             return setpoint
         guiding = motion.following is not None and motion.following.kind == _GUIDING
-        setpoint, outcome = control.tick(setpoint, sensed, giving=motion.moving and not guiding)
+        setpoint, outcome = control.tick(setpoint, sensed, compliant=motion.moving and not guiding)
         if outcome is not None:
             self._conclude(outcome)
         if motion.phase is MotionPhase.IDLE and not control.moving:
             if self._closing or self._disturbed or control.failed:
                 motion.reset(setpoint.q)
-                control.fold()
+                control.drop_offset()
             if self._closing or self._disturbed:
                 self._end()
         return setpoint

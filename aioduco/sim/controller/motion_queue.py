@@ -91,10 +91,10 @@ class MotionQueue:
     follows targets as they arrive runs alone: it waits until the motions before it have ended, and
     the motions behind it wait here, because they begin where it ends.
 
-    A motion with a path is planned when it is queued, or `aside`. In the latter case it waits here,
-    too, in order: the thread that calls `next_plan` plans it and hands the result to `take_plan`.
-    At most one motion is being planned. When its task ends, the plan is dropped, and `take_plan`
-    ignores a later result.
+    A motion with a path is planned when it is queued, or `in_background`. In the latter case it
+    waits here, too, in order: the thread that calls `next_plan` plans it and hands the result to
+    `take_plan`. At most one motion is being planned. When its task ends, the plan is dropped, and
+    `take_plan` ignores a later result.
 
     Invariants: every appended task ends exactly once; no task becomes stopped or paused before the
     arm stands.
@@ -115,7 +115,7 @@ class MotionQueue:
         self._mover = mover(q)
         self._speed = 1.0
         self._queue: dict[int, None] = {}
-        self.phase: MotionPhase = MotionPhase.IDLE
+        self.phase: MotionPhase = _IDLE
         self._ending = (TaskState.STOPPED, "")
         self._waiting_for_rest: list[int] = []
         self._at_rest = True
@@ -125,7 +125,7 @@ class MotionQueue:
         self._follower: TargetFollower | None = None
         self._following: tuple[int, Following] | None = None
         self._behind: deque[tuple[int, Plan | Following]] = deque()
-        self.aside: bool = False  # whether another thread plans motions, not `append`
+        self.in_background: bool = False  # whether another thread plans motions, not `append`
         self._unplanned: deque[tuple[int, Plan]] = deque()  # these are before `_behind`
         self._planning: Planning | None = None  # the first of `_unplanned`
         self.failures: list[str] = []
@@ -174,7 +174,7 @@ class MotionQueue:
         assert not self._queue
         self._at_rest = True
         self._leave(q)
-        self.phase = MotionPhase.IDLE
+        self.phase = _IDLE
 
     def _leave(self, q: Vector) -> None:
         """Drop the follower, and restart the mover at q [rad], where the arm stands."""
@@ -201,11 +201,11 @@ class MotionQueue:
 
     def _enter(self, id_: int) -> None:
         self._queue[id_] = None
-        if self.phase is MotionPhase.IDLE:
+        if self.phase is _IDLE:
             self.phase = MotionPhase.RUNNING
 
     def _append(self, id_: int, plan: Plan) -> None:
-        if self.aside:
+        if self.in_background:
             self._unplanned.append((id_, plan))
             return
 
@@ -422,7 +422,7 @@ class MotionQueue:
         for key, event, _ in tick.events:
             self._note(key, event)
         if self._triggers:
-            halting = self.phase not in (MotionPhase.IDLE, MotionPhase.RUNNING)
+            halting = self.phase not in (_IDLE, MotionPhase.RUNNING)
             self._triggers.tick(time, tick.setpoint, mover.active, mover.travel, halting=halting)
         if self._behind:
             self._go_on()
@@ -437,7 +437,7 @@ class MotionQueue:
         setpoint = follower.tick(q, qd)
         failure = follower.failure
         if failure is not None and failure is not failed and self.phase is not MotionPhase.STOPPING:
-            self._give_up(failure)
+            self._fail_follower(failure)
             if self._follower is not follower:  # the arm stood, so the motion has ended at once
                 return setpoint
         if follower.ended and self.phase is not MotionPhase.STOPPING:
@@ -449,7 +449,7 @@ class MotionQueue:
         self._settle()
         return setpoint
 
-    def _give_up(self, failure: FollowError) -> None:
+    def _fail_follower(self, failure: FollowError) -> None:
         """Handle a follower that cannot continue: all motions end with it when the arm stands."""
         (self.faults if failure.kind == "fault" else self.failures).append(str(failure))
         self.stop(TaskState.ERROR, str(failure))
@@ -487,21 +487,21 @@ class MotionQueue:
             self._end(id_, TaskState.FINISHED, reached=True)
         elif event == "blended":
             self._end(id_, TaskState.INTERRUPT, "blended into the next motion", reached=True)
-        # `_settle` sets "stopped" when the arm stands; the plan has already set "failed".
+        # "stopped" changes nothing here: `_settle` ends the task when the arm stands.
 
     def _settle(self) -> None:
         """End or pause tasks once the arm stands."""
         if self.moving:
             return
         if not self._queue and self.phase is not MotionPhase.STOPPING:
-            self.phase = MotionPhase.IDLE
+            self.phase = _IDLE
             if self._mover.paused:  # all paused motions have ended
                 self._mover.resume()
         if not self._at_rest:
             return
         if self.phase is MotionPhase.STOPPING:
             self._end_all()
-        elif self.phase is MotionPhase.IDLE:
+        elif self.phase is _IDLE:
             self._finish_waiting()
         elif self.phase is MotionPhase.PAUSING:
             self.phase = MotionPhase.PAUSED
@@ -531,7 +531,7 @@ class MotionQueue:
             self._leave(self._follower.setpoint.q)
         self._behind.clear()
         self._drop_plans()
-        self.phase = MotionPhase.IDLE
+        self.phase = _IDLE
         self._finish_waiting()
 
     def _drop_plans(self) -> None:

@@ -130,11 +130,11 @@ class ProgramExecution:
         if self._current is None:
             return
         id_, run = self._current
-        if self._ending is not None and motion is MotionPhase.IDLE:
+        if self._ending is not None and motion is _IDLE:
             self._current, self._paused = None, False
             run.close()
             self._tasks.set(id_, *self._ending)
-        elif self._paused and motion in (MotionPhase.PAUSED, MotionPhase.IDLE):
+        elif self._paused and motion in (MotionPhase.PAUSED, _IDLE):
             self._tasks.set(id_, TaskState.PAUSED)
 
     def tick(self, motion: MotionPhase) -> str:
@@ -149,7 +149,7 @@ class ProgramExecution:
         self.settle(motion)
         if self._current is None or self._paused or self._ending is not None:
             return ""
-        if motion not in (MotionPhase.IDLE, MotionPhase.RUNNING):
+        if motion not in (_IDLE, MotionPhase.RUNNING):
             return ""
         self.calling = True
         try:

@@ -27,7 +27,7 @@ class _Recording:
     mode: int
     interval: float
     pose: Callable[[Vector], tuple[float, ...]]
-    keep: Callable[[RecordedTrack], None]
+    on_finished: Callable[[RecordedTrack], None]
     last: Vector | None = None
     due: float = 0.0
 
@@ -49,7 +49,7 @@ class Recorder:
         mode: int,
         interval: float,
         pose: Callable[[Vector], tuple[float, ...]],
-        keep: Callable[[RecordedTrack], None],
+        on_finished: Callable[[RecordedTrack], None],
     ) -> None:
         """Record from the next cycle on. No other recording may be active.
 
@@ -58,16 +58,16 @@ class Recorder:
             mode: BY_POSITION or BY_TIME.
             interval: interval of the points: sum of the joints' movements [rad], or time [s].
             pose: gives the pose that is recorded for joints [rad].
-            keep: called with the track when its recording ends.
+            on_finished: called with the track when its recording ends.
         """
         assert self._recording is None
-        self._recording = _Recording(track, mode, interval, pose, keep)
+        self._recording = _Recording(track, mode, interval, pose, on_finished)
 
     def stop(self) -> None:
         """End the recording, if there is one."""
         recording, self._recording = self._recording, None
         if recording is not None:
-            recording.keep(recording.track)
+            recording.on_finished(recording.track)
 
     def tick(self, time: float, q: Vector) -> bool:
         """Record a point if one is due.

@@ -2,8 +2,8 @@
 
 `tick` is called once per cycle with the values of the arm's sensors, and returns the command to its
 drives. Commands come between ticks; each makes a task and returns its id. Motions are planned when
-they are queued, or after `plan_aside` by the code that runs the controller, while other commands
-and ticks go on.
+they are queued, or after `plan_in_background` by the code that runs the controller, while other
+commands and ticks go on.
 
 Invariants:
 - set-points reach the drives only while the robot is enabled and no STOP0 holds;
@@ -196,7 +196,7 @@ class Controller:
     @property
     def idle(self) -> bool:
         """Whether no motion runs or waits."""
-        return self._motion.phase is MotionPhase.IDLE
+        return self._motion.phase is _IDLE
 
     @property
     def progress(self) -> float:
@@ -320,7 +320,7 @@ class Controller:
 
     def jog(self, name: str, plan: Plan) -> int:
         """Queue one step of a jog, which begins only if nothing else runs."""
-        if self._motion.phase is not MotionPhase.IDLE:
+        if self._motion.phase is not _IDLE:
             return self.reject(name, TaskState.ILLEGAL, "other motions are running")
         self._jog = self.move(name, plan)
         return self._jog
@@ -423,9 +423,9 @@ class Controller:
 
     # -- motions that are planned outside the cycle ------------------------------------------
 
-    def plan_aside(self) -> None:
+    def plan_in_background(self) -> None:
         """Let motions wait for `next_plan` and `take_plan` from now on."""
-        self._motion.aside = True
+        self._motion.in_background = True
 
     @property
     def time_left(self) -> float:
@@ -576,7 +576,7 @@ class Controller:
         """Why the arm is not completely at rest; empty if it is."""
         if self.in_motion:
             return "the robot moves"
-        if self._motion.phase is not MotionPhase.IDLE:
+        if self._motion.phase is not _IDLE:
             return "motions are under way or wait"
         if self._execution.active:
             return "a program runs or waits"
@@ -625,13 +625,13 @@ class Controller:
     def _cut(self, message: str) -> None:
         self._motion.cut(message, self._sensed.q)
         self._execution.end(TaskState.ERROR, message)
-        self._execution.settle(MotionPhase.IDLE)
+        self._execution.settle(_IDLE)
         self._power.cut(message)
         self.force.cut()
 
     def _lose_heartbeat(self) -> None:
         """Stop the arm without a safety stop: the next program may move it."""
-        if self._motion.phase is not MotionPhase.IDLE or self._power.busy or self._execution.active:
+        if self._motion.phase is not _IDLE or self._power.busy or self._execution.active:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
 

@@ -55,7 +55,7 @@ class TaskTable:
         self._running: dict[int, ControllerTask] = {}
         self._ended: dict[int, ControllerTask] = {}
         #: ids that the next `take_answered` returns
-        self.news: dict[int, None] = {}
+        self.newly_answered: dict[int, None] = {}
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {len(self._running)} running, {len(self._ended)} ended>"
@@ -79,7 +79,7 @@ class TaskTable:
             return
         del self._running[id_]
         self._ended[id_] = task
-        self.news[id_] = None
+        self.newly_answered[id_] = None
         while len(self._ended) > self._keep:
             del self._ended[next(iter(self._ended))]
 
@@ -101,7 +101,7 @@ class TaskTable:
         task = self._running[id_]
         if not task.passed:
             self._running[id_] = replace(task, passed=True)
-            self.news[id_] = None
+            self.newly_answered[id_] = None
 
     def answer(self, id_: int) -> TaskState:
         """State that answers a blocking call; a state without `ended` while the call must wait."""
@@ -112,5 +112,5 @@ class TaskTable:
 
     def take_answered(self) -> list[int]:
         """Ids of the tasks that ended or were passed on since the last call; each once."""
-        news, self.news = list(self.news), {}
-        return news
+        answered, self.newly_answered = list(self.newly_answered), {}
+        return answered

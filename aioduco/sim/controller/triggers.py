@@ -76,11 +76,6 @@ class MotionTriggers:
     flange: Callable[[Vector], Vector] | None = None
     _distance: float = math.inf  # from the next point
 
-    @property
-    def late(self) -> bool:
-        """Whether a trigger is going to fire after the end of the motion."""
-        return self.end is not None and self.end.amount < 0.0
-
     def travel(self, travel: Travel) -> None:
         """Fire the triggers that are due during the motion."""
         start, end = self.start, self.end

@@ -91,7 +91,7 @@ class Conditions:
         self._since.clear()
         self.verdict = None
 
-    def rest(self) -> None:
+    def restart_durations(self) -> None:
         """Restart the durations of all conditions, since no motion runs."""
         self._since.clear()
 

@@ -181,20 +181,20 @@ class ForceControl:
         self._twist = _NOTHING
         self.conditions.end()
 
-    def fold(self) -> None:
+    def drop_offset(self) -> None:
         """Drop the offset, as the motions restart where the arm is; a decaying motion continues."""
         self._failed = False
-        self._offset.fold()
+        self._offset.drop_offset()
 
     def tick(
-        self, setpoint: JointSetPoint, sensed: SensedState, *, giving: bool
+        self, setpoint: JointSetPoint, sensed: SensedState, *, compliant: bool
     ) -> tuple[JointSetPoint, ForceOutcome | None]:
         """Advance by one cycle.
 
         Args:
             setpoint: set-point of the motions.
             sensed: state of the arm as the controller measures it.
-            giving: whether the arm is compliant, which it is only while a motion runs.
+            compliant: whether the arm gives way to forces, which it does only while a motion runs.
         """
         flange = self._offset.flange
         external = self.sensor.external(sensed.wrench, flange)
@@ -202,14 +202,14 @@ class ForceControl:
             return self._offset.setpoint, ForceOutcome("guard", message)
         if self._failed:
             return self._offset.slow_down(), None
-        self._give_way(external, giving=giving)
+        self._give_way(external, compliant=compliant)
         try:
             drives = self._offset.apply(setpoint)
         except OutOfReach as exc:
             self._failed = True
             self._twist = _NOTHING
             return self._offset.slow_down(), ForceOutcome("failed", str(exc))
-        return drives, self._judge(sensed, running=giving)
+        return drives, self._judge(sensed, running=compliant)
 
     def measure(self, quantity: Quantity, sensed: SensedState) -> list[float]:
         """Give the numbers for a condition: the tip in the work object, its speed, the force on it.
@@ -241,7 +241,7 @@ class ForceControl:
 
     def _judge(self, sensed: SensedState, *, running: bool) -> ForceOutcome | None:
         if not running or self.conditions.verdict is not None:
-            self.conditions.rest()
+            self.conditions.restart_durations()
             return None
         verdict = self.conditions.tick(sensed.time, lambda what: self.measure(what, sensed))
         if verdict is None:
@@ -249,11 +249,11 @@ class ForceControl:
         how = "hold" if verdict == "met" else "did not hold in time"
         return ForceOutcome(verdict, f"the conditions of fc_wait_logic {how}")
 
-    def _give_way(self, external: list[float], *, giving: bool) -> None:
+    def _give_way(self, external: list[float], *, compliant: bool) -> None:
         """Move the offset at the speed that the force demands, with the lag of a light mass."""
         law, flange = self.law, self._offset.flange
         wanted: Sequence[float] = _NOTHING
-        if giving and law is not None:
+        if compliant and law is not None:
             speeds = law.speed(law.axes.seen(external, flange))
             if any(speeds):
                 turn = law.axes.turn(flange)

@@ -107,12 +107,12 @@ class FlangeOffset:
 
     def begin(self, setpoint: JointSetPoint) -> None:
         """Begin without an offset, at a set-point of the motions."""
-        self.fold()
+        self.drop_offset()
         self._twist = (0.0,) * 6
         self._last = setpoint
         self.flange = self._frames(setpoint.q)[6, :3, :3]
 
-    def fold(self) -> None:
+    def drop_offset(self) -> None:
         """Drop the offset: the motions restart from where the offset has moved the arm."""
         self._shift, self._turn, self._none = _NOWHERE, _STRAIGHT, True
         self._speed = (0.0,) * 6

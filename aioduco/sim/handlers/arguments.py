@@ -9,7 +9,7 @@ from aioduco.errors import ParameterError
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.tools import UnknownName
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,11 +24,6 @@ _FARTHEST = 1000.0
 _HEAVIEST, _ARM = 35.0, 10.0
 #: the largest angle in a pose (manual 1.3.5), with an allowance for rounding [rad]
 _TURNS = 2.0 * math.pi + 1e-9
-
-
-def mismatch(message: str) -> Rejected:
-    """Make the rejection of a task with a wrong parameter."""
-    return Rejected(TaskState.PARAMETER_MISMATCH, message)
 
 
 def number(name: str, value: float, low: float, high: float, unit: str) -> float:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco.sim.runtime import SimulationRuntime
 
 
-__all__ = ["ZERO_OUT_OF_RANGE"]
+__all__ = ["ZERO_OUT_OF_RANGE", "HandlerContext", "HandlerSection", "QueueFull"]
 
 T = TypeVar("T")
 #: functions of 1.3.7, whose first note says that they return 0 for an argument out of its range;
@@ -77,6 +77,10 @@ class HandlerContext:
     mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # noqa: RUF009 - a tuple of numbers
 
 
+class QueueFull(Exception):
+    """The points do not fit into a queue; none of them was taken."""
+
+
 class HandlerSection:
     """Base of the handlers of one section."""
 
@@ -105,7 +109,26 @@ class HandlerSection:
                     return 0
         return int(self._runtime.wait(id_)) if block else id_
 
-    def _senseless(self, name: str, reason: Exception, answer: T) -> T:
+    def _enqueue(self, name: str, block: bool, put: Callable[[Controller], bool]) -> int:
+        """Make a task that puts points into a queue: all of them, or none; then return -1.
+
+        Args:
+            name: name of the function.
+            block: whether to wait for the end of the task.
+            put: puts the points in, and returns whether they fit.
+        """
+
+        def command(controller: Controller) -> int:
+            if not put(controller):
+                raise QueueFull
+            return controller.finish(name)
+
+        try:
+            return self._task(name, block, command)
+        except QueueFull:
+            return -1
+
+    def _invalid_arguments(self, name: str, reason: Exception, answer: T) -> T:
         """Answer a call that makes no task and has wrong arguments.
 
         The reason is added to the error list, like that of a rejected task.

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.modbus import ModbusKind, ModbusSignal, NoAnswer
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -178,7 +177,7 @@ class BusHandlers(HandlerSection):
             with self._cabinet.lock:
                 return self._cabinet.modbus.read(signal_name, self._runtime.snapshot.time)
         except NoAnswer as exc:
-            return self._senseless("modbus_read", exc, _NOT_READ)
+            return self._invalid_arguments("modbus_read", exc, _NOT_READ)
 
     def modbus_write(self, signal_name: str, value: int) -> int:
         """对 modbus 节点进行写操作."""

@@ -9,10 +9,9 @@ from aioduco.models.enums import TaskState
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.weaving import Weave
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,10 +10,9 @@ from aioduco._wire.rpc import EAxissInfo
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.paths import PathSection
 from aioduco.sim.planner.segments import stay
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -110,7 +109,7 @@ class ExternalAxisHandlers(PathSection):
         """Move the axes alone; the arm stays where it is."""
 
         def plan() -> Plan:
-            return self._with(lambda start: stay(self._arm, start), scheme_name, epose, v)
+            return self._with_axes(lambda start: stay(self._arm, start), scheme_name, epose, v)
 
         return self._motion("move_eaxis", plan, op, block, line=False)
 
@@ -145,7 +144,7 @@ class ExternalAxisHandlers(PathSection):
 
         def plan() -> Plan:
             moved = self._to_joints(joints_list, self._joint_pace(v, a, def_acc), rad)
-            return self._with(moved, scheme_name, epose, eaxis_v)
+            return self._with_axes(moved, scheme_name, epose, eaxis_v)
 
         return self._motion("movej2_eaxis", plan, op, block, line=False)
 
@@ -170,7 +169,7 @@ class ExternalAxisHandlers(PathSection):
         def plan() -> Plan:
             pace = self._joint_pace(v, a, def_acc)
             moved = self._to_pose(p, qnear, tool, wobj, pace, rad)
-            return self._with(moved, scheme_name, epose, eaxis_v)
+            return self._with_axes(moved, scheme_name, epose, eaxis_v)
 
         return self._motion("movej2_pose_eaxis", plan, op, block, line=False)
 
@@ -195,7 +194,7 @@ class ExternalAxisHandlers(PathSection):
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
             moved = self._to_line(p, qnear, tool, wobj, pace, rad)
-            return self._with(moved, scheme_name, epose, eaxis_v)
+            return self._with_axes(moved, scheme_name, epose, eaxis_v)
 
         return self._motion("movel_eaxis", plan, op, block, line=False)
 
@@ -222,7 +221,7 @@ class ExternalAxisHandlers(PathSection):
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
             moved = self._to_arc(p1, p2, mode, qnear, tool, wobj, pace, rad)
-            return self._with(moved, scheme_name, epose, eaxis_v)
+            return self._with_axes(moved, scheme_name, epose, eaxis_v)
 
         return self._motion("movec_eaxis", plan, op, block, line=False)
 
@@ -249,13 +248,15 @@ class ExternalAxisHandlers(PathSection):
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
             moved = self._round(p1, p2, mode, qnear, tool, wobj, pace, rad)
-            return self._with(moved, scheme_name, epose, eaxis_v)
+            return self._with_axes(moved, scheme_name, epose, eaxis_v)
 
         return self._motion("move_circle_eaxis", plan, op, block, line=False)
 
     # -- shared parts --------------------------------------------------------------------------
 
-    def _with(self, plan: Plan, scheme_name: str, epose: Sequence[float], eaxis_v: float) -> Plan:
+    def _with_axes(
+        self, plan: Plan, scheme_name: str, epose: Sequence[float], eaxis_v: float
+    ) -> Plan:
         """Add a move of the axes of a scheme to a motion of the arm."""
         target = arguments.numbers("epose", epose, 3)
         speed = arguments.number("eaxis_v", eaxis_v, *_SPEEDS)

@@ -13,10 +13,10 @@ from aioduco.sim.force.conditions import Condition
 from aioduco.sim.force.control import AdmittanceLaw, ForceGuard
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch, number, numbers
+from aioduco.sim.handlers.arguments import number, numbers
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.follower import StandingFollower
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

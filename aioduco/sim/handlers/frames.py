@@ -91,7 +91,7 @@ class FrameHandlers(HandlerSection):
             tip, _ = self._tool(tool)
             _, base = self._wobj(wobj)
         except Rejected as exc:
-            return self._senseless("cal_fkine", exc, [])
+            return self._invalid_arguments("cal_fkine", exc, [])
         return list(Pose.from_matrix(base @ self._arm.fkine(q) @ tip))
 
     def cal_ikine(
@@ -108,7 +108,7 @@ class FrameHandlers(HandlerSection):
             _, flange = self._tool(tool)
             base, _ = self._wobj(wobj)
         except Rejected as exc:
-            return self._senseless("cal_ikine", exc, [])
+            return self._invalid_arguments("cal_ikine", exc, [])
         try:
             found: list[float] = self._arm.ikine(base @ target.matrix @ flange, near).tolist()
         except Unreachable:
@@ -150,7 +150,7 @@ class FrameHandlers(HandlerSection):
         try:
             matrix = self._frames.tool(tool).matrix
         except UnknownName as exc:
-            return self._senseless("get_tcp_force_tool", exc, [])
+            return self._invalid_arguments("get_tcp_force_tool", exc, [])
         return self._external(ForceAxes(matrix, np.eye(4)))
 
     def _external(self, axes: ForceAxes) -> list[float]:
@@ -166,6 +166,6 @@ class FrameHandlers(HandlerSection):
         """
         mass, *centre = controller.frames.tool().payload
         held = self._cabinet.held
-        both = PointLoad(mass, tuple(centre)).along(held)
+        both = PointLoad(mass, tuple(centre)).combined_with(held)
         controller.force.carry(both.mass, both.centre)
         self._runtime.load(*(held if self._cabinet.tooled else both))

@@ -9,13 +9,13 @@ import numpy as np
 
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.paths import (
     DEFAULT_JOINT_ACCELERATION,
     PathSection,
     blend,
 )
 from aioduco.sim.planner.segments import line_move, spiral_move, spline_move
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -219,7 +219,7 @@ class MotionHandlers(PathSection):
             turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
             axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
             end = arguments.number("r", r, 0.0, 10.0, "m") if target is None else 0.0
-            pace, manner = self._line_pace(v, a, def_acc), self._manner(wobj)
+            pace, options = self._line_pace(v, a, def_acc), self._path_options(wobj)
             return self._verified(
                 lambda start: spiral_move(
                     self._arm,
@@ -231,7 +231,7 @@ class MotionHandlers(PathSection):
                     radius=end,
                     target=target,
                     tool=tip,
-                    **manner,
+                    **options,
                 ),
                 q_near,
             )
@@ -299,14 +299,14 @@ class MotionHandlers(PathSection):
         used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj).matrix
         tip, flange = used.matrix, used.inverse
         given = [arguments.pose("pose_list", p) for p in poses]
-        radius, manner = blend(r), self._manner(wobj)
+        radius, options = blend(r), self._path_options(wobj)
         apart = self._runtime.last_motion in _SPLINES
 
         def path(start: Vector) -> Segment:
             # Computed here, without the controller's lock: fifty poses take a millisecond.
             targets = [base @ pose.matrix @ flange for pose in given]
             return spline_move(
-                self._arm, start, targets, *pace, radius, tool=tip, apart=apart, **manner
+                self._arm, start, targets, *pace, radius, tool=tip, apart=apart, **options
             )
 
         return path
@@ -329,7 +329,7 @@ class MotionHandlers(PathSection):
         def plan() -> Plan:
             used = arguments.tool(self._frames, tool)
             step = arguments.pose("pose_offset", pose_offset).matrix
-            return self._by(lambda tip: tip @ step, used, v, a, r, def_acc)
+            return self._offset_move(lambda tip: tip @ step, used, v, a, r, def_acc)
 
         return self._motion("tcp_move", plan, op, block)
 
@@ -353,7 +353,7 @@ class MotionHandlers(PathSection):
             arguments.wobj(self._frames, wobj)  # it cancels out, but must exist
             first, second = arguments.pose("p1", p1), arguments.pose("p2", p2)
             step = first.inverse().matrix @ second.matrix
-            return self._by(lambda tip: tip @ step, used, v, a, r, def_acc, wobj)
+            return self._offset_move(lambda tip: tip @ step, used, v, a, r, def_acc, wobj)
 
         return self._motion("tcp_move_2p", plan, op, block)
 
@@ -374,7 +374,9 @@ class MotionHandlers(PathSection):
             step = arguments.pose("pose_offset", pose_offset).matrix
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
             used = self._frames.tool()
-            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj)
+            return self._offset_move(
+                lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj
+            )
 
         return self._motion("wobj_move", plan, op, block)
 
@@ -400,7 +402,9 @@ class MotionHandlers(PathSection):
             step = np.eye(4)
             step[:3, 3] = second[:3, 3] - first[:3, 3]
             step[:3, :3] = second[:3, :3] @ first[:3, :3].T
-            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj)
+            return self._offset_move(
+                lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj
+            )
 
         return self._motion("wobj_move_2p", plan, op, block)
 
@@ -418,7 +422,7 @@ class MotionHandlers(PathSection):
 
         return self._task("set_blend_ahead", True, command)
 
-    def _by(
+    def _offset_move(
         self,
         moved: Callable[[Matrix], Matrix],
         tool: Tool,
@@ -428,11 +432,11 @@ class MotionHandlers(PathSection):
         def_acc: bool,
         wobj: str = "",
     ) -> Plan:
-        pace, radius, manner = self._line_pace(v, a, def_acc), blend(r), self._manner(wobj)
+        pace, radius, options = self._line_pace(v, a, def_acc), blend(r), self._path_options(wobj)
 
         def from_there(start: Vector) -> Segment:
             target = moved(self._arm.fkine(start) @ tool.matrix) @ tool.inverse
-            return line_move(self._arm, start, target, *pace, radius, tool=tool.matrix, **manner)
+            return line_move(self._arm, start, target, *pace, radius, tool=tool.matrix, **options)
 
         return from_there
 

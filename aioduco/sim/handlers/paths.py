@@ -13,10 +13,10 @@ from aioduco.kinematics.forward import singular_values
 from aioduco.models.enums import OperationMode
 from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, circle_move, joint_move, line_move
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.weaving import Weave
 
     Vector = NDArray[np.float64]
@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 #: lowest, highest and unit
 Range: TypeAlias = tuple[float, float, str]
 
-_JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
-_JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
+#: range of the speeds and accelerations of joints, unless a function has its own
+JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
+JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 _LINE_SPEED = (0.01, 5.0, "m/s")
 _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
 #: accelerations if the caller leaves the choice to the controller: an assumption
@@ -49,7 +50,7 @@ TOO_FAST = "speed above its range"
 #: its two sides: closer to it the sign of a value is unreliable [m; sines]
 _BRANCH = ("shoulder", "elbow", "wrist")
 _MIRRORED = 0.02
-_STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
+_UNLIMITED_ACCELERATION = 1e3  # stands for an acceleration that only the joints limit [m/s²]
 
 
 class PathOptions(TypedDict):
@@ -58,12 +59,12 @@ class PathOptions(TypedDict):
     Attributes:
         weave: added to the path; None while weaving is switched off.
         around: whether the path passes singularities in joint space.
-        turn: called between slices of the planning, so that other threads can run.
+        yield_hook: called between slices of the planning, so that other threads can run.
     """
 
     weave: Weave | None
     around: bool
-    turn: Turn
+    yield_hook: YieldHook
 
 
 class PathSection(HandlerSection):
@@ -108,12 +109,12 @@ class PathSection(HandlerSection):
 
     def _joint_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
         """Speed and acceleration of joints, as requested or optimized."""
-        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *_JOINT_SPEED)
+        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *JOINT_SPEED)
         change = DEFAULT_JOINT_ACCELERATION
         if not def_acc:
-            change = arguments.number("a", a, *_JOINT_ACCELERATION)
+            change = arguments.number("a", a, *JOINT_ACCELERATION)
         fast, steep = self._optimized()
-        return _JOINT_SPEED[1] if fast else speed, math.inf if steep else change
+        return JOINT_SPEED[1] if fast else speed, math.inf if steep else change
 
     def _line_pace(
         self,
@@ -129,7 +130,7 @@ class PathSection(HandlerSection):
         if not def_acc:
             change = arguments.number("a", a, *accelerations)
         fast, steep = self._optimized()
-        return speeds[1] if fast else speed, _STEEPEST if steep else change
+        return speeds[1] if fast else speed, _UNLIMITED_ACCELERATION if steep else change
 
     def _optimized(self) -> tuple[bool, bool]:
         """Whether the controller chooses speeds, and whether it chooses accelerations."""
@@ -137,14 +138,15 @@ class PathSection(HandlerSection):
         fast = switches.speed and mode is OperationMode.AUTO
         return fast, fast or switches.acceleration
 
-    def _manner(self, wobj: str = "") -> PathOptions:
+    def _path_options(self, wobj: str = "") -> PathOptions:
         """Options of paths at a work object, by the settings that are switched on."""
         weave = self._runtime.weaving.active
         if weave is not None:
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
             weave = replace(weave, work_object=axes)
         around = self._runtime.optimization.avoids
-        return {"weave": weave, "around": around, "turn": self._runtime.planning.turn}
+        hook = self._runtime.planning.yield_hook
+        return {"weave": weave, "around": around, "yield_hook": hook}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
         """Plan a motion to joint angles; all joints arrive together."""
@@ -186,9 +188,9 @@ class PathSection(HandlerSection):
     ) -> Plan:
         """Plan a motion to a pose of the tool; the tip moves along a straight line."""
         target, tip = self._target("p", p, tool, wobj)
-        radius, manner = blend(r), self._manner(wobj)
+        radius, options = blend(r), self._path_options(wobj)
         return self._verified(
-            lambda start: line_move(self._arm, start, target, *pace, radius, tool=tip, **manner),
+            lambda start: line_move(self._arm, start, target, *pace, radius, tool=tip, **options),
             q_near,
         )
 
@@ -208,10 +210,10 @@ class PathSection(HandlerSection):
         target, _ = self._target("p2", p2, tool, wobj)
         if mode not in (0, 1, 2):
             raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
-        radius, manner = blend(r), self._manner(wobj)
+        radius, options = blend(r), self._path_options(wobj)
         return self._verified(
             lambda start: arc_move(
-                self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **manner
+                self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **options
             ),
             q_near,
         )
@@ -232,10 +234,10 @@ class PathSection(HandlerSection):
         second, _ = self._target("p2", p2, tool, wobj)
         if mode not in (1, 2):
             raise mismatch(f"mode is {mode}, but must be 1 or 2")
-        radius, manner = blend(r), self._manner(wobj)
+        radius, options = blend(r), self._path_options(wobj)
         return self._verified(
             lambda start: circle_move(
-                self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, **manner
+                self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, **options
             ),
             q_near,
         )

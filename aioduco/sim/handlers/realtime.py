@@ -9,10 +9,10 @@ from aioduco.models.enums import SafetyState
 from aioduco.models.realtime import RealtimeMode
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.realtime_follower import Follow, RealtimeCommand, RealtimeFollower
 from aioduco.sim.planner.realtime_follower import mismatch as differs
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,16 +93,10 @@ class RealtimeHandlers(HandlerSection):
     ) -> int:
         """Put points into the queue: all of them, or none if they do not fit; then return -1."""
 
-        def command(controller: Controller) -> int:
-            points = [_command(data) for data in realtime_data if data.status]
-            if not controller.commands.put(points):
-                raise QueueFull
-            return controller.finish("realtime_data_enqueue")
+        def put(controller: Controller) -> bool:
+            return controller.commands.put(_command(data) for data in realtime_data if data.status)
 
-        try:
-            return self._task("realtime_data_enqueue", block, command)
-        except QueueFull:
-            return -1
+        return self._enqueue("realtime_data_enqueue", block, put)
 
     def clear_realtime_data_queue(self) -> int:
         """Empty the queue."""
@@ -117,10 +111,6 @@ class RealtimeHandlers(HandlerSection):
         """Number of points in the queue."""
         with self._runtime.command() as controller:
             return len(controller.commands)
-
-
-class QueueFull(Exception):
-    """The points do not fit; none of them was taken."""
 
 
 def _command(data: RealTimeControlData) -> RealtimeCommand:

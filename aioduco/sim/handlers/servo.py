@@ -11,7 +11,7 @@ from aioduco.errors import Unreachable
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection
-from aioduco.sim.handlers.paths import TOO_FAST
+from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED, TOO_FAST
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
-_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 #: the vendor's values, for a client that leaves them out: all four are then zero on the wire
 _GAINS = (200.0, 25.0, 10.0, 1.0)
 
@@ -143,8 +141,8 @@ class ServoHandlers(HandlerSection):
         if not (kp or kd or smooth_vel or smooth_acc):
             kp, kd, smooth_vel, smooth_acc = _GAINS
         return ServoTuning(
-            arguments.at_most(self._forgiving, TOO_FAST, "v", v, *_SPEED),
-            arguments.number("a", a, *_ACCELERATION),
+            arguments.at_most(self._forgiving, TOO_FAST, "v", v, *JOINT_SPEED),
+            arguments.number("a", a, *JOINT_ACCELERATION),
             # Without a proportional part the arm would never arrive.
             arguments.positive("kp", self._usual("kp", kp, _GAINS[0]), 1e6, ""),
             arguments.number("kd", kd, 0.0, 1e6, ""),

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from aioduco._wire.rpc import ReachabilityParam
 from aioduco.errors import Unreachable
 from aioduco.models.enums import OperationMode, TaskState
-from aioduco.sim.handlers.arguments import joints, mismatch, number, pose
+from aioduco.sim.handlers.arguments import joints, number, pose
 from aioduco.sim.handlers.base import HandlerSection
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -124,7 +124,7 @@ class SettingHandlers(HandlerSection):
             near = joints("ref_pos", ref_pos)
             targets = [frame @ pose("check_points", point) @ flange for point in check_points]
         except Rejected as exc:
-            return self._senseless("reach_check", exc, ReachabilityParam(False, []))
+            return self._invalid_arguments("reach_check", exc, ReachabilityParam(False, []))
         try:
             found = [self._arm.ikine(target.matrix, near).tolist() for target in targets]
         except Unreachable:

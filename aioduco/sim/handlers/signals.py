@@ -9,8 +9,9 @@ from aioduco._wire.rpc import IOStatus
 from aioduco.models.enums import OutputMode
 from aioduco.sim.cabinet.signals import LEVEL, Pulses
 from aioduco.sim.cabinet.values import UndefinedValue
-from aioduco.sim.handlers.arguments import mismatch, number
+from aioduco.sim.handlers.arguments import number
 from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -278,7 +279,7 @@ class SignalHandlers(HandlerSection):
         try:
             return read()
         except UndefinedValue as exc:
-            return self._senseless(function, exc, nothing)
+            return self._invalid_arguments(function, exc, nothing)
 
 
 def signed16(word: int) -> int:

@@ -86,7 +86,7 @@ class StateHandlers(HandlerSection):
         try:
             offset, base = self._frames.tool(tool), self._frames.wobj(wobj)
         except UnknownName as exc:
-            return self._senseless("get_tcp_pose_coord", exc, [])
+            return self._invalid_arguments("get_tcp_pose_coord", exc, [])
         flange = self._arm.fkine(self._runtime.snapshot.q)
         return list(Pose.from_matrix(base.inverse @ flange @ offset.matrix))
 

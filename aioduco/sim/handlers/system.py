@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco.sim.cabinet.project import NoSuchFolder
 from aioduco.sim.controller.programs import ProgramRun
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from aioduco.sim.controller.state_machine import Controller
@@ -100,7 +100,7 @@ class SystemHandlers(HandlerSection):
         try:
             return self._cabinet.project.list(path)
         except NoSuchFolder as exc:
-            return self._senseless("get_files_list", exc, {})
+            return self._invalid_arguments("get_files_list", exc, {})
 
     def log_info(self, message: str) -> None:
         """Write to the controller's log."""

@@ -13,16 +13,18 @@ from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.controller.recorder import BY_POSITION, BY_TIME
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
-from aioduco.sim.handlers.paths import DEFAULT_JOINT_ACCELERATION, DEFAULT_LINE_ACCELERATION
+from aioduco.sim.handlers.paths import (
+    DEFAULT_JOINT_ACCELERATION,
+    DEFAULT_LINE_ACCELERATION,
+    JOINT_SPEED,
+)
 from aioduco.sim.planner.follower import FollowerChain
 from aioduco.sim.planner.track_pool import JointTrack, ToolTrack, TrackPool
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from typing import Any
 
     import numpy as np
     from numpy.typing import NDArray
@@ -34,11 +36,10 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
     _Part = Callable[[Vector], TargetFollower]
 
-_JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
 _JOINT_ACCELERATION = (math.radians(0.01), 12.5 * math.pi, "rad/s²")
 _LINE_SPEED = (1e-5, 5.0, "m/s")
 _LINE_ACCELERATION = (1e-5, math.inf, "m/s²")
-_STEEPEST = 1e4  # stands for an acceleration without a limit [m/s²]
+_UNLIMITED_ACCELERATION = 1e4  # stands for an acceleration without a limit [m/s²]
 #: the manual's defaults for an interval that is left out: degrees, seconds
 _INTERVALS = {BY_POSITION: 5.0, BY_TIME: 0.25}
 _LONGEST_NAME = 255  # bytes
@@ -50,17 +51,21 @@ class TrackHandlers(HandlerSection):
 
     def trackEnqueue(self, track: Sequence[Sequence[float]], block: bool) -> int:  # noqa: N802
         """轨迹点入池."""
-        return self._put("trackEnqueue", block, lambda: [(_point(p), None) for p in track])
+
+        def put(controller: Controller) -> bool:
+            return controller.pool.put((_point(p), None) for p in track)
+
+        return self._enqueue("trackEnqueue", block, put)
 
     def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> int:  # noqa: N802
         """The same as trackEnqueue, with triggers at the points."""
 
-        def points() -> list[tuple[tuple[float, ...], Any]]:
-            return [
+        def put(controller: Controller) -> bool:
+            return controller.pool.put(
                 (_point(p.pos), point_trigger(p.op, self._signals, self._forgiving)) for p in track
-            ]
+            )
 
-        return self._put("trackEnqueueOp", block, points)
+        return self._enqueue("trackEnqueueOp", block, put)
 
     def trackClearQueue(self) -> int:  # noqa: N802 - the name on the wire
         """清空轨迹池; an arm that follows the pool slows down."""
@@ -80,7 +85,7 @@ class TrackHandlers(HandlerSection):
         """Move through the points as joints, until the pool is empty."""
 
         def following(controller: Controller) -> Following:
-            v = arguments.number("speed", speed, *_JOINT_SPEED)
+            v = arguments.number("speed", speed, *JOINT_SPEED)
             a = arguments.number("acc", acc, *_JOINT_ACCELERATION)
 
             def make(q: Vector) -> TargetFollower:
@@ -99,7 +104,7 @@ class TrackHandlers(HandlerSection):
 
         def following(controller: Controller) -> Following:
             v = arguments.number("speed", speed, *_LINE_SPEED)
-            a = min(arguments.number("acc", acc, *_LINE_ACCELERATION), _STEEPEST)
+            a = min(arguments.number("acc", acc, *_LINE_ACCELERATION), _UNLIMITED_ACCELERATION)
             arguments.number("radius", radius, 0.0, math.inf, "m")
             used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj)
 
@@ -123,19 +128,6 @@ class TrackHandlers(HandlerSection):
 
     def _follow(self, name: str, following: Callable[[Controller], Following], block: bool) -> int:
         return self._task(name, block, lambda c: c.follow(name, following(c)))
-
-    def _put(
-        self, name: str, block: bool, points: Callable[[], list[tuple[tuple[float, ...], Any]]]
-    ) -> int:
-        def command(controller: Controller) -> int:
-            if not controller.pool.put(points()):
-                raise PoolFull
-            return controller.finish(name)
-
-        try:
-            return self._task(name, block, command)
-        except PoolFull:
-            return -1
 
     def start_record_track(
         self, name: str, mode: int, tool: str, wobj: str, interval: float
@@ -222,10 +214,6 @@ class TrackHandlers(HandlerSection):
             wobj=wobj.matrix,
             matrix=lambda values: Pose(*values).matrix,
         )
-
-
-class PoolFull(Exception):
-    """The points do not fit; none of them was taken."""
 
 
 def _point(values: Sequence[float]) -> tuple[float, ...]:

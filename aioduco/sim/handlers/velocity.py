@@ -11,11 +11,12 @@ from aioduco.models.jog import JogFrame
 from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.paths import JOINT_ACCELERATION
 from aioduco.sim.planner.guiding import HandGuidingFollower, cartesian_giving, joint_giving
 from aioduco.sim.planner.segments import joint_move, line_move
 from aioduco.sim.planner.velocity_follower import JointVelocity, ToolVelocity
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,9 +33,8 @@ if TYPE_CHECKING:
 
 _FASTEST_JOINT = 1.25 * math.pi
 _FASTEST_TOOL = 5.0
-_JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 _TOOL_ACCELERATION = (1e-5, math.inf, "m/s²")
-_STEEPEST = 1e4  # stands for an acceleration without a limit
+_UNLIMITED_ACCELERATION = 1e4  # stands for an acceleration without a limit
 #: speeds of a jog at 100 %: assumptions, of the order of the reduced speed of ISO 10218
 _JOG_JOINT, _JOG_LINE, _JOG_TURN = 0.5, 0.25, 0.5  # [rad/s, m/s, rad/s]
 _JOG_JOINT_ACCELERATION, _JOG_LINE_ACCELERATION = 2.0, 1.0  # [rad/s², m/s²]
@@ -49,7 +49,7 @@ class VelocityHandlers(HandlerSection):
 
         def command(controller: Controller) -> int:
             speeds = _speeds("joints_list", joints_list, [_FASTEST_JOINT] * 6)
-            change = min(arguments.number("a", a, *_JOINT_ACCELERATION), _STEEPEST)
+            change = min(arguments.number("a", a, *JOINT_ACCELERATION), _UNLIMITED_ACCELERATION)
             left = _time(time)
 
             def aim(follower: JointVelocity) -> None:
@@ -65,7 +65,7 @@ class VelocityHandlers(HandlerSection):
 
         def command(controller: Controller) -> int:
             twist = _speeds("pose_list", pose_list, [_FASTEST_TOOL] * 3 + [_FASTEST_JOINT] * 3)
-            change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _STEEPEST)
+            change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _UNLIMITED_ACCELERATION)
             left, tool = _time(time), self._frames.tool().matrix
 
             def make(q: Vector) -> ToolVelocity:
@@ -227,7 +227,7 @@ class VelocityHandlers(HandlerSection):
                 speed,
                 _JOG_LINE_ACCELERATION,
                 tool=tool,
-                turn=self._runtime.planning.turn,
+                yield_hook=self._runtime.planning.yield_hook,
             )
 
         return line

@@ -168,7 +168,7 @@ class Hand:
         self._actuator: int = model.actuator("tool/grip").id
         self._control = FingerControl(gripper.stroke)
         self.reading: GripperReading = self._control.reading(gripper.stroke)
-        self._sucked = 0.0
+        self._suction_time = 0.0
         self._fading = 0.0
         if gripper.stroke:
             self._at = [int(model.joint(f"tool/{side}").qposadr[0]) for side in ("left", "right")]
@@ -189,7 +189,7 @@ class Hand:
         self._order = GripperOrder(self._order.number, (), 0.0, 0.0)
         self._control = FingerControl(self.gripper.stroke)
         self.reading = self._control.reading(self.gripper.stroke)
-        self._sucked = self._fading = 0.0
+        self._suction_time = self._fading = 0.0
 
     @property
     def still(self) -> bool:
@@ -255,9 +255,9 @@ class Hand:
         touching = bool((self._data.contact.geom == self._cup).any())
         self._fading = max(0.0, self._fading - seconds)
         self._data.ctrl[self._actuator] = float(sucking or self._fading > 0.0)
-        before = self._sucked >= _BUILD_UP
-        self._sucked = self._sucked + seconds if sucking and touching else 0.0
-        held = self._sucked >= _BUILD_UP
+        before = self._suction_time >= _BUILD_UP
+        self._suction_time = self._suction_time + seconds if sucking and touching else 0.0
+        held = self._suction_time >= _BUILD_UP
         lost = sucking and not held and (self.reading.lost or before)
         waiting = sucking and touching and not held
         self.reading = GripperReading(

@@ -232,14 +232,14 @@ class World:
             centre: its centre of mass in the frame of the flange [m].
         """
         self.carry(mass, centre)
-        self.tell(mass, centre)
+        self.set_modelled_load(mass, centre)
 
     def carry(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Mount a load at the flange, without adding it to the servos' model [kg, m]."""
         mount(self.model, mass, centre)
         mujoco.mj_forward(self.model, self.data)
 
-    def tell(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+    def set_modelled_load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Set the load in the servos' model, whether or not it is mounted [kg, m]."""
         self._known.load(mass, centre)
 
@@ -338,23 +338,33 @@ class World:
         return -self._sensor
 
     def touched(self) -> str:
-        """List all contacts, such as "link4 touches the floor"; the arm's part comes first in each.
+        """List the contacts of the arm, its tool and what its gripper holds.
 
+        Such as "link4 touches the floor": the arm's part comes first in each, else what is held.
         For a contact by which the gripper holds a thing the verb is "grips": see `Hand.grips`.
         """
-        model, data = self.model, self.data
+        model, pairs = self.model, self.data.contact.geom.tolist()
+        grips = [self.hand is not None and self.hand.grips(i) for i in range(len(pairs))]
+        bodies = {geom: int(model.geom_bodyid[geom]) for pair in pairs for geom in pair}
+        # The arm moves as a whole; a held thing may be a part of another one, such as a drawer.
+        arm = {geom for geom, body in bodies.items() if model.body_rootid[body] == self._root}
+        moved = {geom: int(model.body_weldid[body]) for geom, body in bodies.items()}
+        held = {
+            moved[geom]
+            for pair, grip in zip(pairs, grips, strict=True)
+            for geom in pair
+            if grip and geom not in arm
+        }
+        rank = {geom: 0 if geom in arm else 1 if moved[geom] in held else 2 for geom in bodies}
         told = set()
-        for i in range(data.ncon):
-            pair = sorted(
-                (int(geom) for geom in data.contact.geom[i]),
-                key=lambda geom: bool(model.body_rootid[model.geom_bodyid[geom]] != self._root),
-            )
-            gripped = self.hand is not None and self.hand.grips(i)
-            verb = "grips" if gripped else "touches"
-            told.add(f"{self.called(pair[0])} {verb} {self.called(pair[1])}")
+        for pair, grip in zip(pairs, grips, strict=True):
+            first, second = sorted(pair, key=rank.__getitem__)
+            if rank[first] < 2:
+                verb = "grips" if grip else "touches"
+                told.add(f"{self.geom_label(first)} {verb} {self.geom_label(second)}")
         return ", ".join(sorted(told))
 
-    def called(self, geom: int) -> str:
+    def geom_label(self, geom: int) -> str:
         """Name a geom for messages: by its body, or by its own name if it is part of the world."""
         named = self.model.geom(geom).name
         if named in ("floor", "plate", "pedestal"):

@@ -17,7 +17,7 @@ import numpy as np
 from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.slices import no_turn
+from aioduco.sim.planner.slices import no_yield
 from aioduco.sim.planner.timing import allowed, backward
 from aioduco.sim.planner.tracing import check_limits, fit, trace
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import Path
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import PathLimits
 
 
@@ -57,7 +57,7 @@ class Blend(NamedTuple):
     axes: Path | None = None
 
 
-def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None:
+def blend(first: Segment, second: Segment, yield_hook: YieldHook = no_yield) -> Blend | None:
     """Blend one motion into the next, within the radius of the first.
 
     While the first motion decelerates to its end, the second accelerates from its start, and both
@@ -67,7 +67,7 @@ def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None
     Args:
         first: a motion with a blend radius.
         second: the motion that begins where the first ends.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Returns:
         The blend; None if none is possible, for instance between motions with different external
@@ -79,9 +79,9 @@ def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None
     if (one and one.numbers) != (two and two.numbers):
         return None
     left = _reach(first, backwards=True)
-    turn()
+    yield_hook()
     enter = _reach(second, backwards=False, radius=first.radius)
-    turn()
+    yield_hook()
     if left is None or enter is None:
         return None
     corner = _Corner(first, second, first.path.end - left, enter)
@@ -93,29 +93,33 @@ def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None
     try:
         if together:
             start = corner.joints(np.zeros(1))[0]
-            path = trace(first.arm, start, corner, first.tool, turn)
+            path = trace(first.arm, start, corner, first.tool, yield_hook)
         else:
-            path, samples = fit(corner.joints, corner.length, _PIECES, turn)
+            path, samples = fit(corner.joints, corner.length, _PIECES, yield_hook)
             check_limits(first.arm, samples)
     except PlanError:
         return None
     nodes = path.nodes()
-    joints = path.sample(nodes, turn)
+    joints = path.sample(nodes, yield_hook)
     speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
-        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE, turn=turn)
+        limits = tool_limits(
+            first.arm, nodes, joints, points, speed, rate, share=_SHARE, yield_hook=yield_hook
+        )
     else:
         # Between a joint move and a line only the joints have a common limit.
         moves = [segment for segment in (first, second) if segment.curve is None]
         rate = min((segment.a for segment in moves), default=math.inf)
         common = speed if len(moves) == 2 else math.inf
-        limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE, turn=turn)
+        limits = joint_limits(
+            first.arm, nodes, joints, common, rate, share=_SHARE, yield_hook=yield_hook
+        )
     axes = None
     if one is not None and two is not None:
         axes = blended(one, two, corner.leave, enter)
         for move in (one, two):
-            limits = limits.least(move.limits(axes, nodes, _SHARE, turn))
+            limits = limits.stricter(move.limits(axes, nodes, _SHARE, yield_hook))
     return Blend(corner.leave, enter, path, limits, enter / left, axes)
 
 
@@ -222,35 +226,37 @@ class Entry:
         return self.path.end if self.path is not None else 0.0
 
 
-def alone(key: int, segment: Segment, turn: Turn = no_turn) -> Entry:
+def alone(key: int, segment: Segment, yield_hook: YieldHook = no_yield) -> Entry:
     """Give the entry of a motion that begins and ends at rest.
 
     Args:
         key: the motion's key.
         segment: the motion.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
     """
     axes = segment.axes.path if segment.axes is not None else None
     entry = Entry(key, segment, segment.path, segment.limits, axes=axes)
-    return _settle((entry,), turn)[0]
+    return _settle((entry,), yield_hook)[0]
 
 
-def joined(queue: tuple[Entry, ...], new: Entry, turn: Turn = no_turn) -> tuple[Entry, ...] | None:
+def joined(
+    queue: tuple[Entry, ...], new: Entry, yield_hook: YieldHook = no_yield
+) -> tuple[Entry, ...] | None:
     """Blend the last motion of a queue into a new one.
 
     Args:
         queue: the queue, the running motion first.
         new: the new motion, alone.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Returns:
         The new queue; None if the last motion stops at its end.
     """
-    corner = blend(queue[-1].segment, new.segment, turn) if queue else None
+    corner = blend(queue[-1].segment, new.segment, yield_hook) if queue else None
     if corner is None:
         return None
-    left = _leave(queue[-1], corner, turn)
-    return _settle((*queue[:-1], left, _enter(new, corner, turn)), turn)
+    left = _leave(queue[-1], corner, yield_hook)
+    return _settle((*queue[:-1], left, _enter(new, corner, yield_hook)), yield_hook)
 
 
 def keeps(entry: Entry, at: float, speed: float) -> bool:
@@ -266,12 +272,12 @@ def keeps(entry: Entry, at: float, speed: float) -> bool:
     return at < entry.path.end and speed * speed <= allowed(entry.limits, entry.back, at)
 
 
-def _leave(entry: Entry, corner: Blend, turn: Turn) -> Entry:
+def _leave(entry: Entry, corner: Blend, yield_hook: YieldHook) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
     end = corner.leave + (entry.blend.enter if entry.blend is not None else 0.0)
     path = entry.path.slice(0.0, end)
-    turn()
+    yield_hook()
     return replace(
         entry,
         path=path,
@@ -282,25 +288,25 @@ def _leave(entry: Entry, corner: Blend, turn: Turn) -> Entry:
     )
 
 
-def _enter(entry: Entry, corner: Blend, turn: Turn) -> Entry:
+def _enter(entry: Entry, corner: Blend, yield_hook: YieldHook) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
     axes = entry.axes
     if axes is not None and corner.axes is not None:
         axes = corner.axes.then(axes.slice(corner.enter, axes.end))
     path = entry.path.slice(corner.enter, entry.path.end)
-    turn()
+    yield_hook()
     path = corner.path.then(path)
-    turn()
+    yield_hook()
     limits = entry.limits.slice(corner.enter, entry.path.end)
-    turn()
+    yield_hook()
     limits = corner.limits.then(limits)
-    turn()
+    yield_hook()
     # The motion still ends at rest, but its nodes have changed.
     return replace(entry, path=path, limits=limits, blend=corner, axes=axes, exit=-1.0)
 
 
-def _settle(queue: tuple[Entry, ...], turn: Turn) -> tuple[Entry, ...]:
+def _settle(queue: tuple[Entry, ...], yield_hook: YieldHook) -> tuple[Entry, ...]:
     """Compute how fast each motion may end, from the last one to the first."""
     settled = list(queue)
     exit_ = 0.0
@@ -312,7 +318,7 @@ def _settle(queue: tuple[Entry, ...], turn: Turn) -> tuple[Entry, ...]:
             settled[i] = replace(entry, exit=exit_)
             exit_ = 0.0
             continue
-        back = tuple(backward(entry.limits, exit_, turn))
+        back = tuple(backward(entry.limits, exit_, yield_hook))
         settled[i] = replace(entry, exit=exit_, back=back)
         exit_ = back[0] / entry.blend.ratio**2 if entry.blend is not None else 0.0
     return tuple(settled)

@@ -20,13 +20,13 @@ from aioduco.models.rotation import (
     rotvec_from_matrix,
 )
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
+from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
 
 
 __all__ = [
@@ -214,7 +214,7 @@ class ByLength:
 
     Args:
         poses: poses over u. Shape (n,) to (n, 4, 4).
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Attributes:
         length: length of the curve of the positions [m].
@@ -224,11 +224,11 @@ class ByLength:
 
     detail: float = math.inf
 
-    def __init__(self, poses: Callable[[Array], Array], turn: Turn = no_turn) -> None:
+    def __init__(self, poses: Callable[[Array], Array], yield_hook: YieldHook = no_yield) -> None:
         self._poses = poses
         self._u = np.linspace(0.0, 1.0, _TABLE + 1)
         table = np.empty((_TABLE + 1, 4, 4))
-        for part in slices(_TABLE + 1, turn, LONG_SLICE):
+        for part in slices(_TABLE + 1, yield_hook, LONG_SLICE):
             table[part] = poses(self._u[part])
         points, rotations = table[:, :3, 3], table[:, :3, :3]
         step = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -239,7 +239,7 @@ class ByLength:
         self.length: float = float(self._s[-1])
         self.turning: float = 0.0
         back = np.swapaxes(rotations[:-1], -1, -2)
-        for part in slices(_TABLE, turn, LONG_SLICE):
+        for part in slices(_TABLE, yield_hook, LONG_SLICE):
             turns = rotvec_from_matrix(back[part] @ rotations[1:][part])
             self.turning += float(np.linalg.norm(turns, axis=1).sum())
 
@@ -262,7 +262,7 @@ def spiral(
     axial: float,
     radius: float,
     end: Array | None = None,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> ByLength:
     """Give a spiral from the start (manual 1.3.5, move_spiral).
 
@@ -277,7 +277,7 @@ def spiral(
         radius: radius at the end [m].
         end: last pose; if given, it determines the radius, the distance along z and the
             orientation, and the turns are those nearest to `turns` that end there. Shape (4, 4).
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: the start is on the axis, the radius is negative, or the spiral has no length.
@@ -311,10 +311,10 @@ def spiral(
         out[:, :, 3] = points @ centre.T
         return out
 
-    return ByLength(poses, turn)
+    return ByLength(poses, yield_hook)
 
 
-def spline(start: Array, targets: Sequence[Array], turn: Turn = no_turn) -> ByLength:
+def spline(start: Array, targets: Sequence[Array], yield_hook: YieldHook = no_yield) -> ByLength:
     """Give a smooth curve from the start through poses (manual 1.3.5, spline).
 
     Position and orientation are natural cubic splines over the distance between the poses, with
@@ -323,7 +323,7 @@ def spline(start: Array, targets: Sequence[Array], turn: Turn = no_turn) -> ByLe
     Args:
         start: first pose. Shape (4, 4).
         targets: poses through which the curve goes; it ends at the last one. Shapes (4, 4).
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: there is no target, or two successive poses are at the same point.
@@ -354,7 +354,7 @@ def spline(start: Array, targets: Sequence[Array], turn: Turn = no_turn) -> ByLe
         out[:, 3, 3] = 1.0
         return out
 
-    return ByLength(poses, turn)
+    return ByLength(poses, yield_hook)
 
 
 def _bends(knots: Array, values: Array) -> Array:

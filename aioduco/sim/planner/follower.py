@@ -27,7 +27,17 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = ["Failure", "FollowError", "FollowerChain", "StandingFollower", "TargetFollower"]
+__all__ = [
+    "MAX_JUMP",
+    "Failure",
+    "FollowError",
+    "FollowerChain",
+    "StandingFollower",
+    "TargetFollower",
+]
+
+MAX_JUMP = 0.1
+"""Largest change of a joint in one cycle that is still on the same branch [rad]."""
 
 _FASTER = 1.02  # highest speed of a set-point as a share of the joint's largest, for rounding
 Failure: TypeAlias = Literal["error", "fault"]
@@ -66,7 +76,7 @@ class TargetFollower(ABC):
         self._cycle = cycle
         self._setpoint = JointSetPoint.at_rest(q)
         self._speed = 1.0
-        self._then: Literal["", "stand", "end"] = ""  # the next action after slowing down
+        self._after_stop: Literal["", "stand", "end"] = ""  # the next action after slowing down
         self._hard = np.array(arm.acceleration) * STOPPING
         self._fastest = np.array(arm.velocity) * _FASTER
         self._lower, self._upper = np.array(arm.lower), np.array(arm.upper)
@@ -87,7 +97,7 @@ class TargetFollower(ABC):
         """Whether the set-point moves, or may move in the next cycle."""
         if self._ended:
             return False
-        return self._then != "stand" or bool(self._setpoint.qd.any())
+        return self._after_stop != "stand" or bool(self._setpoint.qd.any())
 
     def set_speed(self, fraction: float) -> None:
         """Set the global speed, 0.01 to 1, which only some followers use."""
@@ -95,18 +105,18 @@ class TargetFollower(ABC):
 
     def pause(self) -> None:
         """Decelerate and stand until `resume`."""
-        if not self._then:
-            self._then = "stand"
+        if not self._after_stop:
+            self._after_stop = "stand"
 
     def resume(self) -> None:
         """Resume after a pause."""
-        if self._then == "stand":
-            self._then = ""
+        if self._after_stop == "stand":
+            self._after_stop = ""
             self._resumed()
 
     def stop(self) -> None:
         """Decelerate as fast as the drives can, and end."""
-        self._then = "end"
+        self._after_stop = "end"
 
     def finish(self) -> None:
         """End in an orderly way: by a stop, unless the follower has a gentler way."""
@@ -121,18 +131,18 @@ class TargetFollower(ABC):
         """
         if self._ended:
             return self._setpoint
-        if not self._then:
+        if not self._after_stop:
             try:
                 self._setpoint = self._checked(self._next(q, qd))
             except FollowError as exc:
                 self._fail(exc)
-        if self._then:
+        if self._after_stop:
             self._slow_down()
         return self._setpoint
 
     def _fail(self, why: FollowError) -> None:
         self.failure = why
-        self._then = "end"
+        self._after_stop = "end"
 
     @abstractmethod
     def _next(self, q: Array, qd: Array) -> JointSetPoint:
@@ -155,7 +165,7 @@ class TargetFollower(ABC):
         left = float((np.abs(last.qd) / self._hard).max())
         if left <= self._cycle:
             self._setpoint = JointSetPoint.at_rest(last.q + 0.5 * left * last.qd)
-            if self._then == "end":
+            if self._after_stop == "end":
                 self._end()
             return
         qd = last.qd * (1.0 - self._cycle / left)

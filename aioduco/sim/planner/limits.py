@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.sim.planner.path import differentiate
-from aioduco.sim.planner.slices import LONG_SLICE, listed, no_turn, slices
+from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices, to_list
 from aioduco.sim.planner.timing import PathLimits
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
 
 __all__ = ["SHARE", "STOPPING", "axes_limits", "joint_limits", "tool_limits"]
 
@@ -38,7 +38,7 @@ def joint_limits(
     *,
     share: float = SHARE,
     top: Array | float = math.inf,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> PathLimits:
     """Give the limits of a path on which every joint keeps to a speed and an acceleration.
 
@@ -51,12 +51,12 @@ def joint_limits(
         share: largest share of the acceleration for the bends of the path; the rest is for changes
             of the speed along it.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
     """
     speeds = np.minimum(np.reshape(v, (-1, 1)), arm.velocity)
     drives = np.array(arm.acceleration)
     rates = np.minimum(np.reshape(a, (-1, 1)), drives)
-    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share, top, turn)
+    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share, top, yield_hook)
 
 
 def axes_limits(
@@ -67,7 +67,7 @@ def axes_limits(
     braking: Array,
     share: float = SHARE,
     top: Array | float = math.inf,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> PathLimits:
     """Give the limits of a path on which each of some axes keeps to a speed and an acceleration.
 
@@ -79,7 +79,7 @@ def axes_limits(
         braking: accelerations that a stop uses. Shape (k,).
         share: largest share of the acceleration for the bends of the path.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
     """
     count = len(nodes)
     speeds = np.broadcast_to(speeds, (count, axes.shape[2]))
@@ -87,7 +87,7 @@ def axes_limits(
     top = np.broadcast_to(top, count)
     ceilings: list[float] = []
     push, brake = np.empty(count), np.empty(count)
-    for part in slices(count, turn, LONG_SLICE):
+    for part in slices(count, yield_hook, LONG_SLICE):
         slope, bend = np.abs(axes[part, 1]), np.abs(axes[part, 2])
         with np.errstate(divide="ignore", over="ignore"):
             fast = (speeds[part] / slope).min(axis=1) ** 2
@@ -98,18 +98,18 @@ def axes_limits(
             brake[part] = (braking / slope).min(axis=1)
     pieces = count - 1
     return PathLimits(
-        listed(nodes, turn),
+        to_list(nodes, yield_hook),
         ceilings,
-        _least(push, turn),
+        _least(push, yield_hook),
         [math.inf] * pieces,
         [0.0] * pieces,
-        _least(brake, turn),
+        _least(brake, yield_hook),
     )
 
 
-def _least(values: Array, turn: Turn) -> list[float]:
+def _least(values: Array, yield_hook: YieldHook) -> list[float]:
     """Give the smaller of the values at both ends of each piece."""
-    return listed(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST), turn)
+    return to_list(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST), yield_hook)
 
 
 def tool_limits(
@@ -121,7 +121,7 @@ def tool_limits(
     a: float,
     *,
     share: float | None = None,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> PathLimits:
     """Give the limits of a path on which the tool centre point keeps to a speed and acceleration.
 
@@ -135,11 +135,11 @@ def tool_limits(
         share: largest share of the acceleration for the bends of the path, if the path's parameter
             is not the distance, so that the acceleration along the path is not perpendicular to the
             one across it; None if the parameter is the distance.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
     """
-    velocity, acceleration = differentiate(points, float(nodes[1]), turn)
+    velocity, acceleration = differentiate(points, float(nodes[1]), yield_hook)
     stretch, curvature = np.empty(len(points)), np.empty(len(points))
-    for part in slices(len(points), turn, LONG_SLICE):
+    for part in slices(len(points), yield_hook, LONG_SLICE):
         stretch[part] = np.linalg.norm(velocity[part], axis=1)
         curvature[part] = np.linalg.norm(acceleration[part], axis=1)
     if stretch.max() < _STRAIGHT:
@@ -148,14 +148,16 @@ def tool_limits(
     most = _ACROSS if share is None else share
     with np.errstate(divide="ignore"):
         top = np.minimum((v / stretch) ** 2, most * a / curvature)
-    turn()
+    yield_hook()
     limits = joint_limits(
-        arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top, turn=turn
+        arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top, yield_hook=yield_hook
     )
     widest = np.maximum(np.maximum(stretch[:-1], stretch[1:]), _STRAIGHT)
     if share is not None:
         left = a - curvature * np.array(limits.ceiling)
         return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
     bends = np.maximum(curvature[:-1], curvature[1:]) / widest
-    turn()
-    return limits._replace(total=listed(a / widest, turn), curvature=listed(bends, turn))
+    yield_hook()
+    return limits._replace(
+        total=to_list(a / widest, yield_hook), curvature=to_list(bends, yield_hook)
+    )

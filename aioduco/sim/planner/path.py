@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
+from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
 
 
 __all__ = ["JointSetPoint", "Path", "PlanCode", "PlanError", "differentiate"]
@@ -60,7 +60,7 @@ class Path:
 
     @classmethod
     def through(
-        cls, q: Array, slope: Array, bend: Array, length: float, turn: Turn = no_turn
+        cls, q: Array, slope: Array, bend: Array, length: float, yield_hook: YieldHook = no_yield
     ) -> Path:
         """Go through samples with given derivatives; position, slope and bend are continuous.
 
@@ -69,12 +69,12 @@ class Path:
             slope: dq/ds there. Shape (n + 1, 6).
             bend: d²q/ds² there. Shape (n + 1, 6).
             length: s at the last sample.
-            turn: called between slices of the work.
+            yield_hook: called between slices of the work.
         """
         count = len(q) - 1
         step = length / count
         coefficients: list[Array] = []
-        for part in slices(count, turn, LONG_SLICE):
+        for part in slices(count, yield_hook, LONG_SLICE):
             ends = slice(part.start + 1, part.stop + 1)
             a, b = q[part], q[ends]
             da, db = slope[part] * step, slope[ends] * step
@@ -164,17 +164,17 @@ class Path:
         result: Array = weights.dot(self._coefficients[piece])  # a third of matmul's time
         return result
 
-    def sample(self, s: Array, turn: Turn = no_turn) -> Array:
+    def sample(self, s: Array, yield_hook: YieldHook = no_yield) -> Array:
         """Give q, dq/ds and d²q/ds² for many distances. Shape (n,) to (n, 3, 6).
 
         Args:
             s: the distances.
-            turn: called between slices of the work.
+            yield_hook: called between slices of the work.
         """
         if len(s) <= LONG_SLICE:
             return self._sample(s)
         result = np.empty((len(s), 3, self._coefficients[0].shape[1]))
-        for part in slices(len(s), turn, LONG_SLICE):
+        for part in slices(len(s), yield_hook, LONG_SLICE):
             result[part] = self._sample(s[part])
         return result
 
@@ -222,13 +222,15 @@ def _edges() -> tuple[Array, Array]:
     return first, second
 
 
-def differentiate(values: Array, step: float, turn: Turn = no_turn) -> tuple[Array, Array]:
+def differentiate(
+    values: Array, step: float, yield_hook: YieldHook = no_yield
+) -> tuple[Array, Array]:
     """Differentiate equidistant samples by central differences, one-sided ones at the ends.
 
     Args:
         values: at least seven samples. Shape (n, k).
         step: distance between samples.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Returns:
         First derivatives, sixth order, and second derivatives, fifth order or better. (n, k) each.
@@ -237,7 +239,7 @@ def differentiate(values: Array, step: float, turn: Turn = no_turn) -> tuple[Arr
     half = _STENCIL // 2
     slope, bend = np.empty_like(values), np.empty_like(values)
     windows = np.lib.stride_tricks.sliding_window_view(values, _STENCIL, axis=0)
-    for part in slices(len(windows), turn, LONG_SLICE):
+    for part in slices(len(windows), yield_hook, LONG_SLICE):
         inner = slice(part.start + half, part.stop + half)
         slope[inner] = windows[part] @ first[half]
         bend[inner] = windows[part] @ second[half]

@@ -19,7 +19,7 @@ from aioduco.errors import Unreachable
 from aioduco.kinematics.forward import fkine
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
-from aioduco.sim.planner.follower import Failure, FollowError, TargetFollower
+from aioduco.sim.planner.follower import MAX_JUMP, Failure, FollowError, TargetFollower
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.track_pool import Fifo
 from aioduco.sim.planner.velocity_follower import joint_speeds
@@ -33,7 +33,6 @@ __all__ = ["Follow", "RealtimeCommand", "RealtimeFollower", "RealtimeQueue", "mi
 #: how far the first point may be from the arm
 _NEAR_JOINTS, _NEAR_POINT, _NEAR_ANGLE = 2e-3, 1e-3, 2e-3  # [rad, m, rad]
 _SLOW_JOINTS, _SLOW_POINT, _SLOW_ANGLE = 0.05, 0.05, 0.05  # [rad/s, m/s, rad/s]
-_JUMP = 0.1  # largest change of a joint in one cycle that is still the same branch [rad]
 
 
 class Follow(IntEnum):
@@ -168,15 +167,12 @@ class RealtimeFollower(TargetFollower):
         self._take()
         if self._target is None:
             return JointSetPoint.at_rest(self._setpoint.q)
-        match self._what:
-            case Follow.JOINTS:
-                self._filtered = self._filtered + self._share * (self._target - self._filtered)
-                return self._to(self._filtered)
-            case Follow.POSE:
-                return self._to(self._joints(self._target))
-            case Follow.JOINT_SPEEDS | Follow.TWIST:
-                self._filtered = self._filtered + self._share * (self._target - self._filtered)
-                return self._step(self._speeds())
+        if self._what is Follow.POSE:
+            return self._to(self._joints(self._target))
+        self._filtered = self._filtered + self._share * (self._target - self._filtered)
+        if self._what is Follow.JOINTS:
+            return self._to(self._filtered)
+        return self._step(self._speeds())
 
     def _take(self) -> None:
         command = self._queue.take()
@@ -215,7 +211,7 @@ class RealtimeFollower(TargetFollower):
         moved[:3, :3] = matrix_from_rotvec(self._share * turn) @ here[:3, :3]
         self._pose = moved
         try:
-            return self._arm.ikine(moved @ self._untool, self._setpoint.q, max_jump=_JUMP)
+            return self._arm.ikine(moved @ self._untool, self._setpoint.q, max_jump=MAX_JUMP)
         except Unreachable as exc:
             raise FollowError(f"realtime control: {exc}", self.severity) from exc
 

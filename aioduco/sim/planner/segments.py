@@ -13,7 +13,7 @@ from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
-from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
+from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
 from aioduco.sim.planner.timing import backward, fastest
 from aioduco.sim.planner.tracing import check_limits, pass_singularities, passing_limits, trace
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.axes import ExternalAxesMove
     from aioduco.sim.planner.curves import Curve
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import PathLimits
     from aioduco.sim.planner.weaving import Weave
 
@@ -96,13 +96,15 @@ class Segment:
         return poses
 
 
-def carry(segment: Segment, before: Mapping[int, float], turn: Turn = no_turn) -> Segment:
+def carry(
+    segment: Segment, before: Mapping[int, float], yield_hook: YieldHook = no_yield
+) -> Segment:
     """Let the external axes of a motion move with it.
 
     Args:
         segment: the motion, with the movement of its axes.
         before: positions at which the motions before it leave external axes, by number.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Returns:
         The motion, with the limits of both arm and axes. If the arm does not move, the path is that
@@ -120,9 +122,9 @@ def carry(segment: Segment, before: Mapping[int, float], turn: Turn = no_turn) -
     move = replace(move, path=Path.straight(start, move.end, path.end))
     assert move.path is not None
     nodes = np.array(limits.nodes if limits is not None else path.bounds)
-    axes = move.limits(move.path, nodes, turn=turn)
+    axes = move.limits(move.path, nodes, yield_hook=yield_hook)
     return replace(
-        segment, path=path, limits=axes if limits is None else limits.least(axes), axes=move
+        segment, path=path, limits=axes if limits is None else limits.stricter(axes), axes=move
     )
 
 
@@ -180,7 +182,7 @@ def line_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
@@ -197,14 +199,23 @@ def line_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     return _cartesian(
-        arm, q0, StraightLine.between(start, target @ frame), v, a, r, frame, weave, around, turn
+        arm,
+        q0,
+        StraightLine.between(start, target @ frame),
+        v,
+        a,
+        r,
+        frame,
+        weave,
+        around,
+        yield_hook,
     )
 
 
@@ -221,7 +232,7 @@ def arc_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
 
@@ -238,14 +249,14 @@ def arc_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
 
 
 def circle_move(
@@ -261,7 +272,7 @@ def circle_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
 
@@ -277,7 +288,7 @@ def circle_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -286,7 +297,7 @@ def circle_move(
         raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
 
 
 def spiral_move(
@@ -304,7 +315,7 @@ def spiral_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
 
@@ -322,15 +333,15 @@ def spiral_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     end = None if target is None else target @ frame
-    curve = spiral(start, centre, turns, axial, radius, end, turn)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
+    curve = spiral(start, centre, turns, axial, radius, end, yield_hook)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
 
 
 def spline_move(
@@ -344,7 +355,7 @@ def spline_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    turn: Turn = no_turn,
+    yield_hook: YieldHook = no_yield,
     apart: bool = False,
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
@@ -359,7 +370,7 @@ def spline_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
         apart: whether the first pose must differ from the start of the motion, as behind another
             spline; otherwise it may be the same.
 
@@ -373,8 +384,8 @@ def spline_move(
         if not through:
             _check(v, a, r)
             return replace(stay(arm, q0), radius=r, v=v, a=a, tool=frame)
-    curve = spline(start, through, turn)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
+    curve = spline(start, through, yield_hook)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
 
 
 def _same(one: Array, other: Array) -> bool:
@@ -399,24 +410,24 @@ def _cartesian(
     tool: Array,
     weave: Weave | None,
     around: bool,
-    turn: Turn,
+    yield_hook: YieldHook,
 ) -> Segment:
     q0 = np.array(q0, dtype=float)
     _check(v, a, r)
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
     woven = None if weave is None else weave.over(curve, v)
-    turn()
+    yield_hook()
     laid: Curve = curve if woven is None else woven
     kept: Curve | None = laid
     try:
-        path, limits = _followed(arm, q0, curve, laid, v, a, tool, turn)
+        path, limits = _followed(arm, q0, curve, laid, v, a, tool, yield_hook)
     except PlanError as exc:
         if exc.code != "singular" or not around:
             raise
-        path = pass_singularities(arm, q0, laid, tool, turn)
-        limits, kept = passing_limits(arm, path, v, a, turn), None
-    turn()
+        path = pass_singularities(arm, q0, laid, tool, yield_hook)
+        limits, kept = passing_limits(arm, path, v, a, yield_hook), None
+    yield_hook()
     if woven is not None:
         limits = limits.waiting(woven.stops)
     q_end = path.sample(np.array([path.end]))[0, 0]
@@ -424,19 +435,28 @@ def _cartesian(
 
 
 def _followed(
-    arm: Arm, q0: Array, curve: Curve, laid: Curve, v: float, a: float, tool: Array, turn: Turn
+    arm: Arm,
+    q0: Array,
+    curve: Curve,
+    laid: Curve,
+    v: float,
+    a: float,
+    tool: Array,
+    yield_hook: YieldHook,
 ) -> tuple[Path, PathLimits]:
     """Give the joints' path along `laid`, which is `curve` with or without a weave, and its limits.
 
     Speed and acceleration are those along `curve`; only the joints limit the weave.
     """
-    path = trace(arm, q0, laid, tool, turn)
+    path = trace(arm, q0, laid, tool, yield_hook)
     nodes = path.nodes()
     points = np.empty((len(nodes), 3))
-    for part in slices(len(nodes), turn, LONG_SLICE):
+    for part in slices(len(nodes), yield_hook, LONG_SLICE):
         points[part] = curve.poses(nodes[part])[:, :3, 3]
-    limits = tool_limits(arm, nodes, path.sample(nodes, turn), points, v, a, turn=turn)
-    turn()
+    limits = tool_limits(
+        arm, nodes, path.sample(nodes, yield_hook), points, v, a, yield_hook=yield_hook
+    )
+    yield_hook()
     slowest = math.sqrt(min(limits.ceiling))
     if slowest < _SLOWEST * v:
         place = "near a singularity of the path" if laid is curve else "the weave"
@@ -445,5 +465,6 @@ def _followed(
 
 
 def _check(v: float, a: float, r: float) -> None:
+    # An infinite acceleration is allowed: only the joints limit it.
     if not (v > 0.0 and a > 0.0 and r >= 0.0 and math.isfinite(v) and math.isfinite(r)):
         raise PlanError("parameter", f"speed {v}, acceleration {a} or radius {r} is not positive")

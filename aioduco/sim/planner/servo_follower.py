@@ -30,7 +30,7 @@ __all__ = ["ServoFollower", "ServoTuning"]
 
 _SPEED_SMOOTHING = 1e-3  # time constant for a smooth_vel of 1 [s]
 _ACCELERATION_SMOOTHING = 1e-2  # time constant for a smooth_acc of 1 [s]
-_STEEPEST = 1e4  # stands for an acceleration without a limit [rad/s²]
+_UNLIMITED_ACCELERATION = 1e4  # stands for an acceleration without a limit [rad/s²]
 _THERE, _STILL = 5e-5, 5e-4  # tolerances for a joint at its target, and at rest [rad, rad/s]
 _HOLD = 0.05  # time at the target before the end: a stream of slow targets is one motion [s]
 
@@ -103,7 +103,7 @@ class ServoFollower(TargetFollower):
             if self._held >= _HOLD:
                 self._end()
                 return self._setpoint
-        change = min(tuning.a, _STEEPEST) * cycle
+        change = min(tuning.a, _UNLIMITED_ACCELERATION) * cycle
         speed = last.qd + np.clip(
             (tuning.kp * error + tuning.kd * (rate - last.qd)) * cycle, -change, change
         )

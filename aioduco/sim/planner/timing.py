@@ -15,12 +15,12 @@ import math
 from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.sim.planner.slices import no_turn, slices
+from aioduco.sim.planner.slices import no_yield, slices
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
 
 __all__ = ["PathLimits", "TimeLaw", "allowed", "backward", "fastest"]
 
@@ -52,7 +52,7 @@ class PathLimits(NamedTuple):
     brake: list[float]
     waits: tuple[tuple[float, float], ...] = ()
 
-    def least(self, other: PathLimits) -> PathLimits:
+    def stricter(self, other: PathLimits) -> PathLimits:
         """Give the stricter of these limits and others at the same nodes, which are of joints."""
         return self._replace(
             ceiling=list(map(min, self.ceiling, other.ceiling)),
@@ -127,7 +127,7 @@ class PathLimits(NamedTuple):
 class TimeLaw:
     """Distance over time, in pieces of constant acceleration.
 
-    A law from `fastest` is computed ("laid") only as far as it was queried. That changes no result,
+    A law from `fastest` is computed only as far as it was queried. That changes no result,
     only the time of the work. But a query may extend the law, so only one thread at a time may use
     it. A query about the whole law (its duration or the speed at its end) computes all of it.
 
@@ -151,7 +151,7 @@ class TimeLaw:
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]
         self._rate: list[float] = []
-        self._ahead: Iterator[None] | None = None  # each step lays the law to the next node
+        self._ahead: Iterator[None] | None = None  # each step extends the law to the next node
         self._goal = start
         self.start: float = start
         self._end = start
@@ -166,27 +166,27 @@ class TimeLaw:
     @property
     def duration(self) -> float:
         """Time from the beginning to the end [s]."""
-        self._lay()
+        self._extend_to()
         return self._duration
 
     @property
     def end_speed(self) -> float:
         """The speed ds/dt at the end."""
-        self._lay()
+        self._extend_to()
         return self._end_speed
 
     def over(self, t: float) -> bool:
         """Whether the law has ended at time t [s]."""
-        self._lay(to_time=t)
+        self._extend_to(time=t)
         return self._ahead is None and t >= self._duration
 
-    def lay_by(self, ahead: Iterator[None], goal: float) -> None:
-        """Set the iterator that lays the law to `goal`; each of its steps extends the law."""
+    def set_generator(self, ahead: Iterator[None], goal: float) -> None:
+        """Set the generator that extends the law to `goal`, one piece or more per step."""
         self._ahead, self._goal = ahead, goal
 
-    def _lay(self, *, to: float = math.inf, to_time: float = math.inf) -> None:
+    def _extend_to(self, *, distance: float = math.inf, time: float = math.inf) -> None:
         """Extend the law until it is beyond a distance or a time [s], or at its end."""
-        while self._ahead is not None and (self._s[-1] <= to and self._t[-1] <= to_time):
+        while self._ahead is not None and (self._s[-1] <= distance and self._t[-1] <= time):
             if next(self._ahead, _DONE) is _DONE:
                 self._ahead = None
 
@@ -222,13 +222,13 @@ class TimeLaw:
     def piece(self, s: float, hint: int = 0) -> int:
         """Give the index of the piece at distance s, searching forward from `hint`."""
         if self._s[-1] <= s and self._ahead is not None:
-            self._lay(to=s)
+            self._extend_to(distance=s)
         return max(min(bisect_right(self._s, s, hint) - 1, len(self._rate) - 1), hint)
 
     def at(self, t: float, hint: int = 0) -> tuple[int, float, float, float]:
         """Give the piece, s, ds/dt and d²s/dt² at time t [s], searching forward from `hint`."""
         if self._t[-1] <= t and self._ahead is not None:
-            self._lay(to_time=t)
+            self._extend_to(time=t)
         last = len(self._rate) - 1
         while hint < last and t >= self._t[hint + 1]:
             hint += 1
@@ -248,19 +248,19 @@ class TimeLaw:
         return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
 
 
-def backward(limits: PathLimits, x: float, turn: Turn = no_turn) -> list[float]:
+def backward(limits: PathLimits, x: float, yield_hook: YieldHook = no_yield) -> list[float]:
     """Give the highest (ds/dt)² at each node from which x at the last node can be reached.
 
     Args:
         limits: limits of the whole path.
         x: (ds/dt)² at its last node.
-        turn: called between slices of the work.
+        yield_hook: called between slices of the work.
     """
     nodes, ceiling = limits.nodes, limits.ceiling
     x = min(x, ceiling[-1])
     reached = [x]
     last = len(nodes) - 2
-    for part in slices(len(nodes) - 1, turn):
+    for part in slices(len(nodes) - 1, yield_hook):
         for i in range(last - part.start, last - part.stop, -1):
             x = min(x + 2.0 * _rate(limits, i, x) * (nodes[i + 1] - nodes[i]), ceiling[i])
             reached.append(x)
@@ -299,14 +299,14 @@ def fastest(limits: PathLimits, back: Sequence[float], start: float, speed: floa
         A law from `start` to the end of the path.
     """
     law = TimeLaw(start, speed)
-    law.lay_by(_laid(law, limits, back, start, speed), limits.nodes[-1])
+    law.set_generator(_forward_pass(law, limits, back, start, speed), limits.nodes[-1])
     return law
 
 
-def _laid(
+def _forward_pass(
     law: TimeLaw, limits: PathLimits, back: Sequence[float], start: float, speed: float
 ) -> Iterator[None]:
-    """Lay the fastest law, one node per step."""
+    """Extend the law to the next node in each step, as fast as the limits allow."""
     nodes, ceiling = limits.nodes, limits.ceiling
     waits = dict(limits.waits)
     x = speed * speed

@@ -29,7 +29,7 @@ from aioduco.models.rotation import (
     quaternion_from_matrix,
     rotvec_from_matrix,
 )
-from aioduco.sim.planner.follower import FollowError, TargetFollower
+from aioduco.sim.planner.follower import MAX_JUMP, FollowError, TargetFollower
 from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
@@ -42,14 +42,13 @@ if TYPE_CHECKING:
 __all__ = ["CAPACITY", "Fifo", "JointTrack", "ToolTrack", "TrackPool"]
 
 CAPACITY = 1000
-"""Points that fit: into the track pool by manual 1.3.12, into others by assumption."""
+"""Largest number of points: of the track pool by manual 1.3.12, of others by assumption."""
 
 T = TypeVar("T")
 _ACROSS = 0.5  # share of the acceleration for the bends of the path; the rest is along it
 _SAME = 1e-9  # points nearer than this are the same [m, rad]
 _MARGIN = 0.95  # share of the joints' largest speeds, as the curve differs from the chords
 _PER_CYCLE = 8  # largest number of points that a cycle reads, so that no cycle takes long
-_JUMP = 0.1  # largest change of a joint in one cycle that is still the same branch [rad]
 
 
 class Fifo(Generic[T]):
@@ -102,8 +101,14 @@ class TrackPool(Fifo[tuple[tuple[float, ...], Any]]):
         super().clear()
 
     def get(self, number: int) -> tuple[tuple[float, ...], Any] | None:
-        """The point with a number, counted from the very first; None if there is none yet."""
+        """The point with a number, counted from the very first; None if there is none yet.
+
+        Raises:
+            FollowError: the point was removed or dropped.
+        """
         index = number - self.taken
+        if index < 0:
+            raise FollowError(f"point {number} has left the track pool")
         return self._points[index] if index < len(self) else None
 
     def take_to(self, number: int) -> None:
@@ -155,7 +160,7 @@ class _Track(TargetFollower):
         self._cleared = pool.cleared
         self._rate = 0.0  # speed along the path
         self._at = 0.0  # distance
-        self._drying = False  # slowing down because there are no more points
+        self._underrun = False  # slowing down because there are no more points
         self._here = _Node(pool.taken - 1, *self._first(q), at=0.0)
         self._nodes: deque[_Node] = deque()  # ahead; the arm is between _here and the first
         self._window: deque[_Node] = deque()  # those of the nodes that can limit the speed
@@ -187,7 +192,7 @@ class _Track(TargetFollower):
             self._forget()
         last = self._nodes[-1] if self._nodes else self._here
         for _ in range(_PER_CYCLE):
-            found = None if self._drying else self._pool.get(last.number + 1)
+            found = None if self._underrun else self._pool.get(last.number + 1)
             if found is None:
                 return
             values, event = found
@@ -274,9 +279,9 @@ class _Track(TargetFollower):
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
         self._look()
         if not self._nodes:
-            if not self._drying:
+            if not self._underrun:
                 self._end()
-            self._drying = False
+            self._underrun = False
             return JointSetPoint.at_rest(self._setpoint.q)
         most = self._v * self._speed / self._nodes[0].stretch
         rate = min(self._rate + self._along * self._cycle, most)
@@ -288,7 +293,7 @@ class _Track(TargetFollower):
         ending = self._rate_before(0.0, last.at)
         if ending < rate:
             rate = ending
-            self._drying = self._drying or self._pool.get(last.number + 1) is None
+            self._underrun = self._underrun or self._pool.get(last.number + 1) is None
         return self._go(rate)
 
     def _rate_before(self, most: float, at: float) -> float:
@@ -298,7 +303,7 @@ class _Track(TargetFollower):
         return math.sqrt(change * change + room) - change
 
     def _slow_down(self) -> None:
-        if self._then != "stand" or self.failure is not None or not self._nodes:
+        if self._after_stop != "stand" or self.failure is not None or not self._nodes:
             super()._slow_down()
             return
         change = self._along * self._cycle
@@ -428,7 +433,7 @@ class ToolTrack(_Track):
         goal[:3, :3] = _rotation(x)
         goal[:3, 3] = x[:3]
         try:
-            return self._arm.ikine(goal @ self._untool, self._setpoint.q, max_jump=_JUMP)
+            return self._arm.ikine(goal @ self._untool, self._setpoint.q, max_jump=MAX_JUMP)
         except Unreachable as exc:
             raise FollowError(f"the way through the track pool: {exc}") from exc
 

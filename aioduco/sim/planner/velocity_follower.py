@@ -52,8 +52,8 @@ class _Velocity(TargetFollower):
     def finish(self) -> None:
         """Decelerate to rest at the given acceleration, and end."""
         self._ending = True
-        if self._then == "stand":
-            self._then = "end"
+        if self._after_stop == "stand":
+            self._after_stop = "end"
 
     def _ramp(self) -> Array:
         self._left -= self._cycle

@@ -48,11 +48,12 @@ class OlderLayout(NamedTuple):
 
     Attributes:
         args: class of the argument struct; its Op is a subclass of the present one.
-        told: tells whether a struct came in this layout: a field has this type in no other layout.
+        matches: tells whether a struct came in this layout, in which one field has a type that it
+            has in no other.
     """
 
     args: Any
-    told: Callable[[Any], bool]
+    matches: Callable[[Any], bool]
 
 
 @functools.cache

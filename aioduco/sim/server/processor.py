@@ -121,7 +121,7 @@ class Processor:
             came = layout.args()
             self._in.setvalue(body)
             self._reader.read_struct(came)
-            if layout.told(came):
+            if layout.matches(came):
                 return came
         return args
 

@@ -44,7 +44,7 @@ class MemoryFile:
         """Map all of it."""
         return mmap.mmap(self._descriptor, os.fstat(self._descriptor).st_size)
 
-    def handed_over(self) -> None:
+    def close_descriptor(self) -> None:
         """Close the descriptor: the other process has its own. The mapping stays."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
@@ -52,7 +52,7 @@ class MemoryFile:
 
     def close(self) -> None:
         """Release the memory."""
-        self.handed_over()
+        self.close_descriptor()
 
 
 class NamedMemory:
@@ -103,7 +103,7 @@ class NamedMemory:
         assert view is not None, "it is closed"
         return memoryview(view)
 
-    def handed_over(self) -> None:
+    def close_descriptor(self) -> None:
         """Do nothing: the other process may not have opened it yet, so the name must stay."""
 
     def close(self) -> None:

@@ -195,7 +195,7 @@ class Block:
         try:
             return cls(backing.map(), None, backing)
         finally:
-            backing.handed_over()
+            backing.close_descriptor()
 
     @property
     def handle(self) -> int | str:
@@ -217,7 +217,7 @@ class Block:
     def close_descriptor(self) -> None:
         """Close the program's descriptor, after the worker's process has its own."""
         if self._backing is not None:
-            self._backing.handed_over()
+            self._backing.close_descriptor()
 
     def close(self) -> None:
         """Release the memory and its system resources."""

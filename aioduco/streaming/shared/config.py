@@ -1,7 +1,7 @@
 """The configuration of a worker: plain values, stored as JSON in the shared block.
 
-The program's end checks the values (`streaming.options`). A stream's factory fills in `Sent`; its
-caller gives the address, the feeding and the options.
+The program's end checks the values (`streaming.options`). A stream's factory fills in `StreamSpec`;
+its caller gives the address, the feeding and the options.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 __all__ = [
     "MOST_POINTS",
     "UPSAMPLING",
-    "Calls",
+    "CallDrive",
     "Drive",
     "EnvelopeSettings",
     "FeedingSettings",
+    "FrameRotation",
     "Meaning",
     "PoolDrive",
     "QueueDrive",
-    "Sent",
-    "Turning",
+    "StreamSpec",
     "Upsampling",
     "WorkerConfig",
     "WorkerSettings",
@@ -99,7 +99,7 @@ class FeedingSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Calls:
+class CallDrive:
     """One call per tick, for servo and speed streams.
 
     Attributes:
@@ -149,14 +149,14 @@ class PoolDrive:
     extra: int = 0
 
 
-Drive = Calls | QueueDrive | PoolDrive | None
-_DRIVES: dict[str, type[Calls | QueueDrive | PoolDrive]] = {
-    kind.__name__: kind for kind in (Calls, QueueDrive, PoolDrive)
+Drive = CallDrive | QueueDrive | PoolDrive | None
+_DRIVES: dict[str, type[CallDrive | QueueDrive | PoolDrive]] = {
+    kind.__name__: kind for kind in (CallDrive, QueueDrive, PoolDrive)
 }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Turning:
+class FrameRotation:
     """How directions are rotated from the program's frame into the frame of the wire.
 
     Attributes:
@@ -171,7 +171,7 @@ class Turning:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sent:
+class StreamSpec:
     """What a stream sends, and how.
 
     Attributes:
@@ -195,7 +195,7 @@ class Sent:
     read: Sequence[str] = ()
     leave: Sequence[Sequence[Any]] = ()
     ending: str = ""
-    turning: Turning | None = None
+    turning: FrameRotation | None = None
 
     @property
     def space(self) -> Space:
@@ -247,7 +247,7 @@ class WorkerConfig:
     unanswered_timeout: float
     options: WorkerSettings
     feeding: FeedingSettings
-    sent: Sent
+    sent: StreamSpec
     envelope: EnvelopeSettings | None = None
 
     @property
@@ -275,7 +275,7 @@ class WorkerConfig:
         sent = values.pop("sent")
         sent["limits"] = Limits(*map(tuple, sent["limits"]))
         sent["drive"] = _DRIVES[kind](**sent["drive"]) if kind else None
-        sent["turning"] = Turning(**sent["turning"]) if sent["turning"] else None
+        sent["turning"] = FrameRotation(**sent["turning"]) if sent["turning"] else None
         options = WorkerSettings(**values.pop("options"))
         feeding = FeedingSettings(**values.pop("feeding"))
         envelope = values.pop("envelope")
@@ -283,6 +283,6 @@ class WorkerConfig:
             **values,
             options=options,
             feeding=feeding,
-            sent=Sent(**sent),
+            sent=StreamSpec(**sent),
             envelope=EnvelopeSettings(**envelope) if envelope else None,
         )

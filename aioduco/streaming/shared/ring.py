@@ -82,11 +82,6 @@ class Ring:
         return max(0, min(self._words[_HEAD] - self._words[_TAIL], self._capacity))
 
     @property
-    def written(self) -> int:
-        """Set-points written since the start."""
-        return self._words[_HEAD]
-
-    @property
     def read(self) -> int:
         """Number of the last set-point read."""
         return self._words[_TAIL]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.worker.checked import CheckedPath
 
-__all__ = ["Depth", "PoolStates", "RealtimeQueueDriver", "Todo", "TrackPoolDriver"]
+__all__ = ["Depth", "PoolAction", "PoolStates", "RealtimeQueueDriver", "TrackPoolDriver"]
 
 _MOST = 100  # points in one call: about 6 kB
 _PATIENCE = 0.25  # seconds without the controller taking a point, after which it counts as stuck
@@ -83,19 +83,19 @@ class Depth:
         return self._resting >= self._depth
 
 
-class Todo(Enum):
+class PoolAction(Enum):
     """The next action after a poll of the track pool."""
 
     FOLLOW = auto()
     """Nothing: the arm follows."""
     RESUME = auto()
-    """The controller may have come to rest at the last point it had: have it begin anew then."""
+    """Start the motion again if the controller has come to rest at its last point."""
     WAIT = auto()
-    """Nothing: the pool is dry, and the program sends nothing."""
+    """Nothing: the pool is empty, and the program sends nothing."""
     FINISH = auto()
-    """End, once the arm has come to rest at the last point."""
+    """End the stream when the arm has come to rest at the last point."""
     EMPTY = auto()
-    """Empty the pool, so that the arm comes to rest: the program sends nothing any more."""
+    """Clear the pool, so that the arm comes to rest: the program has sent nothing for too long."""
 
 
 class PoolStates:
@@ -112,6 +112,7 @@ class PoolStates:
     Attributes:
         state: state of the stream.
         reason: why it ends; NONE before.
+        text: more about the reason; empty if there is nothing to add.
         drained: how often the pool ran empty before the program had closed the stream.
         starved: polls at which it was empty then.
     """
@@ -125,6 +126,7 @@ class PoolStates:
         self._filled = 0  # points that were in the pool after the last poll
         self.state: StreamState = StreamState.WAITING
         self.reason: Reason = Reason.NONE
+        self.text: str = ""
         self.drained: int = 0
         self.starved: int = 0
 
@@ -149,7 +151,7 @@ class PoolStates:
         """Number of points to add to a pool that has `left` points."""
         return self._high - left if left < self._low else 0
 
-    def look(self, left: int, added: int, now: float) -> Todo:
+    def look(self, left: int, added: int, now: float) -> PoolAction:
         """Process the result of a poll of the pool.
 
         Args:
@@ -164,40 +166,42 @@ class PoolStates:
         if left or added:
             self._dry_since = None
             self.state = StreamState.FOLLOWING
-            return Todo.RESUME if not left or untaken else Todo.FOLLOW
+            return PoolAction.RESUME if not left or untaken else PoolAction.FOLLOW
         if self._dry_since is None:
             self._dry_since = now
             self.drained += not self._closing
         if self._closing:
-            return Todo.FINISH
+            return PoolAction.FINISH
         self.starved += 1
         self.state = StreamState.HOLDING
         if now - self._dry_since > self._hold:
             self.brake(Reason.STARVED)
-            return Todo.EMPTY
-        return Todo.WAIT
+            return PoolAction.EMPTY
+        return PoolAction.WAIT
 
     def close(self) -> None:
         """Follow all points that were sent, then end: the program sends no more."""
         self._closing = True
 
-    def brake(self, reason: Reason) -> bool:
+    def brake(self, reason: Reason, text: str = "") -> bool:
         """Come to rest at once, then end.
 
         Returns:
             Whether the caller must clear the pool for that.
         """
         if self.state is StreamState.WAITING:
-            self.end(reason)
+            self.end(reason, text)
         if self.state >= StreamState.DECELERATING:
             return False
-        self.state, self.reason = StreamState.DECELERATING, reason
+        self.state, self.reason, self.text = StreamState.DECELERATING, reason, text
         return True
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""
         if self.state is not StreamState.ENDED:
-            self.state, self.reason = StreamState.ENDED, self.reason or reason
+            self.state = StreamState.ENDED
+            if not self.reason:
+                self.reason, self.text = reason, text
 
 
 class RealtimeQueueDriver:
@@ -242,6 +246,11 @@ class RealtimeQueueDriver:
     def reason(self) -> Reason:
         """Why it ends."""
         return self._feed.source.reason
+
+    @property
+    def text(self) -> str:
+        """More about the reason."""
+        return self._feed.source.text
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the queue compensates lateness
         """Do the work of one tick; returns whether there is another one."""
@@ -305,8 +314,7 @@ class RealtimeQueueDriver:
         return not refused(answer) or self._refuse(f"{name} answered {answer}")
 
     def _refuse(self, text: str) -> bool:
-        self._feed.source.end(Reason.REFUSED)
-        self._block.text = text
+        self._feed.source.end(Reason.REFUSED, text)
         if self._running:
             self._stop()
         return False
@@ -320,13 +328,13 @@ class RealtimeQueueDriver:
         """Follow all set-points that were sent, then end: the program sends no more."""
         self._feed.source.close()
 
-    def brake(self, reason: Reason) -> None:
+    def brake(self, reason: Reason, text: str = "") -> None:
         """Come to rest at once, then end."""
-        self._feed.source.brake(reason)
+        self._feed.source.brake(reason, text)
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more, and leave realtime mode: the robot was stopped."""
-        self._feed.source.end(reason)
+        self._feed.source.end(reason, text)
         if self._running:
             self._stop()
 
@@ -374,6 +382,11 @@ class TrackPoolDriver:
         """Why it ends."""
         return self._states.reason
 
+    @property
+    def text(self) -> str:
+        """More about the reason."""
+        return self._states.text
+
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the pool compensates lateness
         """Do the work of one tick; returns whether there is another one."""
         match self.state:
@@ -419,15 +432,15 @@ class TrackPoolDriver:
             return False
         self._round_trip(time.monotonic_ns() - start)
         match self._states.look(left, added, start * 1e-9):
-            case Todo.FINISH:
+            case PoolAction.FINISH:
                 return self._task_runs() or self._finish(Reason.CLOSED, "")
-            case Todo.RESUME:
+            case PoolAction.RESUME:
                 if not self._resume():
                     return False
-            case Todo.EMPTY:
+            case PoolAction.EMPTY:
                 self._empty()
                 return True
-            case Todo.WAIT | Todo.FOLLOW:
+            case PoolAction.WAIT | PoolAction.FOLLOW:
                 pass
         reason, text = self._watch.look(self._task if left else 0)
         return not reason or self._finish(reason, text)
@@ -466,8 +479,7 @@ class TrackPoolDriver:
             if point is None:
                 break
             if self._checked is not None and (found := self._checked.add(point.values)):
-                self._block.text = json.dumps(found)
-                self.brake(Reason.ENVELOPE)
+                self.brake(Reason.ENVELOPE, json.dumps(found))
                 return -1
             elements.append(self._batch.element(point.values, point.extra))
             self._age(time.monotonic_ns() - point.stamp)
@@ -494,23 +506,21 @@ class TrackPoolDriver:
         return state
 
     def _finish(self, reason: Reason, text: str) -> bool:
-        self._states.end(reason)
-        if text:
-            self._block.text = text
+        self._states.end(reason, text)
         return False
 
     def close(self) -> None:
         """Follow all points that were sent, then end: the program sends no more."""
         self._states.close()
 
-    def brake(self, reason: Reason) -> None:
+    def brake(self, reason: Reason, text: str = "") -> None:
         """Come to rest at once, then end."""
-        if self._states.brake(reason):
+        if self._states.brake(reason, text):
             self._empty()
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""
-        self._states.end(reason)
+        self._states.end(reason, text)
 
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""

@@ -47,7 +47,7 @@ class EnvelopeSpace:
         self._turn = turn
         if not sent.in_joints:
             joints = connection.call("get_actual_joints_position", (), timeout)
-            self.checker.near = tuple(joints[:6])
+            self.checker.seed = tuple(joints[:6])
         if sent.meaning == "step":
             name, *args = envelope.tip
             tip = POSE_SPACE.decode(connection.call(name, tuple(args), timeout))

@@ -210,7 +210,7 @@ class ActionTimeline:
             return self._place
         return self._followed.at(self._space, self.now)
 
-    def rest(self, config: Config) -> None:
+    def reset(self, config: Config) -> None:
         """Discard all chunks, and stay at a point."""
         self._place = config
         self._followed = None

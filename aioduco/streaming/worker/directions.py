@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire.connection import Connection
-    from aioduco.streaming.shared.config import Turning
+    from aioduco.streaming.shared.config import FrameRotation
     from aioduco.streaming.shared.space import Config
 
 __all__ = ["Directions"]
@@ -30,7 +30,9 @@ class Directions:
         timeout: time-out of each call [s].
     """
 
-    def __init__(self, connection: Connection, turning: Turning | None, timeout: float) -> None:
+    def __init__(
+        self, connection: Connection, turning: FrameRotation | None, timeout: float
+    ) -> None:
         self._connection = connection
         self._turning = turning
         self._timeout = timeout
@@ -46,7 +48,7 @@ class Directions:
             self._place, self._read_at = self.place(self._turning), now
         return turned(twist, self._place, back=self._turning.back)
 
-    def place(self, turning: Turning) -> Config:
+    def place(self, turning: FrameRotation) -> Config:
         """Read the pose of one frame in the other.
 
         Raises:

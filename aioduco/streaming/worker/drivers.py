@@ -16,7 +16,7 @@ from aioduco.streaming.worker.watch import ControllerWatch
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import Calls
+    from aioduco.streaming.shared.config import CallDrive
 
 __all__ = ["CallDriver", "Driver", "ProbeDriver"]
 
@@ -34,6 +34,11 @@ class Driver(Protocol):
         """Why it ends."""
         ...
 
+    @property
+    def text(self) -> str:
+        """More about the reason; of several reasons the first one stays, with its text."""
+        ...
+
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
 
@@ -45,10 +50,10 @@ class Driver(Protocol):
     def close(self) -> None:
         """Follow all set-points that were sent, then end: the program sends no more."""
 
-    def brake(self, reason: Reason) -> None:
+    def brake(self, reason: Reason, text: str = "") -> None:
         """Come to rest at once, then end."""
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""
 
     def publish(self) -> None:
@@ -58,7 +63,7 @@ class Driver(Protocol):
 class CallDriver:
     """One call per tick: servoj, servoj_pose, servo_tcp, servol, speedj, speedl."""
 
-    def __init__(self, calls: Calls, connection: Connection, block: Block) -> None:
+    def __init__(self, calls: CallDrive, connection: Connection, block: Block) -> None:
         self._feed = SetpointFeed(connection, block)
         self._block = block
         options, sent = block.config.options, block.config.sent
@@ -86,6 +91,11 @@ class CallDriver:
     def reason(self) -> Reason:
         """Why it ends."""
         return self._feed.source.reason
+
+    @property
+    def text(self) -> str:
+        """More about the reason."""
+        return self._feed.source.text
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -116,22 +126,21 @@ class CallDriver:
 
     def _finish(self, reason: Reason, text: str) -> bool:
         # The controller does not follow any more, so no deceleration is possible.
-        self._feed.source.end(reason)
-        self._block.text = text
+        self._feed.source.end(reason, text)
         return False
 
     def close(self) -> None:
         """Follow all set-points that were sent, then end: the program sends no more."""
         self._feed.source.close()
 
-    def brake(self, reason: Reason) -> None:
+    def brake(self, reason: Reason, text: str = "") -> None:
         """Come to rest at once, then end."""
-        self._feed.source.brake(reason)
+        self._feed.source.brake(reason, text)
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""
         self._ahead = None
-        self._feed.source.end(reason)
+        self._feed.source.end(reason, text)
 
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""
@@ -152,6 +161,7 @@ class ProbeDriver:
         self._asked = 0
         self.state: StreamState = StreamState.FOLLOWING
         self.reason: Reason = Reason.NONE
+        self.text: str = ""
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - of the protocol
         """Call the controller once; returns whether there is another tick."""
@@ -168,13 +178,15 @@ class ProbeDriver:
         """Make no more calls."""
         self.end(Reason.CLOSED)
 
-    def brake(self, reason: Reason) -> None:
+    def brake(self, reason: Reason, text: str = "") -> None:
         """Make no more calls."""
-        self.end(reason)
+        self.end(reason, text)
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Make no more calls."""
-        self.state, self.reason = StreamState.ENDED, self.reason or reason
+        self.state = StreamState.ENDED
+        if not self.reason:
+            self.reason, self.text = reason, text
 
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""

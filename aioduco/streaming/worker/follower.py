@@ -20,9 +20,9 @@ __all__ = ["CheckedFollower", "Follower"]
 
 #: deviation from the straight line, as a share of its length, if each axis brakes in its own time;
 #: 7 % for two axes
-_STRAY = 0.1
+_DEVIATION = 0.1
 #: the same for one step of the closer check; larger, because the last step ends with cubic motion
-_STRAY_OF_STEP = 0.4
+_DEVIATION_OF_STEP = 0.4
 _STEPS = 16
 
 
@@ -93,11 +93,11 @@ class Follower:
     def brake(self) -> Config:
         """Brake for one tick within the limits and return the set-point."""
         config = self._limiter.brake()
-        self._reference.rest(config)
+        self._reference.reset(config)
         return config
 
 
-class SeenInEnvelope(Protocol):
+class EnvelopeView(Protocol):
     """Conversion of set-points for the checker of an envelope."""
 
     checker: EnvelopeChecker
@@ -131,7 +131,7 @@ class CheckedFollower(Follower):
         limits: Limits,
         period: float,
         start: Config,
-        place: SeenInEnvelope,
+        place: EnvelopeView,
         crossed: Callable[[Crossing], None],
         reference: Reference | None = None,
     ) -> None:
@@ -141,7 +141,7 @@ class CheckedFollower(Follower):
         self._place = place
         self._checker = place.checker
         # With a jerk limit each axis comes to rest in its own time, so the path is not straight.
-        self._checker.stray = _STRAY if way == "ruckig" else 0.0
+        self._checker.deviation = _DEVIATION if way == "ruckig" else 0.0
         self._crossed = crossed
         self._seen = place.seen(start)
 
@@ -152,14 +152,14 @@ class CheckedFollower(Follower):
     def step(self) -> Config:
         """Advance by one tick, or brake, and return the set-point."""
         limiter = self._limiter
-        mark = limiter.mark()
+        snapshot = limiter.snapshot()
         config = super().step()
         here = self._place.seen(config)
         found = self._look(config, here)
         if found is None:
             self._seen = here
             return config
-        limiter.back(mark)
+        limiter.restore(snapshot)
         if found.action != "slow":
             self._crossed(found)
             return self.brake()
@@ -201,8 +201,8 @@ class CheckedFollower(Follower):
     def _look_closer(self, here: Sequence[float], speed: float) -> Crossing | None:
         """Check the braking path in small steps: for one large step the bound is too large."""
         checker = self._checker
-        near, stray = checker.near, checker.stray
-        checker.stray = stray and _STRAY_OF_STEP
+        seed, deviation = checker.seed, checker.deviation
+        checker.deviation = deviation and _DEVIATION_OF_STEP
         try:
             for config in self._limiter.stopping(_STEPS):
                 there = self._place.seen(config)
@@ -212,4 +212,4 @@ class CheckedFollower(Follower):
                 here = there
             return None
         finally:
-            checker.near, checker.stray = near, stray
+            checker.seed, checker.deviation = seed, deviation

@@ -36,7 +36,7 @@ class Reference(Protocol):
         """Advance by one tick and return the arm's desired position."""
         ...
 
-    def rest(self, config: Config) -> None:
+    def reset(self, config: Config) -> None:
         """Discard the target, and stay at a point."""
 
 
@@ -56,7 +56,7 @@ class ZeroOrderHold:
         """Advance by one tick and return the arm's desired position."""
         return self._target
 
-    def rest(self, config: Config) -> None:
+    def reset(self, config: Config) -> None:
         """Discard the target, and stay at a point."""
         self._target = config
 
@@ -98,7 +98,7 @@ class Linear:
             self._now = self._target
         return self._now
 
-    def rest(self, config: Config) -> None:
+    def reset(self, config: Config) -> None:
         """Discard the target, and stay at a point."""
         self._target = self._now = config
         self._step = self._steps = 0
@@ -136,9 +136,9 @@ class Cubic(Linear):
         self._arriving = tuple(map(_slope_at_end, self._slope, slope))
         self._slope = slope
 
-    def rest(self, config: Config) -> None:
+    def reset(self, config: Config) -> None:
         """Discard the target, and stay at a point."""
-        super().rest(config)
+        super().reset(config)
         self._slope = self._arriving = _ZERO
 
     def _at(self, share: float) -> Displacement:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
 
+    #: for each group: its slice, and the limits of its speed and of the change of its speed
+    _Rules = tuple[tuple[slice, float, float], ...]
+
 __all__ = ["JerkLimiter", "Limiter", "Rates"]
 
 _ZERO: Displacement = (0.0,) * 6
@@ -83,13 +86,13 @@ class Limiter:
         """Whether the last target is met, and the set-point is at rest."""
         return self.config == self._target and self._step == _ZERO
 
-    def mark(self) -> tuple[Any, ...]:
-        """A snapshot of the state, for `back`."""
+    def snapshot(self) -> tuple[Any, ...]:
+        """A snapshot of the state, for `restore`."""
         return self.config, self._step, self._target
 
-    def back(self, mark: tuple[Any, ...]) -> None:
-        """Restore the state of a snapshot that `mark` returned."""
-        self.config, self._step, self._target = mark
+    def restore(self, snapshot: tuple[Any, ...]) -> None:
+        """Restore the state of a snapshot that `snapshot` returned."""
+        self.config, self._step, self._target = snapshot
 
     def ticks_to_rest(self) -> float:
         """The braking distance as a multiple of the last step."""
@@ -98,9 +101,7 @@ class Limiter:
             a, b, c, d, e, f = self._step
             p, q, r, s, t, u = self._slowing
             return max(abs(a) * p, abs(b) * q, abs(c) * r, abs(d) * s, abs(e) * t, abs(f) * u) / 2
-        velocity = self.velocity
-        rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
-        return rest / 2 / self._period
+        return _time_to_rest(self.velocity, self._rules) / 2 / self._period
 
     def braking(self) -> Displacement:
         """The displacement while braking to rest from the present state."""
@@ -166,9 +167,7 @@ class Limiter:
 
     def brake(self) -> Config:
         """Brake for one tick, so that all axes stop at the same time; returns the set-point."""
-        velocity = self.velocity
-        rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
-        share = 1 - self._period / rest if rest > self._period else 0.0
+        share = _braked_share(self.velocity, self._rules, self._period)
         self._step = tuple(step * share for step in self._step)
         self.config = self._space.moved(self.config, self._step)
         self._target = self.config
@@ -223,13 +222,13 @@ class JerkLimiter:
         """Whether the last target is met, and the set-point is at rest."""
         return self.config == self._target and self.velocity == _ZERO
 
-    def mark(self) -> tuple[Any, ...]:
-        """A snapshot of the state, for `back`."""
+    def snapshot(self) -> tuple[Any, ...]:
+        """A snapshot of the state, for `restore`."""
         return self.config, self.velocity, self._acceleration, self._target
 
-    def back(self, mark: tuple[Any, ...]) -> None:
-        """Restore the state of a snapshot that `mark` returned."""
-        self.config, self.velocity, self._acceleration, self._target = mark
+    def restore(self, snapshot: tuple[Any, ...]) -> None:
+        """Restore the state of a snapshot that `snapshot` returned."""
+        self.config, self.velocity, self._acceleration, self._target = snapshot
 
     def braking(self) -> Displacement:
         """The largest displacement of each axis while braking to rest from the present state."""
@@ -374,8 +373,7 @@ class Rates:
     def brake(self) -> Config:
         """Brake for one tick, so that all axes stop at the same time; returns the speed."""
         self._target = _ZERO
-        rest = max(_length(self.config[group]) / change for group, _, change in self._rules)
-        share = 1 - self._period / rest if rest > self._period else 0.0
+        share = _braked_share(self.config, self._rules, self._period)
         self.config = tuple(r * share for r in self.config) if share else _ZERO
         return self.config
 
@@ -399,6 +397,17 @@ def _at_most(vector: list[float], length: float) -> list[float]:
 def _of_length(vector: list[float], length: float) -> list[float]:
     now = _length(vector)
     return [v * length / now for v in vector] if now else vector
+
+
+def _time_to_rest(velocity: Displacement, rules: _Rules) -> float:
+    """How long it takes until all axes have stopped, at the limits of acceleration [s]."""
+    return max(_length(velocity[group]) / change for group, _, change in rules)
+
+
+def _braked_share(velocity: Displacement, rules: _Rules, period: float) -> float:
+    """The share of a velocity that is left after one tick of braking, all axes alike."""
+    rest = _time_to_rest(velocity, rules)
+    return 1 - period / rest if rest > period else 0.0
 
 
 def _closing_speed(distance: float, acceleration: float, period: float) -> float:

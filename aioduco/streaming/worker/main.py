@@ -20,21 +20,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from aioduco._platform import (
+    boost_main_thread,
+    drop_realtime_priority,
     ending_signals,
-    go_first_by_moments,
-    go_with_all,
-    goes_first,
     handed_socket,
     readiness,
+    realtime_priority,
     set_affinity,
-    set_first,
+    set_realtime_priority,
 )
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.scheduling import shorten_slice
 from aioduco.streaming.shared.block import Block, ControlWord, StatusWord, StreamCommand, Unmet
-from aioduco.streaming.shared.config import Calls, PoolDrive, QueueDrive
+from aioduco.streaming.shared.config import CallDrive, PoolDrive, QueueDrive
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
@@ -103,12 +103,12 @@ class StreamWorker:
         reason, text = Reason.NONE, ""
         connection = self._connection(keeps_overdue=True)
         block.status[StatusWord.UNMET] = prepare(self._config.options)
-        block.status[StatusWord.PRIORITY] = goes_first()
+        block.status[StatusWord.PRIORITY] = realtime_priority()
         try:
             connection.open()
             self._driver = self._make_driver(connection)
             block.status[StatusWord.READY] = 1
-            self._tell()
+            self._wake_program()
             self._loop(self._driver)
         except ControllerError as exc:
             reason, text = Reason.REFUSED, str(exc)
@@ -119,12 +119,11 @@ class StreamWorker:
             # The program must see an internal error of the worker, so it is reported, not raised.
             reason, text = Reason.FAILED, traceback.format_exc()[-900:]
         if self._driver is not None:
-            reason = self._driver.reason or reason
+            reason, text = self._driver.reason or reason, self._driver.text or text
             with contextlib.suppress(DucoError):
                 self._driver.publish()
-        text = block.text or text
         try:
-            self._leave(connection, reason)
+            self._end_on_controller(connection, reason)
         except (DucoError, OSError) as exc:
             text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
             if reason in (Reason.CLOSED, Reason.ABORTED):
@@ -135,7 +134,7 @@ class StreamWorker:
             block.status[StatusWord.MEMORY] = _memory()
             block.status[StatusWord.REASON] = reason
             block.status[StatusWord.STATE] = StreamState.ENDED
-            self._tell()
+            self._wake_program()
             self._link.close()
 
     def terminate(self) -> None:
@@ -151,7 +150,7 @@ class StreamWorker:
 
     def _make_driver(self, connection: Connection) -> Driver:
         match self._config.sent.drive:
-            case Calls() as calls:
+            case CallDrive() as calls:
                 return CallDriver(calls, connection, self._block)
             case QueueDrive() as queue:
                 return RealtimeQueueDriver(queue, connection, self._block)
@@ -160,7 +159,7 @@ class StreamWorker:
             case None:
                 return ProbeDriver(connection, self._block)
 
-    def _leave(self, connection: Connection, reason: Reason) -> None:
+    def _end_on_controller(self, connection: Connection, reason: Reason) -> None:
         """End the stream's mode or motion on the controller's side, too."""
         if self._unanswered:
             self._outlast(connection)
@@ -178,7 +177,7 @@ class StreamWorker:
         try:
             for name, *args in calls:
                 connection.call(name, tuple(args), self._timeout)
-            self._stand(connection)
+            self._wait_for_standstill(connection)
         finally:
             connection.close()
 
@@ -190,11 +189,11 @@ class StreamWorker:
             status[StatusWord.BEAT] = time.monotonic_ns()
 
         status[StatusWord.UNANSWERED] = 1
-        self._tell()
+        self._wake_program()
         outlast(connection, self._connection, self._timeout, config.unanswered_timeout, alive)
         status[StatusWord.UNANSWERED] = 0
 
-    def _stand(self, connection: Connection) -> None:
+    def _wait_for_standstill(self, connection: Connection) -> None:
         """Wait until the arm stands still: a controller smooths set-points, so the arm lags."""
         start = time.monotonic_ns()
         standing = looks = 0
@@ -230,11 +229,11 @@ class StreamWorker:
             # the system woke it late; its own work did not delay it
             if may_go_first and asleep and now - due > late:
                 may_go_first = False
-                self._go_first()
+                self._raise_priority()
             lateness(now - due)
             interval(now - before)
             before = now
-            self._obey(driver, now)
+            self._apply_commands(driver, now)
             more = driver.tick(now + _ANSWER >= due + schedule.period)
             status[StatusWord.TICKS] += 1
             status[StatusWord.BEAT] = now
@@ -249,18 +248,18 @@ class StreamWorker:
                 lateness(now - due - (missed + 1) * schedule.period)
             status[StatusWord.MISSED] = schedule.missed
 
-    def _go_first(self) -> None:
+    def _raise_priority(self) -> None:
         """Run before all threads without a priority, as long as ticks are short and mostly wait."""
         status = self._block.status
 
         def given_back() -> None:
             status[StatusWord.PRIORITY] = 0
 
-        if go_first_by_moments(_LONGEST, given_back):
-            status[StatusWord.PRIORITY] = goes_first()
+        if boost_main_thread(_LONGEST, given_back):
+            status[StatusWord.PRIORITY] = realtime_priority()
             self._share = ProcessorShare(time.monotonic_ns(), time.thread_time_ns())
 
-    def _obey(self, driver: Driver, now: int) -> None:
+    def _apply_commands(self, driver: Driver, now: int) -> None:
         """Apply the program's commands, and check whether the program is alive."""
         control = self._block.control
         if control[StreamCommand.HALT]:
@@ -275,11 +274,10 @@ class StreamWorker:
         if self._share is not None and self._share.exceeded(now, time.thread_time_ns):
             # Much work with short waits: a program on the same processor would hardly run.
             self._share = None
-            go_with_all()
+            drop_realtime_priority()
             self._block.status[StatusWord.PRIORITY] = 0
         if self._terminated:
-            driver.brake(Reason.FAILED)
-            self._block.text = "the lane's process was told to end by a signal"
+            driver.brake(Reason.FAILED, "the lane's process was told to end by a signal")
         # The controller stops the arm of a hung program because the heartbeat is missing; queued
         # set-points would start the arm again.
         if now - control[ControlWord.ALIVE] > self._stall_limit:
@@ -312,16 +310,18 @@ class StreamWorker:
         if told != self._told:
             self._told = told
             driver.publish()
+            # before the reason, with which the program reads it
+            block.text = driver.text
             block.status[StatusWord.STATE], block.status[StatusWord.REASON] = told
-            self._tell()
+            self._wake_program()
         elif now - self._reported >= _REPORT:
             self._reported = now
             driver.publish()
         below = block.control[ControlWord.WAKE_BELOW]
         if below and block.ring.level <= below:
-            self._tell()
+            self._wake_program()
 
-    def _tell(self) -> None:
+    def _wake_program(self) -> None:
         """Wake the program, which then reads the block."""
         with contextlib.suppress(OSError):
             self._link.send(b"\1")
@@ -340,7 +340,7 @@ def prepare(options: WorkerSettings) -> Unmet:
         unmet |= Unmet.SLICE
     if options.cpus and not set_affinity(options.cpus):
         unmet |= Unmet.CPUS
-    if options.priority and not set_first(options.priority):
+    if options.priority and not set_realtime_priority(options.priority):
         unmet |= Unmet.PRIORITY
     return unmet
 

@@ -101,7 +101,7 @@ class _Line:
             else:
                 motion.seen(time.monotonic(), moving=self._moves(connection))
         except DucoError:
-            motion.unheard(time.monotonic())
+            motion.poll_failed(time.monotonic())
             return False
         return True
 

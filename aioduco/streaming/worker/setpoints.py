@@ -11,7 +11,7 @@ DECELERATING  the end is decided and its reason known. No more set-points are ta
             to rest within the limits.
 ENDED       nothing more is sent.
 
-The state never goes back from DECELERATING or ENDED, and the first reason stays.
+The state never goes back from DECELERATING or ENDED, and the first reason and its text stay.
 """
 
 from __future__ import annotations
@@ -39,7 +39,14 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.chunks import ActionTimeline
 
-__all__ = ["ChunkSource", "Follower", "Follows", "SetpointFeed", "SetpointSource", "within"]
+__all__ = [
+    "ChunkSource",
+    "Follower",
+    "FollowerProtocol",
+    "SetpointFeed",
+    "SetpointSource",
+    "within",
+]
 
 _LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed
 _FIRST = 0.05  # seconds assumed for the interval until one is measured
@@ -49,7 +56,7 @@ _ROUNDING = 1 - 1e-9
 _PER_TICK = 64  # actions taken in one tick at most, so that a long chunk delays no tick
 
 
-class Follows(Protocol):
+class FollowerProtocol(Protocol):
     """The interface of `Follower` and of `Rates` that a source uses."""
 
     @property
@@ -79,6 +86,7 @@ class SetpointSource:
     Attributes:
         state: state of the stream.
         reason: why it ends; NONE before.
+        text: more about the reason; empty if there is nothing to add.
         starved: ticks in which the arm moved, a set-point was due and none had arrived.
     """
 
@@ -101,15 +109,16 @@ class SetpointSource:
         self._paced = paced
         self._reach = reach
         self._rates = rates
-        self._follower: Follows | None = None
+        self._follower: FollowerProtocol | None = None
         self._closing = False
         self._stamp = 0
         self._idle = 0
         self.state: StreamState = StreamState.WAITING
         self.reason: Reason = Reason.NONE
+        self.text: str = ""
         self.starved: int = 0
 
-    def begin(self, follower: Follows) -> None:
+    def begin(self, follower: FollowerProtocol) -> None:
         """Set the follower of the targets; it starts at the arm's position."""
         self._follower = follower
 
@@ -117,18 +126,19 @@ class SetpointSource:
         """Follow to the last target, then end: the program sends no more targets."""
         self._closing = True
 
-    def brake(self, reason: Reason) -> None:
+    def brake(self, reason: Reason, text: str = "") -> None:
         """Come to rest at once, then end."""
         if self.state is StreamState.WAITING:
-            self.end(reason)
+            self.end(reason, text)
         if self.state < StreamState.DECELERATING:
-            self.state, self.reason = StreamState.DECELERATING, reason
+            self.state, self.reason, self.text = StreamState.DECELERATING, reason, text
 
-    def end(self, reason: Reason) -> None:
+    def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more: the arm is stopped by another caller, or cannot be reached."""
         if self.state < StreamState.ENDED:
             self.state = StreamState.ENDED
-            self.reason = self.reason or reason
+            if not self.reason:
+                self.reason, self.text = reason, text
 
     def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
         """Advance by one tick.
@@ -157,7 +167,7 @@ class SetpointSource:
                 config = follower.step()
         return config
 
-    def _follow(self, follower: Follows, take: Callable[[], SetPoint | None]) -> None:
+    def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
         point = take() if follower.ready or not self._paced else None
         if point is not None:
             self._aim(follower, point)
@@ -169,7 +179,7 @@ class SetpointSource:
         else:
             self._wait(follower)
 
-    def _aim(self, follower: Follows, point: SetPoint) -> None:
+    def _aim(self, follower: FollowerProtocol, point: SetPoint) -> None:
         target = point.values if self._rates else self._space.decode(point.values)
         if self.state is StreamState.WAITING:
             if not self._rates and not within(self._space, follower.config, target, self._reach):
@@ -184,14 +194,14 @@ class SetpointSource:
         duration = self._interval if self._paced else self._interval * _LATE
         follower.aim(target, self._interval, duration)
 
-    def _finish(self, follower: Follows) -> None:
+    def _finish(self, follower: FollowerProtocol) -> None:
         """End when the arm has reached the last target: there are no more."""
         if self._rates:
             self.brake(Reason.CLOSED)
         elif follower.at_rest:
             self.end(Reason.CLOSED)
 
-    def _wait(self, follower: Follows) -> None:
+    def _wait(self, follower: FollowerProtocol) -> None:
         """Process a tick without a new set-point; it counts as starved only if the arm moves."""
         self._idle += 1
         idle = self._idle * self._period
@@ -233,7 +243,7 @@ class ChunkSource(SetpointSource):
         self._clock = clock
         self._chunk: list[Config] = []
 
-    def _follow(self, follower: Follows, take: Callable[[], SetPoint | None]) -> None:
+    def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
         timeline = self._timeline
         timeline.advance(self._clock() * 1e-9, closing=self._closing)
         for _ in range(_PER_TICK):
@@ -254,7 +264,7 @@ class ChunkSource(SetpointSource):
         else:
             self._wait(follower)
 
-    def _add(self, follower: Follows, point: SetPoint) -> None:
+    def _add(self, follower: FollowerProtocol, point: SetPoint) -> None:
         """Add an action to its chunk; the last one completes it."""
         tag = ActionTag.unpack(point.extra)
         if tag.position == 0:
@@ -347,7 +357,7 @@ class SetpointFeed:
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
             if self._timeline is not None:
-                self._timeline.rest(start)
+                self._timeline.reset(start)
             if self._config.envelope is None:
                 self._follower = Follower(way, space, limits, self._period, start, self._timeline)
             else:
@@ -380,8 +390,7 @@ class SetpointFeed:
 
     def _crossed(self, found: Crossing) -> None:
         """Come to rest, if the arm moves: a set-point would have crossed the envelope."""
-        self._block.text = json.dumps(found)
-        self.source.brake(Reason.ENVELOPE)
+        self.source.brake(Reason.ENVELOPE, json.dumps(found))
 
     def _actual(self) -> list[float]:
         """The arm's position; zero for steps, which are relative to it."""

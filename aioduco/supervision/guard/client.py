@@ -17,14 +17,23 @@ import subprocess
 import threading
 from typing import TYPE_CHECKING, Final
 
-from aioduco._platform import guard_lacks
+from aioduco._platform import missing_guard_features
 from aioduco._spawn import Process, Unstartable
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.nonblocking import send_at_once
 from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import GuardLost
 from aioduco.reporting import BackgroundLogger
-from aioduco.supervision.guard.messages import LARGEST, MANY, Beat, Done, Said, Stop, pack, unpack
+from aioduco.supervision.guard.messages import (
+    MAX_PACKET,
+    MAX_ROBOTS,
+    Beat,
+    Done,
+    LogMessage,
+    Stop,
+    pack,
+    unpack,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -79,11 +88,11 @@ class GuardLink:
         self._collected: list[Stop] | None = None
         self.alive: bool = True
         self.users = 0
-        if lack := guard_lacks():
+        if missing := missing_guard_features():
             raise GuardLost(
-                f"a guard's process needs Linux, and this system has no {lack}; nothing was moved. "
-                'Connect without guard="process": the heartbeat then stops the arm of a program '
-                "that dies or hangs"
+                f"a guard's process needs Linux, and this system has no {missing}; nothing was "
+                'moved. Connect without guard="process": the heartbeat then stops the arm of a '
+                "program that dies or hangs"
             )
         try:
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -131,9 +140,9 @@ class GuardLink:
         return self._popen.pid
 
     @property
-    def last_words(self) -> str:
+    def last_stderr_line(self) -> str:
         """The last line of the guard's standard error, once it has exited."""
-        return self._process.last_words.rpartition("\n")[2]
+        return self._process.stderr_tail.rpartition("\n")[2]
 
     def register(self, listener: GuardListener) -> int:
         """Register a robot's callbacks. Returns the robot's number."""
@@ -182,8 +191,8 @@ class GuardLink:
             yield
         finally:
             self._collected = None
-            for begin in range(0, len(stops), MANY):
-                part = stops[begin : begin + MANY]
+            for begin in range(0, len(stops), MAX_ROBOTS):
+                part = stops[begin : begin + MAX_ROBOTS]
                 robots = [robot for each in part for robot in each.robots]
                 tokens = [token for each in part for token in each.tokens]
                 if not self.tell(Stop(robots, tokens, min(each.until for each in part))):
@@ -211,7 +220,7 @@ class GuardLink:
 
     def _read(self) -> None:
         try:
-            while packet := self._socket.recv(LARGEST):
+            while packet := self._socket.recv(MAX_PACKET):
                 match unpack(packet):
                     case Done(token, error):
                         answer = self._answers.pop(token, None)
@@ -221,8 +230,8 @@ class GuardLink:
                         listener = self._listeners.get(beat.robot)
                         if listener is not None:
                             listener.beat(beat)
-                    case Said(level, text):
-                        _log_for_the_guard(level, text)
+                    case LogMessage(level, text):
+                        _log.log(level, "the guard says: %s", text)
                     case other:
                         raise ValueError(f"a guard sent {other!r} to its program")
         except OSError:
@@ -249,12 +258,6 @@ class GuardLink:
             _log.warning("the guard %d has not ended yet", self.pid)
         finally:
             self._process.close()
-
-
-def _log_for_the_guard(level: int, text: str) -> None:
-    # This runs on the thread that detects the guard's exit, so nothing may be raised here.
-    with contextlib.suppress(Exception):
-        _log.log(level, "the guard says: %s", text)
 
 
 def _not_started(error: Exception) -> GuardLost:

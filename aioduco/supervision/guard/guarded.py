@@ -108,7 +108,7 @@ class GuardClient:
         self._lost = loop_callback(lost)
         self._beat = None
         try:
-            self._thread = DaemonThread()
+            self._thread = DaemonThread("aioduco-guard-wait")
         except RuntimeError as exc:
             raise GuardLost(f"there is no thread for the guard: {exc}") from exc
         try:
@@ -138,13 +138,13 @@ class GuardClient:
 
         error: str | None = None
         try:
-            error = await self._asked(link, request, limit)
+            error = await self._request(link, request, limit)
         finally:
             self._robot = robot
             if error != "":
                 await run_to_completion(self.release)
         if error is None:
-            what = f"has ended: {words}" if (words := link.last_words) else "does not answer"
+            what = f"has ended: {line}" if (line := link.last_stderr_line) else "does not answer"
             raise GuardLost(f"the guard's process was started, but {what}")
         if error:
             raise ConnectError(self._host, self._port, f"the guard could not: {error}")
@@ -167,7 +167,7 @@ class GuardClient:
             raise cancelled
 
     async def _released(self, link: GuardLink, robot: int) -> None:
-        await self._asked(link, lambda token: Release(robot, token), _RELEASE_LIMIT)
+        await self._request(link, lambda token: Release(robot, token), _RELEASE_LIMIT)
 
     def touch(self, stamp: float, moves: bool) -> bool:
         """Pass on a sign of life of the event loop, and whether the program moves the arm.
@@ -202,7 +202,7 @@ class GuardClient:
         sent = link.ask(lambda token: Stop([robot], [token], until), answer, at_once=at_once)
         return answer if sent else None
 
-    async def _asked(
+    async def _request(
         self, link: GuardLink, request: Callable[[int], Watch | Release], limit: float
     ) -> str | None:
         """Send a request. Returns its error, "" if it went well, None if no answer came."""
@@ -249,7 +249,7 @@ class GuardedStopChannel(StopChannel):
         # No longer than this waits for it: a stop after that of the local lanes would end motions
         # that were sent since.
         timeout = min(CONFIRM_LIMIT, timeout)
-        answer = self._asked(timeout, loop_callback(done.set), at_once=False)
+        answer = self._request_stop(timeout, loop_callback(done.set), at_once=False)
         if answer is None:
             return None
 
@@ -264,7 +264,7 @@ class GuardedStopChannel(StopChannel):
         begin = time.monotonic()
         done: SimpleQueue[None] = SimpleQueue()
         timeout = min(CONFIRM_LIMIT, timeout)
-        answer = self._asked(timeout, lambda: done.put(None), at_once=True)
+        answer = self._request_stop(timeout, lambda: done.put(None), at_once=True)
         if answer is None:
             return False
         try:
@@ -280,7 +280,9 @@ class GuardedStopChannel(StopChannel):
             self._stop.report("stop", (False,), None, None, begin)
         return confirmed
 
-    def _asked(self, timeout: float, notify: Callable[[], None], *, at_once: bool) -> Answer | None:
+    def _request_stop(
+        self, timeout: float, notify: Callable[[], None], *, at_once: bool
+    ) -> Answer | None:
         answer = self._client.stop(timeout, notify, at_once=at_once)
         self.attempts += answer is not None
         return answer
@@ -300,7 +302,7 @@ class GuardedSignOfLife(SignOfLife):
         super().touch(due)
         self._client.touch(self.stamp, self.moves)
 
-    def say(self, moves: bool) -> bool:
+    def set_moves(self, moves: bool) -> bool:
         """Set whether the program may move the arm from now on. Returns whether it was sent."""
         self.moves = moves
         return self._client.touch(time.monotonic(), moves)
@@ -328,7 +330,7 @@ class GuardedHeartbeat:
         return HeartbeatState.LOST if not self._client.alive or self._client.silent else state
 
     @property
-    def heard(self) -> bool:
+    def answered(self) -> bool:
         """Whether a beat was answered, and no later one was lost."""
         return self.state is HeartbeatState.BEATING
 

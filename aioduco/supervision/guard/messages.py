@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 #: buffer size [bytes], larger than any message
-LARGEST: Final = 8192
+MAX_PACKET: Final = 8192
 #: maximum number of robots of one `Stop`
-MANY: Final = 200
+MAX_ROBOTS: Final = 200
 #: maximum number of characters of a text in a message
 _TEXT: Final = 2000
 
@@ -119,7 +119,7 @@ class Beat(NamedTuple):
         return HeartbeatState(self.state)
 
 
-class Said(NamedTuple):
+class LogMessage(NamedTuple):
     """Guard to program: a log message of the guard, for the program's log.
 
     Attributes:
@@ -131,10 +131,10 @@ class Said(NamedTuple):
     text: str
 
 
-Message: TypeAlias = Watch | Alive | Stop | Rearm | Release | Done | Beat | Said
+Message: TypeAlias = Watch | Alive | Stop | Rearm | Release | Done | Beat | LogMessage
 
 _KINDS: Final = {
-    kind.__name__: kind for kind in (Watch, Alive, Stop, Rearm, Release, Done, Beat, Said)
+    kind.__name__: kind for kind in (Watch, Alive, Stop, Rearm, Release, Done, Beat, LogMessage)
 }
 
 

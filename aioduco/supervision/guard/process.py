@@ -23,12 +23,13 @@ import signal
 import socket
 import syslog
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 import anyio
 from anyio.lowlevel import checkpoint
 
-from aioduco._platform import handed_socket
+from aioduco._platform import handed_socket, set_realtime_priority
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import WireLane
 from aioduco._wire.unanswered import UnansweredMotion
@@ -36,13 +37,13 @@ from aioduco.errors import DucoError
 from aioduco.reporting import BackgroundLogger
 from aioduco.scheduling import shorten_slice
 from aioduco.supervision.guard.messages import (
-    LARGEST,
+    MAX_PACKET,
     Alive,
     Beat,
     Done,
+    LogMessage,
     Rearm,
     Release,
-    Said,
     Stop,
     Watch,
     pack,
@@ -64,7 +65,7 @@ if TYPE_CHECKING:
 _log = BackgroundLogger(__name__)
 
 #: seconds for which the guard tries to stop the arms of a program that has exited
-ORPHAN_LIMIT = 30.0
+ABANDONED_LIMIT = 30.0
 #: real-time priority: the lowest, which is above all processes without one
 _PRIORITY = 1
 #: length of a time slice [ns]: the shortest possible one
@@ -118,7 +119,12 @@ class GuardedRobot:
             raise
         if self._watch.heartbeat is not None:
             self.heartbeat = Heartbeat(
-                self._line,
+                partial(
+                    Connection,
+                    self._watch.host,
+                    self._watch.port,
+                    connect_timeout=self._watch.connect_timeout,
+                ),
                 self._watch.heartbeat,
                 self.life,
                 self._watch.stall_limit,
@@ -126,10 +132,6 @@ class GuardedRobot:
                 remote=True,
             )
             self.heartbeat.start()
-
-    def _line(self) -> Connection:
-        watch = self._watch
-        return Connection(watch.host, watch.port, connect_timeout=watch.connect_timeout)
 
     def _beaten(self, heartbeat: Heartbeat) -> None:
         """Report the heartbeat to the program; on the heartbeat's thread."""
@@ -150,8 +152,8 @@ class GuardedRobot:
         with anyio.CancelScope() as scope:
             self.stopping.add(scope)
             try:
-                await self.stop_channel.stop(ORPHAN_LIMIT)
-                await self.stop_channel.rest(ORPHAN_LIMIT, ORPHAN_LIMIT)
+                await self.stop_channel.stop(ABANDONED_LIMIT)
+                await self.stop_channel.rest(ABANDONED_LIMIT, ABANDONED_LIMIT)
                 if gone:
                     await self._stop_until_certain(begin)
             except DucoError as exc:
@@ -166,7 +168,7 @@ class GuardedRobot:
         Its connection closed when the program exited, and undelivered bytes were discarded.
         """
         now = time.monotonic()
-        motion = UnansweredMotion(now, now, now + ORPHAN_LIMIT)
+        motion = UnansweredMotion(now, now, now + ABANDONED_LIMIT)
         motion.dissolved(begin)
         motion.stopped(now, now)
         if not await stop_until_certain(
@@ -175,7 +177,7 @@ class GuardedRobot:
             _log.critical("the arm was told to stop, and begins to move again and again")
 
     async def _stop_again(self) -> None:
-        await self.stop_channel.stop(ORPHAN_LIMIT)
+        await self.stop_channel.stop(ABANDONED_LIMIT)
 
     async def aclose(self) -> None:
         """End the heartbeat and close the connections."""
@@ -192,7 +194,7 @@ class GuardedRobot:
 class _NoDelivery:
     """The delivery of motions of a program that has exited: nothing more is known of it."""
 
-    def tell(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to add
+    def report(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to add
         """Add nothing."""
         return True
 
@@ -200,7 +202,7 @@ class _NoDelivery:
         """Do nothing: the connections closed with the program."""
 
 
-class _Arrival:
+class _PendingWatch:
     """A robot whose connections are being opened: it may be released before they are open."""
 
     def __init__(self) -> None:
@@ -218,7 +220,7 @@ class Guard:
     def __init__(self, program: socket.socket) -> None:
         self._program = program
         self._guarded: dict[int, GuardedRobot] = {}
-        self._arrivals: dict[int, _Arrival] = {}
+        self._pending: dict[int, _PendingWatch] = {}
 
     def tell(self, message: Message) -> bool:
         """Send a message to the program; it is lost if the program does not read or has exited.
@@ -237,16 +239,16 @@ class Guard:
         """Serve the program until it exits, then stop the arms that it has not released."""
         with anyio.open_signal_receiver(signal.SIGTERM, signal.SIGHUP) as signals:
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._told_to_end, signals, tasks)
+                tasks.start_soon(self._on_end_signals, signals, tasks)
                 async with anyio.create_task_group() as stops:
                     while (message := await self._next()) is not None:
                         self._take(message, stops)
                     # Requested stops are still being sent: nothing is cancelled here.
                     for guarded in self._guarded.values():
-                        stops.start_soon(self._orphan, guarded)
+                        stops.start_soon(self._stop_abandoned, guarded)
                 tasks.cancel_scope.cancel()
 
-    async def _told_to_end(self, signals: AsyncIterator[int], tasks: TaskGroup) -> None:
+    async def _on_end_signals(self, signals: AsyncIterator[int], tasks: TaskGroup) -> None:
         """Stop the arms at each signal that asks the guard to exit, and continue.
 
         A service manager signals the program and its guard at the same time. The program may be
@@ -260,7 +262,7 @@ class Guard:
     async def _next(self) -> Message | None:
         while True:
             try:
-                packet = self._program.recv(LARGEST, socket.MSG_DONTWAIT)
+                packet = self._program.recv(MAX_PACKET, socket.MSG_DONTWAIT)
             except BlockingIOError:
                 await anyio.wait_readable(self._program)
                 continue
@@ -279,21 +281,21 @@ class Guard:
                 self._stop(message, tasks)
             case Watch(robot):
                 # Added here and not in the task: a release that follows at once must find it.
-                self._arrivals[robot] = arrival = _Arrival()
-                tasks.start_soon(self._watch, message, arrival)
+                self._pending[robot] = pending = _PendingWatch()
+                tasks.start_soon(self._watch, message, pending)
             case Rearm(robot):
                 guarded = self._guarded.get(robot)
                 if guarded is not None and guarded.heartbeat is not None:
                     guarded.heartbeat.rearm()
             case Release():
                 tasks.start_soon(self._release, message)
-            case Done() | Beat() | Said():
+            case Done() | Beat() | LogMessage():
                 raise ValueError(f"a program sent {message!r} to its guard")
 
-    async def _watch(self, request: Watch, arrival: _Arrival) -> None:
+    async def _watch(self, request: Watch, pending: _PendingWatch) -> None:
         guarded = GuardedRobot(request, self)
         error = _RELEASED
-        with arrival.scope:
+        with pending.scope:
             try:
                 await guarded.open()
             except DucoError as exc:
@@ -301,8 +303,8 @@ class Guard:
             else:
                 error = ""
                 self._guarded[request.robot] = guarded
-        self._arrivals.pop(request.robot, None)
-        arrival.over.set()
+        self._pending.pop(request.robot, None)
+        pending.over.set()
         self.tell(Done(request.token, error))
 
     def _stop(self, request: Stop, tasks: TaskGroup) -> None:
@@ -334,15 +336,15 @@ class Guard:
         self.tell(Done(token, error))
 
     async def _release(self, request: Release) -> None:
-        if (arrival := self._arrivals.get(request.robot)) is not None:
-            arrival.scope.cancel()
-            await arrival.over.wait()
+        if (pending := self._pending.get(request.robot)) is not None:
+            pending.scope.cancel()
+            await pending.over.wait()
         guarded = self._guarded.pop(request.robot, None)
         if guarded is not None:
             await guarded.aclose()
         self.tell(Done(request.token, ""))
 
-    async def _orphan(self, guarded: GuardedRobot) -> None:
+    async def _stop_abandoned(self, guarded: GuardedRobot) -> None:
         """Stop the arm of a robot that the program did not release before it exited."""
         try:
             await guarded.halt(gone=True)
@@ -350,7 +352,7 @@ class Guard:
             await guarded.aclose()
 
 
-def _go_first() -> None:
+def _raise_priority() -> None:
     """Let the guard run as soon as it has work to do; its threads inherit the priority.
 
     Its work is short, and must not wait behind a program that works for long. Where the system
@@ -359,9 +361,7 @@ def _go_first() -> None:
     """
     if os.sched_getscheduler(0) != os.SCHED_OTHER:
         return  # the program has a policy of its own, and the guard has inherited it
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
-    except PermissionError:
+    if not set_realtime_priority(_PRIORITY):
         shorten_slice(_SLICE)
 
 
@@ -375,7 +375,7 @@ class _Relay(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Send the record to the program, or to syslog."""
         text = shortened(self.format(record))
-        if not self._guard.tell(Said(record.levelno, text)):
+        if not self._guard.tell(LogMessage(record.levelno, text)):
             syslog.syslog(syslog.LOG_CRIT, f"aioduco's guard: {text}")
 
 
@@ -393,7 +393,7 @@ def main(arguments: Sequence[str]) -> int:
     # Until the guard runs, it supervises no arm that it could stop.
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    _go_first()
+    _raise_priority()
     with handed_socket(arguments[0]) as program:
         program.setblocking(False)
         guard = Guard(program)

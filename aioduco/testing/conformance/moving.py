@@ -148,7 +148,7 @@ def _lost_connection(session: CheckSession) -> Found:
     goal[5] += _TURN
     over = threading.Event()
     thread = threading.Thread(
-        target=_lose, args=(session, goal, over), name="aioduco check", daemon=True
+        target=_call_and_disconnect, args=(session, goal, over), name="aioduco check", daemon=True
     )
     thread.start()
     moves = session.moves()
@@ -161,7 +161,7 @@ def _lost_connection(session: CheckSession) -> Found:
     return there, "the motion goes on to its target" if there else "the arm stops"
 
 
-def _lose(session: CheckSession, goal: list[float], over: threading.Event) -> None:
+def _call_and_disconnect(session: CheckSession, goal: list[float], over: threading.Event) -> None:
     """Call a blocking motion, and end its connection when `over` is set."""
     with contextlib.suppress(DucoError), session.another() as connection:
 

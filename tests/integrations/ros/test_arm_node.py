@@ -178,7 +178,7 @@ async def test_a_goal_that_is_left_is_stopped_at_once_if_asked_for(
         if lost == "client":
             client.here = False
         else:
-            await goals.abandon("the master is gone")
+            await goals.cancel_on_loss("the master is gone")
         await eventually_async(lambda: client.done)
         tasks.cancel_scope.cancel()
     # Not cancelled: a stop of the controller ended it.

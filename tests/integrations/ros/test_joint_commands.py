@@ -165,3 +165,13 @@ def test_parameters() -> None:
             settings_of(wrong)
     with pytest.raises(ParameterError):
         NodeSettings(host="a", command_timeout=0.0)
+
+
+@pytest.mark.parametrize(
+    "given", [{"hold_commands": True}, {"command_rate": 50.0}, {"command_timeout": 1.0}]
+)
+def test_a_driver_without_joint_commands_has_no_parameters_for_them(given: dict[str, Any]) -> None:
+    assert settings_of({"host": "a", "rate": 50}, joint_commands=False).rate == 50.0
+    with pytest.raises(ParameterError, match=r"must be one of host, .*, robot_ip") as refused:
+        settings_of({"host": "a", **given}, joint_commands=False)
+    assert not [each for each in given if each in str(refused.value).split("must be")[1]]

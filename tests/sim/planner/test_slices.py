@@ -16,7 +16,7 @@ from aioduco.sim.planner import timing, tracing
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import Path
 from aioduco.sim.planner.segments import joint_move, line_move, spiral_move, spline_move
-from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, no_turn, slices
+from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, no_yield, slices
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.weaving import Weave
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.slices import Turn
+    from aioduco.sim.planner.slices import YieldHook
 
 FIVE = arm("gcr5_910")
 HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
@@ -38,20 +38,24 @@ def shifted(q: Array, *by: float) -> Array:
     return pose
 
 
-def woven(q: Array, turn: Turn = no_turn, swings: int = 300, shape: int = 4) -> Segment:
+def woven(q: Array, yield_hook: YieldHook = no_yield, swings: int = 300, shape: int = 4) -> Segment:
     """A line of 0.3 m, with so many swings over it."""
     weave = Weave(WeaveShape(shape), WeavePlane.TOOL_XY, swings * 0.02 / 0.3, 0.004)
-    return line_move(FIVE, q, shifted(q, 0.0, 0.3, 0.0), 0.02, 1.0, weave=weave, turn=turn)
+    return line_move(
+        FIVE, q, shifted(q, 0.0, 0.3, 0.0), 0.02, 1.0, weave=weave, yield_hook=yield_hook
+    )
 
 
-def splined(q: Array, turn: Turn = no_turn) -> Segment:
+def splined(q: Array, yield_hook: YieldHook = no_yield) -> Segment:
     through = [shifted(q, 0.02 * math.sin(0.5 * i), 0.006 * i, 0.0) for i in range(1, 51)]
-    return spline_move(FIVE, q, through, 0.1, 1.0, turn=turn)
+    return spline_move(FIVE, q, through, 0.1, 1.0, yield_hook=yield_hook)
 
 
-def wound(q: Array, turn: Turn = no_turn) -> Segment:
+def wound(q: Array, yield_hook: YieldHook = no_yield) -> Segment:
     centre = shifted(q, 0.05, 0.0, 0.0)
-    return spiral_move(FIVE, q, centre, 100.0, 0.1, 1.0, axial=0.05, radius=0.01, turn=turn)
+    return spiral_move(
+        FIVE, q, centre, 100.0, 0.1, 1.0, axial=0.05, radius=0.01, yield_hook=yield_hook
+    )
 
 
 class Counter:
@@ -83,7 +87,7 @@ class Counter:
         self._since[what] = self._since.get(what, 0) + count
         self.most[what] = max(self.most.get(what, 0), self._since[what])
 
-    def turn(self) -> None:
+    def yield_hook(self) -> None:
         self.turns += 1
         self._since.clear()
 
@@ -93,7 +97,7 @@ def test_no_slice_is_longer_the_longer_the_path(
     plan: Callable[..., Segment], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     work, mover = Counter(monkeypatch), Mover(FIVE, HOME, CYCLE)
-    drafted = mover.draft(1, partial(plan, turn=work.turn)).work(work.turn)
+    drafted = mover.draft(1, partial(plan, yield_hook=work.yield_hook)).work(work.yield_hook)
     assert drafted.alone.limits is not None
     nodes = len(drafted.alone.limits.nodes)
     assert work.turns > nodes / SLICE
@@ -101,13 +105,13 @@ def test_no_slice_is_longer_the_longer_the_path(
     assert work.most["nodes"] <= SLICE
     assert work.most["samples"] <= LONG_SLICE + 1
     # What comes of it goes into the queue without any of this work; nor does it begin with it.
-    work.turn()
+    work.yield_hook()
     work.most.clear()
     assert mover.take(drafted)
     for _ in range(3):
         mover.tick()
         assert work.most.get("nodes", 0) <= SLICE
-        work.turn()
+        work.yield_hook()
     assert "poses" not in work.most
     assert mover.keys == (1,)
 
@@ -118,11 +122,13 @@ def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     mover.append(1, lambda q: line_move(FIVE, q, end, 0.1, 1.0, 0.01))
     mover.tick()
     work = Counter(monkeypatch)
-    drafted = mover.draft(2, partial(woven, turn=work.turn, swings=50)).work(work.turn)
+    drafted = mover.draft(2, partial(woven, yield_hook=work.yield_hook, swings=50)).work(
+        work.yield_hook
+    )
     assert drafted.joined is not None
     assert work.most["poses"] <= 2 * SLICE
     assert work.most["nodes"] <= SLICE + 1
-    work.turn()
+    work.yield_hook()
     work.most.clear()
     assert mover.take(drafted)
     assert work.most.get("nodes", 0) <= SLICE
@@ -145,12 +151,12 @@ def test_turns_change_nothing_of_a_plan() -> None:
 def test_a_plan_is_dropped_at_a_turn() -> None:
     left = iter(range(5))
 
-    def turn() -> None:
+    def yield_hook() -> None:
         if next(left, None) is None:
             raise PlanDropped
 
     with pytest.raises(PlanDropped):
-        Mover(FIVE, HOME, CYCLE).draft(1, partial(woven, turn=turn)).work(turn)
+        Mover(FIVE, HOME, CYCLE).draft(1, partial(woven, yield_hook=yield_hook)).work(yield_hook)
 
 
 def test_slices_are_whole_and_each_has_its_turn() -> None:
@@ -158,7 +164,7 @@ def test_slices_are_whole_and_each_has_its_turn() -> None:
     parts = list(slices(150, lambda: turns.append(None), 64))
     assert parts == [slice(0, 64), slice(64, 128), slice(128, 150)]
     assert len(turns) == 3
-    assert list(slices(0, no_turn)) == []
+    assert list(slices(0, no_yield)) == []
 
 
 # -- laws ------------------------------------------------------------------------------------------

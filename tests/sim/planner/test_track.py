@@ -9,6 +9,7 @@ import pytest
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
+from aioduco.sim.planner.follower import FollowError
 from aioduco.sim.planner.track_pool import CAPACITY, JointTrack, ToolTrack, TrackPool
 
 if TYPE_CHECKING:
@@ -198,3 +199,13 @@ def test_the_pool_takes_all_or_nothing() -> None:
     assert filled.put([((0.0,) * 6, None)] * (CAPACITY - 1))
     assert not filled.put([((0.0,) * 6, None)] * 2)
     assert len(filled) == CAPACITY - 1
+
+
+def test_a_point_that_left_the_pool_is_not_mistaken_for_another() -> None:
+    filled = pool([[float(number)] * 6 for number in range(4)])
+    filled.take_to(1)
+    assert filled.get(2) == ((2.0,) * 6, None)
+    assert filled.get(4) is None
+    for number in (0, 1):
+        with pytest.raises(FollowError, match="left the track pool"):
+            filled.get(number)

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import signal
 import time
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -46,6 +45,7 @@ from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.node_parameters import settings_of
 from aioduco.integrations.ros.ros1 import conversions
+from aioduco.integrations.ros.shutdown import cancel_on_signal
 from aioduco.integrations.ros.trajectory_goals import ErrorCode
 
 if TYPE_CHECKING:
@@ -93,7 +93,8 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
     rospy.init_node("duco", argv=["duco", *arguments], disable_signals=True)
     # From here on, rospy's threads keep the process alive until `signal_shutdown`.
     try:
-        settings = settings_of({**(rospy.get_param("~", {}) or {}), **parameters})
+        given = {**(rospy.get_param("~", {}) or {}), **parameters}
+        settings = settings_of(given, joint_commands=False)  # no topic takes them here
         anyio.run(_serve, settings)
     finally:
         rospy.signal_shutdown("the driver ends")
@@ -107,7 +108,7 @@ async def _serve(settings: NodeSettings) -> None:
     ):
         shell = _Shell(node, portal)
         rospy.on_shutdown(lambda: _quietly(portal, tasks.cancel_scope.cancel))
-        tasks.start_soon(_until_signal, tasks.cancel_scope)
+        tasks.start_soon(cancel_on_signal, tasks.cancel_scope)
         tasks.start_soon(shell.watch_master)
         tasks.start_soon(shell.serve_services)
         try:
@@ -133,13 +134,6 @@ async def _closes(connection: SocketStream, due: float) -> bool:
                 await connection.receive(1)
             return True
     return False
-
-
-async def _until_signal(scope: anyio.CancelScope) -> None:
-    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
-        async for _ in signals:
-            scope.cancel()
-            return
 
 
 def _without_request(
@@ -255,12 +249,12 @@ class _Shell:
             text = f"the goal cannot be read: {error!r}; nothing was sent"
             handle.set_rejected(conversions.result(ErrorCode.INVALID_GOAL, text), text)
             return
-        self._hand_over(self._submit, goal, handle.get_goal_id().id)
+        self._schedule(self._submit, goal, handle.get_goal_id().id)
 
     def _cancel_goal(self, handle: Any) -> None:
-        self._hand_over(self._cancel, handle.get_goal_id().id)
+        self._schedule(self._cancel, handle.get_goal_id().id)
 
-    def _hand_over(self, function: Callable[..., object], *values: object) -> None:
+    def _schedule(self, function: Callable[..., object], *values: object) -> None:
         """Schedule a call on the loop, without waiting for it."""
         try:
             self._portal.start_task_soon(function, *values)
@@ -309,7 +303,7 @@ class _Shell:
             if here is not was:
                 _log.warning("the ROS master %s", "is back" if here else "is gone: goals end")
             if not here:
-                await self._node.goals.abandon("the ROS master is gone")
+                await self._node.goals.cancel_on_loss("the ROS master is gone")
             passed = int((anyio.current_time() - start) / _LOOK_AT_MASTER)
             due = start + (passed + 1) * _LOOK_AT_MASTER
             # A dying master closes its connections: it is then checked again at once. The number of

@@ -438,7 +438,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     # -- commands and goals: on rclpy's thread ---------------------------------------------------
 
-    def _hand_over(self, function: Callable[..., object], *values: object) -> bool:
+    def _schedule(self, function: Callable[..., object], *values: object) -> bool:
         """Schedule a call on the loop, without waiting for it. Return whether it was scheduled."""
         try:
             self._portal.start_task_soon(function, *values)
@@ -448,10 +448,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     def _take_trajectory(self, message: Any) -> None:
         goal = conversions.trajectory(message)
-        self._hand_over(self._follow_trajectory, goal)
+        self._schedule(self._follow_trajectory, goal)
 
     def _take_command(self, message: Any) -> None:
-        self._hand_over(self._follow_command, list(message.name), list(message.position))
+        self._schedule(self._follow_command, list(message.name), list(message.position))
 
     def _judge_goal(self, request: Any) -> Any:
         del request
@@ -471,14 +471,14 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             text = f"the goal cannot be read: {error!r}; nothing was sent"
             return conversions.result(ErrorCode.INVALID_GOAL, text)
         handle.driver_goal = goal
-        if not self._hand_over(self._submit, goal):
+        if not self._schedule(self._submit, goal):
             handle.abort()
             return conversions.result(ErrorCode.INVALID_GOAL, _ENDS.message)
         return await goal.done
 
     def _cancel_goal(self, handle: Any) -> Any:
         goal = getattr(handle, "driver_goal", None)
-        if goal is None or not self._hand_over(self._cancel, goal):
+        if goal is None or not self._schedule(self._cancel, goal):
             return CancelResponse.REJECT
         return CancelResponse.ACCEPT
 
@@ -545,7 +545,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
         async def serve(request: Any, response: Any) -> Any:
             done = Future()
-            if not self._hand_over(run, request, done):
+            if not self._schedule(run, request, done):
                 done.set_result(_ENDS)
             response.success, response.message = await done
             return response

@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 import logging.handlers
 import queue
-import signal
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import Trigger
 
 from aioduco.integrations.ros.ros2._driver_node import DriverNode
+from aioduco.integrations.ros.shutdown import cancel_on_signal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -98,7 +98,7 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
         stop_node.create_service(Trigger, f"{node.get_fully_qualified_name()}/stop", node.stop)
         spinning = [_spinning(each, portal, fail) for each in (node, stop_node)]
         try:
-            tasks.start_soon(_until_signal, tasks.cancel_scope)
+            tasks.start_soon(cancel_on_signal, tasks.cancel_scope)
             if node.get_parameter("autostart").value:
                 await anyio.to_thread.run_sync(node.start, abandon_on_cancel=True)
             await anyio.sleep_forever()
@@ -136,10 +136,3 @@ def _spinning(
     thread = threading.Thread(target=spin, name=f"ros {node.get_name()}", daemon=True)
     thread.start()
     return executor, thread
-
-
-async def _until_signal(scope: anyio.CancelScope) -> None:
-    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
-        async for _ in signals:
-            scope.cancel()
-            return

@@ -1,0 +1,45 @@
+"""What the help of each command says of its options."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
+
+from aioduco.cli.app import app
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def commands(command: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Each command that does something, with the names that lead to it."""
+    inner = getattr(command, "commands", None)
+    if inner is None:
+        yield names, command
+        return
+    for name, each in inner.items():
+        yield from commands(each, *names, name)
+
+
+COMMANDS = dict(commands(get_command(app)))
+
+
+def said(text: str) -> str:
+    """Its words, without the frames of a terminal."""
+    return " ".join(re.sub(r"[│╭╮╰╯─]", " ", text.replace("`", "")).split())
+
+
+@pytest.mark.parametrize("names", COMMANDS, ids=" ".join)
+def test_help_shows_every_text_whole_units_included(names: tuple[str, ...]) -> None:
+    done = CliRunner().invoke(
+        app, [*names, "--help"], env={"COLUMNS": "400", "TERMINAL_WIDTH": "400"}
+    )
+    assert done.exit_code == 0
+    helps = [text for each in COMMANDS[names].params if (text := getattr(each, "help", None))]
+    assert helps
+    missing = [text for text in helps if said(text) not in said(done.stdout)]
+    assert not missing
