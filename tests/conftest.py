@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from collections import Counter
 from importlib import import_module
@@ -43,6 +44,18 @@ if TYPE_CHECKING:
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # MuJoCo loads what draws, which takes as long as the rest of it: see aioduco/_spawn.py.
 os.environ.setdefault("MUJOCO_GL", "disable")
+
+# A shell without job control starts what it puts into the background with this signal ignored, and
+# so would all programs of the tests, some of which are interrupted.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+#: what a test may not leave changed: the programs that later tests start would inherit it
+_SIGNALS = [
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGCHLD", "SIGPIPE")
+    if hasattr(signal, name)
+]
 
 _FAULTS = {False: 300, True: 2_000}
 _FRAMES = {False: 300, True: 3_000}
@@ -177,6 +190,18 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     Each process collects all tests, so the quick run takes fewer of them.
     """
     return quick.processors() + (4 if config.getoption("thorough") else 2)
+
+
+@pytest.fixture(autouse=True)
+def signals_as_before() -> Generator[None]:
+    """A test that leaves a signal ignored or handled fails, and not one of those after it."""
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+    yield
+    after = {number: signal.getsignal(number) for number in _SIGNALS}
+    for number in _SIGNALS:
+        if after[number] is not before[number]:
+            signal.signal(number, before[number])
+    assert after == before
 
 
 @pytest.fixture(scope="session")

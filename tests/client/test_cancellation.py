@@ -260,7 +260,8 @@ def test_ctrl_c_however_often_leaves_a_standing_arm(
         assert program.stdout is not None
         assert program.stdout.readline() == "moving\n"
         program.send_signal(signal.SIGINT)
-        eventually(lambda: bench.received("stop"))
+        eventually(lambda: bench.received("stop") or program.poll() is not None)
+        assert bench.received("stop"), program.communicate()
         for _ in range(interrupts - 1):
             # The arm is braking, and the program waits to see it stand.
             eventually(functools.partial(further, asked()))

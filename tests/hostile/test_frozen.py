@@ -14,7 +14,7 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import frozen
-from aioduco._spawn import MARK, children
+from aioduco._spawn import MARK
 
 from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM, TAP
 
@@ -195,15 +195,17 @@ def test_each_process_can_be_started_by_a_frozen_program() -> None:
         assert load() is import_module(name).main
 
 
-def test_a_frozen_program_without_a_console_ends_its_process(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_frozen_program_without_a_console_ends_its_process() -> None:
     """Without one, Python has no standard error."""
-    codes: list[int] = []
-    monkeypatch.setattr("sys.frozen", True, raising=False)
-    monkeypatch.setattr("sys.argv", ["program", MARK, "aioduco.supervision.guard.process", "x"])
-    monkeypatch.setattr("sys.stderr", None)
-    monkeypatch.setattr("os._exit", codes.append)
-    monkeypatch.setattr(children, "freeze_support_called", False)
-    aioduco.freeze_support()
-    assert codes == [1]
+    code = (
+        "import sys, aioduco\n"
+        f"sys.argv = ['program', {MARK!r}, 'aioduco.supervision.guard.process', 'no descriptor']\n"
+        "sys.frozen, sys.stderr = True, None\n"
+        "aioduco.freeze_support()\n"
+        "print('it returned')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 1
+    assert "it returned" not in done.stdout
