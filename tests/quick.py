@@ -26,12 +26,12 @@ T = TypeVar("T")
 #: cases of a test, by the beginning of its path: few where programs are started, where simulators
 #: run or where something is waited for
 CASES = {
-    "": 4,
+    "": 3,
     "adversity/": 1,
     "client/test_examples": 2,
-    "descriptions/": 3,
+    "descriptions/": 2,
     "hostile/": 1,
-    "interop/": 4,
+    "interop/": 3,
     "sim/": 1,
     "sim/test_fidelity": 8,
     "sim/test_message": 8,

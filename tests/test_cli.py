@@ -425,6 +425,7 @@ def test_demo_leaves_a_standing_arm_when_it_is_told_to_end(
         assert report["motions"][-1]["outcome"] == "stopped"
 
 
+@pytest.mark.slow
 def test_demo_reports_what_went_wrong() -> None:
     with Simulator(joints=LEFT) as sim:
         with process("demo", *address(sim), "--yes", "--no-plot") as demo:

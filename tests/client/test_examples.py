@@ -64,6 +64,7 @@ def test_on_a_given_address(name: str) -> None:
         assert words in said
 
 
+@pytest.mark.slow
 def test_without_an_address_on_a_simulated_arm() -> None:
     assert "back, within 0.0" in run(str(EXAMPLES / "01_connect_and_move.py"))
 

@@ -218,6 +218,7 @@ async def test_a_lost_router_changes_nothing_about_supervision(tmp_path: Path) -
         await robot.aclose()
 
 
+@pytest.mark.slow
 def test_a_gateway_that_is_told_to_end_stops_its_arms_first(tmp_path: Path) -> None:
     with simulators(1) as (sim,), ExitStack() as stack:
         fleet = Fleet(tmp_path, {"one": sim})

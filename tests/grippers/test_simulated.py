@@ -100,7 +100,7 @@ async def test_it_lifts_carries_and_puts_down(gripping: Any, seed: int) -> None:
     assert trial.succeeded, trial
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gripper", "mass", "force"), [("robotiq_2f85", 4.0, 20.0), ("vacuum", 9.0, None)]
 )

@@ -105,6 +105,7 @@ def test_a_pose_is_reached_by_any_configuration(scene: Scene, planner: Planner) 
     assert plan.check(scene)
 
 
+@pytest.mark.slow
 def test_a_pose_behind_a_slot_is_reached_by_whole_turns_and_close_to_things() -> None:
     """The nearest turns have no way, or the goals that have one are closer than the padding."""
     r = arm("gcr3_618").reach

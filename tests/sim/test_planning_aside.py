@@ -166,6 +166,7 @@ def test_without_a_clock_time_stands_while_a_motion_is_planned(
     robot.stop(True)
 
 
+@pytest.mark.slow
 def test_motions_come_in_the_order_of_their_calls(
     sim: Simulator, robot: Program, aside: Aside, parking: Parking, connect: Callable[..., Program]
 ) -> None:

@@ -226,7 +226,7 @@ def test_pause_and_resume_go_on_to_the_same_end(
     sim: Simulator, robot: Program, connect: Callable[..., Program]
 ) -> None:
     control = connect(sim)
-    id_ = robot.to(0.4, *READY[1:], v=0.1, block=False)
+    id_ = robot.to(0.4, *READY[1:], v=0.2, block=False)
     sim.wait_until(lambda: sim.joints[0] > 0.02)
     assert control.pause(True) == TaskState.FINISHED
     assert control.get_robot_state() == [6, 3, 5, 1]
@@ -437,6 +437,7 @@ def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Callable[..., Program])
         assert robot.get_last_error() == ["heartbeat lost: all tasks were stopped"]
 
 
+@pytest.mark.slow
 def test_a_lost_connection_stops_nothing_without_a_heartbeat(
     sim: Simulator, robot: Program, connect: Callable[..., Program]
 ) -> None:
