@@ -26,7 +26,6 @@ __all__ = ["Backoff", "RetryingReads"]
 #: first and longest pause before another attempt [s]
 FIRST: Final = 0.02
 LONGEST: Final = 1.0
-_DEFAULT: Final = -1.0
 
 
 class Backoff:
@@ -65,28 +64,22 @@ class RetryingReads:
         self.rpc: AsyncRpc = AsyncRpc(self.call)
         self.retries: int = 0
 
-    def within(self, timeout: float | None) -> AsyncRpc:
-        """Return the functions of the wire with another time limit; None for no limit."""
-        return AsyncRpc(lambda name, args: self.call(name, args, timeout))
-
-    async def call(self, name: str, args: tuple[Any, ...], timeout: float | None = _DEFAULT) -> Any:
+    async def call(self, name: str, args: tuple[Any, ...]) -> Any:
         """Call a function of the wire, as `WireLane.call`; a read is retried.
+
+        The lane's time limit holds for the whole call, with its retries.
 
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: maximum seconds for the whole call, with its retries; by default the lane's
-                limit. None for no limit; reads are then retried within the lane's limit.
         """
-        if timeout == _DEFAULT:
-            timeout = self._lane.call_timeout
+        limit = self._lane.call_timeout
         begin = time.monotonic()
         try:
-            return await self._lane.call(name, args, timeout)
+            return await self._lane.call(name, args, limit)
         except (ConnectError, ConnectionLost) as exc:
             if call_kind(name) is not CallKind.READ or isinstance(exc, ProtocolError):
                 raise
-            limit = self._lane.call_timeout if timeout is None else timeout
             return await self._again(name, args, begin + limit, exc)
 
     async def _again(self, name: str, args: tuple[Any, ...], until: float, error: Exception) -> Any:

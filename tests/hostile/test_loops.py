@@ -56,7 +56,7 @@ USES: dict[str, Callable[[aioduco.Robot, aioduco.Task], Any]] = {
     "end the task": lambda _, task: task.end(),
     "pause the task": lambda _, task: task.pause(),
     "resume the task": lambda _, task: task.resume(),
-    "forsake the task": lambda _, task: task._on_wait_cancelled(),
+    "cancel an await of the task": lambda _, task: task._on_wait_cancelled(),
     "open": lambda robot, _: robot.open(),
     "close": lambda robot, _: robot.aclose(),
 }
