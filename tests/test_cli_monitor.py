@@ -288,7 +288,7 @@ def terminal(*words: str, command: Sequence[str] = COMMAND) -> Iterator[Terminal
 
 
 def moving(sim: Simulator, robot: aioduco.sync.Robot, to: float) -> aioduco.sync.Task:
-    task = robot.motion.movej2.start((to, *HOME[1:]), v=0.3, a=2.0)
+    task = robot.motion.movej2.start((to, *HOME[1:]), v=0.05, a=2.0)
     wait_until_it_moves(sim)
     return task
 

@@ -148,7 +148,7 @@ def test_a_motion_is_paused_resumed_and_stopped_from_a_terminal() -> None:
             sim.host, sim.port, heartbeat=30.0, call_timeout=30.0, clock=sim.clock
         ) as robot,
     ):
-        task = moving(sim, robot, 2.0)
+        task = moving(sim, robot, 3.0)
         for words, typed in (("pause", ()), ("resume", YES), ("stop", ())):
             with terminal(words, f"{sim.host}:{sim.port}") as shell:
                 for text, keys in typed:
