@@ -190,7 +190,7 @@ def test_who_stops_pauses_and_resumes_leaves_the_supervision_to_the_program() ->
             sim.host, sim.port, heartbeat=30.0, call_timeout=30.0, clock=sim.clock
         ) as robot:
             away = (2.0, *HOME[1:])
-            task = robot.motion.movej2.start(away, v=0.2, a=1.0)
+            task = robot.motion.movej2.start(away, v=0.05, a=1.0)
             wait_until_it_moves(sim)
             assert run("pause", at(sim)).exit_code == 0
             assert not sim.moving

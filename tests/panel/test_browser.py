@@ -120,7 +120,7 @@ async def test_stop_in_mid_motion_needs_no_lease() -> None:
         browser() as chromium,
     ):
         page = await opened(chromium, panel.url)
-        task = await robot.motion.movej2((3.0, *HOME[1:]), v=0.2, a=1.0).start()
+        task = await robot.motion.movej2((3.0, *HOME[1:]), v=0.05, a=1.0).start()
         await page.wait_for_function("state.sample.moving")
         await page.click("#stop")
         with pytest.raises(aioduco.TaskStopped):

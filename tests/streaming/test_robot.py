@@ -288,7 +288,7 @@ async def test_no_motion_while_a_stream_is_open(robot: aioduco.Robot) -> None:
 
 async def test_no_stream_while_a_motion_is_under_way(robot: aioduco.Robot) -> None:
     target = [START[0] + 0.5, *START[1:]]
-    motion = await robot.motion.movej2(target, v=0.5, a=5.0).start()
+    motion = await robot.motion.movej2(target, v=0.05, a=5.0).start()
     with pytest.raises(RobotStateError, match=r"servoj was not opened: <Task .* movej2"):
         async with robot.servo.joints(v=1.0, a=8.0):
             raise AssertionError("entered")
