@@ -7,12 +7,19 @@ import os
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco.streaming.shared.ring import Ring
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from aioduco.streaming.shared.ring import SetPoint
 
 PRODUCER = """
 import mmap, os, sys, time
@@ -103,64 +110,56 @@ def test_a_counter_ahead_of_its_slot_is_harmless() -> None:
     assert second is None
 
 
-def run_producer(
+@contextmanager
+def hammered(
     capacity: int, count: int, *, latest: bool
-) -> tuple[Ring, subprocess.Popen[bytes]]:
+) -> Iterator[tuple[Ring, subprocess.Popen[bytes]]]:
+    """A ring, and a process that puts so many points into it as fast as it can."""
     descriptor = os.memfd_create("test-ring")
     size = Ring.size(capacity)
     os.ftruncate(descriptor, size)
     ring = Ring(memoryview(mmap.mmap(descriptor, size)), capacity)
-    producer = subprocess.Popen(
-        [
-            sys.executable,
-            "-c",
-            PRODUCER,
-            str(descriptor),
-            str(capacity),
-            str(count),
-            str(int(latest)),
-        ],
-        pass_fds=(descriptor,),
-    )
-    os.close(descriptor)
-    return ring, producer
+    numbers = map(str, (descriptor, capacity, count, int(latest)))
+    command = [sys.executable, "-c", PRODUCER, *numbers]
+    with subprocess.Popen(command, pass_fds=(descriptor,)) as producer:
+        os.close(descriptor)
+        try:
+            yield ring, producer
+        finally:
+            producer.kill()
+
+
+def awaited(take: Callable[[], SetPoint | None]) -> SetPoint:
+    """The next point, however long the producer waits for a processor."""
+    deadline = time.monotonic() + 60
+    while (point := take()) is None:
+        assert time.monotonic() < deadline
+        os.sched_yield()
+    return point
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize("capacity", [1, 2, 7, 64])
-def test_a_hammering_producer_loses_nothing_and_tears_nothing(capacity: int) -> None:
-    count = 30_000 if capacity > 2 else 3_000
-    ring, producer = run_producer(capacity, count, latest=False)
-    deadline = time.monotonic() + 40
-    expected = 1
-    while expected <= count:
-        point = ring.take()
-        if point is None:
-            assert time.monotonic() < deadline
-            os.sched_yield()
-            continue
-        assert point.stamp == expected
-        assert whole(point.stamp, point.values)
-        expected += 1
-    assert producer.wait(10) == 0
+@pytest.mark.parametrize(("capacity", "count"), [(1, 3_000), (2, 3_000), (7, 10_000), (64, 30_000)])
+def test_a_hammering_producer_loses_nothing_and_tears_nothing(capacity: int, count: int) -> None:
+    with hammered(capacity, count, latest=False) as (ring, producer):
+        for expected in range(1, count + 1):
+            point = awaited(ring.take)
+            assert point.stamp == expected
+            assert whole(point.stamp, point.values)
+        assert producer.wait(60) == 0
     assert ring.take() is None
 
 
 @pytest.mark.slow
 def test_a_hammering_producer_of_latest_never_goes_back_and_tears_nothing() -> None:
     count = 100_000
-    ring, producer = run_producer(4, count, latest=True)
-    deadline = time.monotonic() + 40
     last = seen = 0
-    while last < count:
-        assert time.monotonic() < deadline
-        point = ring.newest()
-        if point is None:
-            os.sched_yield()
-            continue
-        assert point.stamp > last
-        assert whole(point.stamp, point.values)
-        last = point.stamp
-        seen += 1
-    assert producer.wait(10) == 0
+    with hammered(4, count, latest=True) as (ring, producer):
+        while last < count:
+            point = awaited(ring.newest)
+            assert point.stamp > last
+            assert whole(point.stamp, point.values)
+            last = point.stamp
+            seen += 1
+        assert producer.wait(60) == 0
     assert ring.overwritten == count - seen
