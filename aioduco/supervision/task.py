@@ -323,7 +323,7 @@ class Task:
     async def _on_wait_cancelled(self) -> None:
         """Do what a cancelled await of this task does to the arm: see `on_cancel`."""
         if not self.done:
-            self._control.check_loop("await")
+            self._control.check_loop(f"await {self.name}")
         await self._control.cancelled_while_waiting(self)
 
     # The following methods are only for the supervision.

@@ -24,7 +24,6 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
-@pytest.mark.slow
 @pytest.mark.linux("os.fork")
 @pytest.mark.parametrize("lane", ["process", "thread"])
 def test_a_stream_goes_on_when_its_program_forks(sim: Simulator, lane: str) -> None:

@@ -110,7 +110,6 @@ def made() -> Iterator[Callable[..., Any]]:
         each.close()
 
 
-@pytest.mark.cases(1)
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("actions", ["cartesian", "joints"])
 @pytest.mark.parametrize("kind", ["", "wire-"])
