@@ -61,7 +61,7 @@ class Watch:
     """Watches a running simulator: its lock, and the work in the slices in which it plans [s]."""
 
     def __init__(self, sim: Simulator) -> None:
-        runtime: Any = sim._runtime
+        runtime: Any = sim._running().runtime
         planning = runtime.planning
         self.lock = runtime._lock = planning._lock = WatchedLock()
         self.slices: list[float] = []

@@ -136,8 +136,12 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         "refusal",
         "forgiving",
     },
-    "simulator": {
+    "assembly": {
         *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
+        *("runtime", "scene", "forgiving"),
+    },
+    "simulator": {
+        *("assembly", "cabinet", "controller", "physics", "view"),
         *("runtime", "clock", "scene", "process", "forgiving"),
     },
     "console": {"simulator"},

@@ -3,39 +3,29 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import math
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import anyio
 import anyio.to_thread
 import numpy as np
 
 from aioduco.kinematics import arm as arm_of
-from aioduco.models.gripper_models import GripperModel, gripper_model
+from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose
+from aioduco.sim.assembly import SimulatorAssembly, SimulatorSettings
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
-from aioduco.sim.cabinet.grippers import DhSlave, RobotiqSlave, ValveGripper
 from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import checked_speed
-from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
-from aioduco.sim.controller.state_machine import Controller
-from aioduco.sim.force.control import ForceControl
-from aioduco.sim.force.noise import SensorNoise
 from aioduco.sim.forgiving import Forgiving
-from aioduco.sim.handlers import Handlers
-from aioduco.sim.handlers.base import HandlerContext
-from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
-from aioduco.sim.physics.world import World, camera_of, pose_of
-from aioduco.sim.planner.mover import Mover
-from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
-from aioduco.sim.scene import gravity, mjcf_of, mounting_of
-from aioduco.sim.server import Server
-from aioduco.sim.server.status_server import StatusServer, frame_of
+from aioduco.sim.physics.world import camera_of, pose_of
+from aioduco.sim.runtime import SimulatedClock
+from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.view.camera import Camera, PictureMark, towards
-from aioduco.sim.view.render import PictureProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -48,14 +38,12 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.enums import OperationMode
     from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.models.status_frame import StatusFrame
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
     from aioduco.sim.cabinet.values import Value
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller.state_machine import ControllerState
     from aioduco.sim.controller.tasks import ControllerTask
-    from aioduco.sim.physics.gripper import Hand
     from aioduco.sim.process import SimulatorProcess
     from aioduco.sim.runtime import Observer
     from aioduco.sim.scene import MountingLike, SceneLike
@@ -158,47 +146,53 @@ class Simulator:
     ) -> None:
         if not 0.0 < cycle <= 0.004:
             raise ValueError(f"cycle is {cycle}, but must be above 0 and at most 0.004 s")
-        self._cycle = cycle
-        self._observer: Observer | None = None
-        self.arm: Arm = arm_of(model)
-        self._speed = speed
-        self.seed = seed
-        self._real_readings = real_readings
-        self._start = Joints.of(READY if joints is None else joints).array
         if heartbeat_slack is None:
             heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
         times = {"vibration_time": vibration_time, "program_lag": program_lag}
         for name, time in (times | {"heartbeat_slack": heartbeat_slack}).items():
             if not 0.0 <= time < math.inf:
                 raise ValueError(f"{name} is {time}, but must be from 0 s")
-        self._vibration_time, self._program_lag = vibration_time, program_lag
-        self._heartbeat_slack = heartbeat_slack
-        self.mounting: Pose = mounting_of(mounting, self.arm, pedestal)
-        self._pedestal = pedestal > 0.0
-        self._scene = None if scene is None else mjcf_of(scene)
-        self._tool = None if tool is None else mjcf_of(tool, free=False)
-        self.cabinet: Cabinet = Cabinet(SystemValues(values))
-        self.gripper: GripperModel | None = None if gripper is None else gripper_model(gripper)
-        if self.gripper is not None and tool is not None:
+        if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
+        self.arm: Final[Arm] = arm_of(model)
+        self.seed: Final = seed
+        self.mounting: Final[Pose] = mounting_of(mounting, self.arm, pedestal)
+        self.gripper: Final = None if gripper is None else gripper_model(gripper)
+        self.cabinet: Final[Cabinet] = Cabinet(SystemValues(values))
         self.cabinet.tooled = tool is not None or gripper is not None
         self.cabinet.project.add(programs or {})
-        self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes(external_axes)
-        self._forgiving = Forgiving(strict=strict)
-        self._address = (host, port)
-        self._status_address = status_port
-        self._status: StatusServer | None = None
-        self._rules = SignalRules()
+        self.external_axes: Final = SimulatedExternalAxes(external_axes)
+        self._settings = SimulatorSettings(
+            arm=self.arm,
+            cycle=cycle,
+            joints=Joints.of(READY if joints is None else joints).array,
+            mounting=self.mounting,
+            pedestal=pedestal > 0.0,
+            scene=None if scene is None else mjcf_of(scene),
+            tool=None if tool is None else mjcf_of(tool, free=False),
+            gripper=self.gripper,
+            host=host,
+            port=port,
+            status_port=status_port,
+            seed=seed,
+            real_readings=real_readings,
+            vibration_time=vibration_time,
+            program_lag=program_lag,
+            heartbeat_slack=heartbeat_slack,
+            cabinet=self.cabinet,
+            external_axes=self.external_axes,
+            rules=SignalRules(),
+            forgiving=Forgiving(strict=strict),
+        )
+        self._speed = speed
+        self._observer: Observer | None = None
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
-        self._server: Server | None = None
-        self._runtime: SimulationRuntime | None = None
-        self._controller: Controller | None = None
-        self._renderer: PictureProcess | None = None
-        self._world: World | None = None
+        self._assembly: SimulatorAssembly | None = None
+        self._closing = False
 
     def __repr__(self) -> str:
-        state = f"on {self.host}:{self.port}" if self._server is not None else "not running"
+        state = f"on {self.host}:{self.port}" if self._assembly is not None else "not running"
         return f"<{type(self).__name__} {self.arm.name} {state}>"
 
     # -- life ----------------------------------------------------------------------------------
@@ -211,99 +205,27 @@ class Simulator:
             SceneError: MuJoCo does not accept the MJCF of the scene or the tool.
             RuntimeError: The simulator is running already.
         """
-        if self._runtime is not None:
+        if self._assembly is not None:
             raise RuntimeError("this simulator is running already")
         self._halted.clear()
-        world = World(
-            self.arm,
-            self._cycle,
-            self._start,
-            scene=self._scene,
-            tool=self._tool,
-            mounting=self.mounting,
-            pedestal=self._pedestal,
-            gripper=self.gripper,
-        )
-
-        def mover(q: NDArray[np.float64]) -> Mover:
-            return Mover(self.arm, q, self._cycle, settling=settling)
-
-        def settling() -> float:
-            return self._vibration_time if controller.optimization.vibration else 0.0
-
-        force = ForceControl(self.arm, self._cycle, gravity(self.mounting))
-        controller = Controller(mover, self._start, force)
-        controller.program_lag = self._program_lag
-        controller.heartbeat.slack = self._heartbeat_slack
-        controller.rules = self._rules
-        controller.external_axes = self.external_axes
-        controller.collisions = CollisionDetector(np.array(self.arm.effort))
-        runtime = SimulationRuntime(
-            controller,
-            world,
-            cycle=self._cycle,
-            effort=self.arm.effort,
-            speed=self._speed,
-            sense=SensorNoise(self.seed) if self._real_readings else lambda wrench: wrench,
-            on_network=self._network,
-        )
-        runtime.observer = self._observer
-        self._connect_gripper(world.hand, runtime)
-        series, _, model = self.arm.name.upper().partition("_")
-        context = HandlerContext(
-            self.arm,
-            runtime,
-            controller.signals,
-            controller.frames,
-            series,
-            model,
-            f"SIM{self.seed:08d}",
-            self.cabinet,
-            self._forgiving,
-            self.mounting,
-        )
-        answering = (SinglePrecisionHandlers if self._real_readings else Handlers)(context)
-        server = Server(answering, host=self._address[0], port=self._address[1])
-        server.start()
-        if self._status_address is not None:
-
-            def frame() -> StatusFrame:
-                return frame_of(answering, simulated=runtime.snapshot.view.simulation)
-
-            status = StatusServer(frame, host=self.host, port=self._status_address)
-            try:
-                status.start()
-            except OSError:
-                server.close()
-                raise
-            self._status = status
-        self._server, self._runtime, self._controller = server, runtime, controller
-        self._renderer = PictureProcess(world.model)
-        self._world = world
+        assembly = SimulatorAssembly(self._settings, speed=self._speed, on_network=self._network)
+        assembly.runtime.observer = self._observer
+        self._assembly = assembly
         # If the interpreter exits during a simulation, it frees memory that a step still uses.
         atexit.register(self.close)
-        runtime.start()
+        assembly.runtime.start()
         return self
 
     def close(self) -> None:
         """Cut the connections, stop the simulation, and wait until its threads have ended."""
         atexit.unregister(self.close)
-        server, runtime = self._server, self._runtime
-        self._server = None
-        if runtime is None or server is None:
+        if self._assembly is None or self._closing:
             return
-        runtime.release()
-        if self._status is not None:
-            self._status.close()
-            self._status = None
+        self._closing = True
         try:
-            server.close()
+            self._assembly.close()
         finally:
-            runtime.close()
-            self._runtime = self._controller = None
-            renderer, self._renderer = self._renderer, None
-            if renderer is not None:
-                renderer.close()
+            self._assembly, self._closing = None, False
 
     def __enter__(self) -> Self:
         return self.start()
@@ -351,42 +273,44 @@ class Simulator:
     @property
     def host(self) -> str:
         """The address on which the simulator listens."""
-        return self._address[0]
+        return self._settings.host
 
     @property
     def port(self) -> int:
         """The TCP port on which the simulator listens; before the start 0 for any free port."""
-        return self._address[1] if self._server is None else self._server.port
+        return self._settings.port if self._assembly is None else self._assembly.server.port
 
     @property
     def status_port(self) -> int | None:
         """The TCP port of status frames; None if there is none."""
-        return self._status_address if self._status is None else self._status.port
+        if self._assembly is None or self._assembly.status is None:
+            return self._settings.status_port
+        return self._assembly.status.port
 
     @property
     def scene(self) -> str | None:
         """The things around the arm: MJCF, or the path of an MJCF file; None for nothing."""
-        return self._scene
+        return self._settings.scene
 
     @property
     def tool(self) -> str | None:
         """The things that the flange carries, in the same forms."""
-        return self._tool
+        return self._settings.tool
 
     @property
     def pedestal(self) -> bool:
         """Whether the arm stands on a column."""
-        return self._pedestal
+        return self._settings.pedestal
 
     @property
     def connections(self) -> int:
         """Number of connected clients."""
-        return 0 if self._server is None else self._server.connections
+        return 0 if self._assembly is None else self._assembly.server.connections
 
     @property
     def time(self) -> float:
         """Simulated time since the start [s]."""
-        return self._running().snapshot.time
+        return self._running().runtime.snapshot.time
 
     @property
     def clock(self) -> SimulatedClock:
@@ -396,7 +320,7 @@ class Simulator:
 
         It can be held: simulated time stands still while the program ends a motion at its due time.
         """
-        return SimulatedClock(self._running())
+        return SimulatedClock(self._running().runtime)
 
     @property
     def speed(self) -> float:
@@ -406,13 +330,13 @@ class Simulator:
     @speed.setter
     def speed(self, speed: float) -> None:
         self._speed = checked_speed(speed)
-        if self._runtime is not None:
-            self._runtime.set_speed(speed)
+        if self._assembly is not None:
+            self._assembly.runtime.set_speed(speed)
 
     @property
     def joints(self) -> Joints:
         """Joints of the real arm [rad], also while its controller only simulates."""
-        return Joints.of(self._running().snapshot.positions[:6])
+        return Joints.of(self._running().runtime.snapshot.positions[:6])
 
     @property
     def moving(self) -> bool:
@@ -426,7 +350,7 @@ class Simulator:
     @property
     def view(self) -> ControllerState:
         """The controller's states, error list, tool and work object at this instant."""
-        return self._running().snapshot.view
+        return self._running().runtime.snapshot.view
 
     @property
     def halted(self) -> bool:
@@ -436,11 +360,11 @@ class Simulator:
     @property
     def tasks(self) -> tuple[ControllerTask, ...]:
         """The tasks that have not ended, oldest first."""
-        return self._running_controller().tasks.unfinished()
+        return self._running().controller.tasks.unfinished()
 
     def task(self, id: int) -> ControllerTask | None:  # noqa: A002 - what it is
         """A task that runs or has ended, by its id; None if it is unknown or no longer stored."""
-        return self._running_controller().tasks.get(id)
+        return self._running().controller.tasks.get(id)
 
     def observe(self, observer: Observer | None) -> None:
         """Set the function that is called after every cycle, in place of an earlier one.
@@ -450,26 +374,26 @@ class Simulator:
                 the cycle and with a function that describes the arm's contacts; None for nothing.
         """
         self._observer = observer
-        if self._runtime is not None:
-            self._runtime.observer = observer
+        if self._assembly is not None:
+            self._assembly.runtime.observer = observer
 
     def get_digital_output(self, num: int) -> bool:
         """State of a general output of the cabinet, 1 to 16."""
-        return self._running_controller().signals.standard_out.level(num, self.time)
+        return self._running().controller.signals.standard_out.level(num, self.time)
 
     @property
     def forgiven(self) -> dict[str, int]:
         """Number of accepted deviations from the manual, by kind; empty if there was none."""
-        return self._forgiving.counts
+        return self._settings.forgiving.counts
 
     @property
     def signals(self) -> Signals:
         """Every signal and register by number, such as `sim.signals.voltage_in[2] = 5.0`."""
-        return self._running_controller().signals
+        return self._running().controller.signals
 
     def statistics(self) -> LoopStatistics:
         """Timing of the controller's cycles."""
-        return self._running().statistics()
+        return self._running().runtime.statistics()
 
     def wait_until(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
         """Wait until a condition holds.
@@ -484,7 +408,7 @@ class Simulator:
         Raises:
             TimeoutError: The condition did not hold in time.
         """
-        if not self._running().wait_until(predicate, timeout):
+        if not self._running().runtime.wait_until(predicate, timeout):
             raise TimeoutError(f"it did not come to hold within {timeout} s of simulated time")
 
     async def wait_until_async(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
@@ -493,18 +417,18 @@ class Simulator:
 
     def drop_connections(self) -> int:
         """Cut every connection, like a pulled cable, and return their number."""
-        return 0 if self._server is None else self._server.drop()
+        return 0 if self._assembly is None else self._assembly.server.drop()
 
     # -- actions of a person at the machine -----------------------------------------------------
 
     def set_digital_input(self, num: int, value: bool) -> None:
         """Set a general input of the cabinet, 1 to 16."""
-        with self._running().command() as controller:
+        with self._running().runtime.command() as controller:
             controller.signals.standard_in[num] = value
 
     def set_tool_digital_input(self, num: int, value: bool) -> None:
         """Set an input of the tool, 1 or 2."""
-        with self._running().command() as controller:
+        with self._running().runtime.command() as controller:
             controller.signals.tool_in[num] = value
 
     def rule(
@@ -533,11 +457,10 @@ class Simulator:
             ValueError: There is no such signal, or the time is negative.
         """
         rule = SignalRule(output, input, after, inverted)
-        if self._runtime is None:
-            self._rules.add(rule)
-            return
-        with self._runtime.command():
-            self._rules.add(rule)
+        with contextlib.ExitStack() as stack:
+            if self._assembly is not None:
+                stack.enter_context(self._assembly.runtime.command())
+            self._settings.rules.add(rule)
 
     def switch_mode(self, mode: OperationMode) -> None:
         """Turn the mode switch of the cabinet; running motions and programs are paused.
@@ -547,24 +470,24 @@ class Simulator:
         Args:
             mode: manual, automatic or remote.
         """
-        with self._running().command() as controller:
+        with self._running().runtime.command() as controller:
             controller.switch_mode(mode)
 
     def emergency_stop(self) -> None:
         """Press the emergency stop."""
-        with self._running().command() as controller:
+        with self._running().runtime.command() as controller:
             controller.press_emergency_stop()
 
     def release_emergency_stop(self) -> None:
         """Release the emergency stop; then power off, power on and enable end the stop."""
-        with self._running().command() as controller:
+        with self._running().runtime.command() as controller:
             controller.release_emergency_stop()
 
     def collide(self, joint: int) -> None:
         """Make a joint, 1 to 6, detect a collision, unless a program has switched detection off."""
         if not 1 <= joint <= 6:
             raise ValueError(f"joint is {joint}, but must be from 1 to 6")
-        with self._running().command() as controller:
+        with self._running().runtime.command() as controller:
             if controller.collisions.level:
                 controller.collide(joint)
 
@@ -576,7 +499,7 @@ class Simulator:
         """
         if len(wrench) != 6:
             raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
-        self._running().push(wrench)
+        self._running().runtime.push(wrench)
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Mount a load at the flange, whatever load the program sets.
@@ -591,7 +514,7 @@ class Simulator:
         """
         if not (math.isfinite(mass) and mass >= 0.0) or len(centre) != 3:
             raise ValueError(f"a load of {mass} kg at {centre} cannot be")
-        self._running().carry(mass, centre)
+        self._running().runtime.carry(mass, centre)
 
     # -- step by step ---------------------------------------------------------------------------
 
@@ -602,11 +525,11 @@ class Simulator:
         same cycles have the same effect in every run. Calls are answered meanwhile; calls that wait
         for the end of a task need `advance`.
         """
-        self._running().lock()
+        self._running().runtime.lock()
 
     def unlock_time(self) -> None:
         """Unlock simulated time, so that it runs by itself again."""
-        self._running().unlock()
+        self._running().runtime.unlock()
 
     def advance(self, cycles: int) -> None:
         """Run a number of cycles, as fast as possible, and return when they have run.
@@ -621,7 +544,7 @@ class Simulator:
         """
         if cycles < 1:
             raise ValueError(f"cycles is {cycles}, but must be at least 1")
-        self._running().advance(cycles)
+        self._running().runtime.advance(cycles)
 
     def arrange(self, things: Mapping[str, PoseLike]) -> None:
         """Place things, the rest of the scene as at the start, and the arm at its set-point.
@@ -636,7 +559,7 @@ class Simulator:
             ParameterError: there is no such thing.
             RuntimeError: simulated time is not locked.
         """
-        self._running().arrange(things)
+        self._running().runtime.arrange(things)
 
     # -- observing the arm ----------------------------------------------------------------------
 
@@ -654,18 +577,16 @@ class Simulator:
         Raises:
             ParameterError: there is no such thing.
         """
-        self._running()
-        assert self._world is not None
-        return self._world.place(name)
+        return self._running().world.place(name)
 
     @property
     def positions(self) -> NDArray[np.float64]:
         """Positions of all moving parts, for `render`: the joints, the tool, the scene."""
-        return self._running().snapshot.positions.copy()
+        return self._running().runtime.snapshot.positions.copy()
 
     def instant(self) -> tuple[float, NDArray[np.float64]]:
         """Simulated time [s], and the positions at that time, for `render`."""
-        snapshot = self._running().snapshot
+        snapshot = self._running().runtime.snapshot
         return snapshot.time, snapshot.positions.copy()
 
     def field_of_view(self, camera: str) -> float:
@@ -687,9 +608,7 @@ class Simulator:
         return self._camera(camera)[1]
 
     def _camera(self, name: str) -> tuple[float, NDArray[np.float64]]:
-        positions = self.positions
-        assert self._renderer is not None
-        return camera_of(self._renderer.model, name, positions)
+        return camera_of(self._running().pictures.model, name, self.positions)
 
     def render(
         self,
@@ -721,9 +640,8 @@ class Simulator:
             RenderError: This computer has no OpenGL for off-screen drawing.
         """
         shown = self.positions if positions is None else positions
-        assert self._renderer is not None
         seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._renderer.picture(shown, width, height, seen, marks)
+        return self._running().pictures.picture(shown, width, height, seen, marks)
 
     def render_depth(
         self,
@@ -739,9 +657,8 @@ class Simulator:
             Distances along the camera's axis [m]. Shape (height, width).
         """
         shown = self.positions if positions is None else positions
-        assert self._renderer is not None
         seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._renderer.depth(shown, width, height, seen)
+        return self._running().pictures.depth(shown, width, height, seen)
 
     def window(self) -> Viewer:
         """Open MuJoCo's window with the arm; it needs a display.
@@ -761,45 +678,20 @@ class Simulator:
         """
         from aioduco.sim.view.viewer import Viewer  # noqa: PLC0415 - for those who have a display
 
-        self._running()
-        assert self._renderer is not None
-        return Viewer(
-            self._renderer.model, lambda: self.positions, towards(self.arm, self.mounting)
-        )
-
-    def _connect_gripper(self, hand: Hand | None, runtime: SimulationRuntime) -> None:
-        """Connect the gripper's electronics to its port, or to its signals."""
-        self._rules.devices.clear()
-        if hand is None:
-            return
-        maker, _, _ = hand.gripper.name.partition("_")
-        if maker == "robotiq":
-            self.cabinet.tool_serial.peer = RobotiqSlave(hand)
-        elif maker == "dh":
-            self.cabinet.tool_serial.peer = DhSlave(hand)
-        else:
-            self._rules.devices.append(ValveGripper(hand))
-        # The gripped thing itself is the load, whatever load the program sets.
-        runtime.carry(0.0, (0.0, 0.0, 0.0))
+        model = self._running().pictures.model
+        return Viewer(model, lambda: self.positions, towards(self.arm, self.mounting))
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _running(self) -> SimulationRuntime:
-        if self._runtime is None:
+    def _running(self) -> SimulatorAssembly:
+        if self._assembly is None:
             raise RuntimeError("this simulator is not running: enter it by `with` or `async with`")
-        return self._runtime
-
-    def _running_controller(self) -> Controller:
-        self._running()
-        assert self._controller is not None
-        return self._controller
+        return self._assembly
 
     def _network(self, up: bool | None) -> None:
         """Handle the network: it is up (True), down for a restart (False), or for good (None)."""
-        if self._server is not None:
-            self._server.refuse(not up, last_answers=up is None)
-        if self._status is not None:
-            self._status.refuse(not up)
+        if self._assembly is not None:
+            self._assembly.refuse_clients(not up, last_answers=up is None)
         if up is None:
             self._halted.set()
             self._on_shutdown()

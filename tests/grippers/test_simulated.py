@@ -238,7 +238,7 @@ def test_for_programs_that_wait() -> None:
 
 def test_without_a_gripper_the_model_is_what_it_was() -> None:
     with Simulator(speed=math.inf) as sim:
-        model = sim._renderer.model  # type: ignore[union-attr]  # it runs
+        model = sim._running().pictures.model
         assert (model.nq, model.nu, model.neq, model.ntendon) == (6, 6, 0, 0)
         assert model.opt.impratio == 1.0
         assert sim.gripper is None

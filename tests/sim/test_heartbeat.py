@@ -60,7 +60,7 @@ def test_a_beat_without_a_time_agrees_on_a_second() -> None:
 )
 def test_the_slack_of_a_simulator(options: dict[str, Any], slack: float) -> None:
     with Simulator(**options) as sim:
-        assert sim._running_controller().heartbeat.slack == slack
+        assert sim._running().controller.heartbeat.slack == slack
 
 
 def test_a_slack_below_zero_is_refused() -> None:
@@ -83,7 +83,7 @@ def test_a_program_that_beats_once_a_second_keeps_its_arm_moving() -> None:
 
 
 def overdue(sim: Simulator) -> bool:
-    due = sim._running_controller().heartbeat._due
+    due = sim._running().controller.heartbeat._due
     return due is not None and time.monotonic() > due
 
 

@@ -86,8 +86,7 @@ def line(robot: Program, *, y: float = 0.1, block: bool = False) -> int:
 
 
 def controller_of(sim: Simulator) -> Controller:
-    assert sim._runtime is not None
-    return sim._runtime._controller
+    return sim._running().controller
 
 
 def weave(robot: Program) -> None:
@@ -145,8 +144,7 @@ def test_the_arm_goes_on_while_the_next_motion_is_planned(
     sim.wait_until(lambda: sim.time > begun + 0.2)
     assert robot.get_actual_joints_position()[0] > at + 0.02
     # Who gives a command meanwhile does not wait for many cycles that were slept past.
-    assert sim._runtime is not None
-    batches = sim._runtime._batches
+    batches = sim._running().runtime._batches
     sim.wait_until(lambda: sim.time > begun + 0.3)
     assert not batches.asleep
     robot.stop(True)

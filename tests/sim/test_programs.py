@@ -106,7 +106,7 @@ def test_its_motions_blend(cell: Simulator, program: Program) -> None:
     assert program.get_noneblock_taskstate(id_) in (TaskState.IDLE, TaskState.RUNNING)
     cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.FINISHED)
     for known in range(id_ + 1, id_ + 4):
-        task = cell._running_controller().tasks.get(known)
+        task = cell._running().controller.tasks.get(known)
         assert task is not None
         seen.append(f"{task.name} {task.state.name}")
     assert seen == ["movej2 INTERRUPT", "movej2 INTERRUPT", "movej2 FINISHED"]

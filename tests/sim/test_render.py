@@ -96,8 +96,7 @@ def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.slow
 def test_a_process_that_is_killed_is_said_and_replaced(sim: Simulator) -> None:
     sim.render(width=10, height=10)
-    assert sim._renderer is not None
-    process = sim._renderer._process
+    process = sim._running().pictures._process
     assert process is not None
     process.popen.kill()
     with pytest.raises(RenderError, match="has ended"):

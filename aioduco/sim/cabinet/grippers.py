@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco.models.gripper_models import GripperModel
     from aioduco.sim.cabinet.signals import Signals
 
-__all__ = ["DhSlave", "Fingers", "RobotiqSlave", "ValveGripper"]
+__all__ = ["DhSlave", "Fingers", "RobotiqSlave", "ValveGripper", "slave_of"]
 
 
 class FingerReading(Protocol):
@@ -266,3 +266,11 @@ class ValveGripper:
         if model.stroke:
             inputs[self.OPENED] = rests and reading.opening > model.stroke - 1e-3
             inputs[self.SHUT] = rests and reading.opening < 1e-3
+
+
+def slave_of(fingers: Fingers) -> RtuSlave | None:
+    """Make the Modbus slave of a gripper; None for one that outputs of the cabinet drive."""
+    maker, _, _ = fingers.gripper.name.partition("_")
+    if maker == "robotiq":
+        return RobotiqSlave(fingers)
+    return DhSlave(fingers) if maker == "dh" else None

@@ -1,0 +1,217 @@
+"""The running parts of a simulator: built when it starts, taken down when it closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.sim.cabinet.grippers import ValveGripper, slave_of
+from aioduco.sim.controller.monitoring import CollisionDetector
+from aioduco.sim.controller.state_machine import Controller
+from aioduco.sim.force.control import ForceControl
+from aioduco.sim.force.noise import SensorNoise
+from aioduco.sim.handlers import Handlers
+from aioduco.sim.handlers.base import HandlerContext
+from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.runtime import SimulationRuntime
+from aioduco.sim.scene import gravity
+from aioduco.sim.server import Server
+from aioduco.sim.server.status_server import StatusServer, frame_of
+from aioduco.sim.view.render import PictureProcess
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.gripper_models import GripperModel
+    from aioduco.models.pose import Pose
+    from aioduco.models.status_frame import StatusFrame
+    from aioduco.sim.cabinet import Cabinet
+    from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
+    from aioduco.sim.controller.signal_rules import SignalRules
+    from aioduco.sim.forgiving import Forgiving
+    from aioduco.sim.physics.gripper import Hand
+
+__all__ = ["SimulatorAssembly", "SimulatorSettings"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulatorSettings:
+    """What a simulator is built from: the arguments of `Simulator`, checked.
+
+    The objects among them outlast a run: the cabinet and its signal rules, the external axes, and
+    the count of accepted deviations.
+    """
+
+    arm: Arm
+    #: duration of one cycle [s]
+    cycle: float
+    #: joints at the start [rad]
+    joints: NDArray[np.float64]
+    #: pose of the base in the world
+    mounting: Pose
+    #: whether the arm stands on a column
+    pedestal: bool
+    #: MJCF, or the path of an MJCF file
+    scene: str | None
+    tool: str | None
+    gripper: GripperModel | None
+    host: str
+    #: 0 for any free port
+    port: int
+    #: None for no status frames
+    status_port: int | None
+    seed: int
+    real_readings: bool
+    #: [s]
+    vibration_time: float
+    program_lag: float
+    heartbeat_slack: float
+    cabinet: Cabinet
+    external_axes: SimulatedExternalAxes
+    rules: SignalRules
+    forgiving: Forgiving
+
+
+class SimulatorAssembly:
+    """World, controller, simulation thread, servers and picture process of one run.
+
+    When it is made, the servers listen, but simulated time does not run yet: `runtime.start` starts
+    it.
+
+    Args:
+        settings: what to build.
+        speed: simulated seconds per real second.
+        on_network: called when the network goes down for a restart (False), is up again (True), or
+            goes down for good (None).
+
+    Raises:
+        OSError: A server cannot listen on its address.
+        SceneError: MuJoCo does not accept the MJCF of the scene or the tool.
+    """
+
+    def __init__(
+        self,
+        settings: SimulatorSettings,
+        *,
+        speed: float,
+        on_network: Callable[[bool | None], None],
+    ) -> None:
+        arm, cycle = settings.arm, settings.cycle
+        self.world = World(
+            arm,
+            cycle,
+            settings.joints,
+            scene=settings.scene,
+            tool=settings.tool,
+            mounting=settings.mounting,
+            pedestal=settings.pedestal,
+            gripper=settings.gripper,
+        )
+        self.controller = _controller(settings)
+        self.runtime = SimulationRuntime(
+            self.controller,
+            self.world,
+            cycle=cycle,
+            effort=arm.effort,
+            speed=speed,
+            sense=SensorNoise(settings.seed) if settings.real_readings else lambda wrench: wrench,
+            on_network=on_network,
+        )
+        settings.rules.devices.clear()
+        if self.world.hand is not None:
+            self._connect_gripper(self.world.hand, settings)
+        handlers = _handlers(settings, self.controller, self.runtime)
+        self.server = Server(handlers, host=settings.host, port=settings.port)
+        self.server.start()
+        self.status: StatusServer | None = None
+        if settings.status_port is not None:
+            try:
+                self.status = self._status(handlers, settings.host, settings.status_port)
+            except OSError:
+                self.server.close()
+                raise
+        self.pictures = PictureProcess(self.world.model)
+
+    def _connect_gripper(self, hand: Hand, settings: SimulatorSettings) -> None:
+        slave = slave_of(hand)
+        if slave is None:
+            settings.rules.devices.append(ValveGripper(hand))
+        else:
+            settings.cabinet.tool_serial.peer = slave
+        # The gripped thing itself is the load, whatever load the program sets.
+        self.runtime.carry(0.0, (0.0, 0.0, 0.0))
+
+    def _status(self, handlers: Handlers, host: str, port: int) -> StatusServer:
+        def frame() -> StatusFrame:
+            return frame_of(handlers, simulated=self.runtime.snapshot.view.simulation)
+
+        status = StatusServer(frame, host=host, port=port)
+        status.start()
+        return status
+
+    def refuse_clients(self, refused: bool, *, last_answers: bool = False) -> None:
+        """Refuse clients or accept them again, on every port.
+
+        Args:
+            refused: whether to refuse them.
+            last_answers: whether calls under way are answered before.
+        """
+        self.server.refuse(refused, last_answers=last_answers)
+        if self.status is not None:
+            self.status.refuse(refused)
+
+    def close(self) -> None:
+        """Cut the connections, stop the simulation, and wait until its threads have ended."""
+        self.runtime.release()
+        if self.status is not None:
+            self.status.close()
+        try:
+            self.server.close()
+        finally:
+            self.runtime.close()
+            self.pictures.close()
+
+
+def _controller(settings: SimulatorSettings) -> Controller:
+    arm, cycle = settings.arm, settings.cycle
+
+    def mover(q: NDArray[np.float64]) -> Mover:
+        return Mover(arm, q, cycle, settling=settling)
+
+    def settling() -> float:
+        return settings.vibration_time if controller.optimization.vibration else 0.0
+
+    force = ForceControl(arm, cycle, gravity(settings.mounting))
+    controller = Controller(mover, settings.joints, force)
+    controller.program_lag = settings.program_lag
+    controller.heartbeat.slack = settings.heartbeat_slack
+    controller.rules = settings.rules
+    controller.external_axes = settings.external_axes
+    controller.collisions = CollisionDetector(np.array(arm.effort))
+    return controller
+
+
+def _handlers(
+    settings: SimulatorSettings, controller: Controller, runtime: SimulationRuntime
+) -> Handlers:
+    series, _, model = settings.arm.name.upper().partition("_")
+    context = HandlerContext(
+        settings.arm,
+        runtime,
+        controller.signals,
+        controller.frames,
+        series,
+        model,
+        f"SIM{settings.seed:08d}",
+        settings.cabinet,
+        settings.forgiving,
+        settings.mounting,
+    )
+    return (SinglePrecisionHandlers if settings.real_readings else Handlers)(context)
