@@ -11,10 +11,11 @@ import contextlib
 import runpy
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import aioduco
 import aioduco.sync
+from aioduco.streaming.options import Feeding
 from aioduco.streaming.realtime import RealtimeStreams
 from aioduco.supervision.state_feed import StateFeed
 
@@ -28,19 +29,29 @@ SAMPLE_PATIENCE = 10.0
 #: s that a stream's controller may take for an answer by default
 ANSWER_PATIENCE = 10.0
 #: how streams through the realtime queue are opened then, which else may run dry for 20 ms only
-PATIENT_QUEUE = {"com_lost_time": 0.5, "depth": 100}
+PATIENT_QUEUE = {"com_lost_time": 10.0, "depth": 100}
+#: s for which a program may send such a stream nothing
+HOLD_PATIENCE = 10.0
 
 
 @contextlib.contextmanager
 def patient_queue() -> Iterator[None]:
     """Make these the defaults of the realtime queue's streams for a while."""
-    stream = RealtimeStreams.stream
-    before = stream.__kwdefaults__ or {}
-    stream.__kwdefaults__ = {**before, **PATIENT_QUEUE}
+    with (
+        _defaults(RealtimeStreams.stream, PATIENT_QUEUE),
+        _defaults(Feeding.__init__, {"hold": HOLD_PATIENCE}),
+    ):
+        yield
+
+
+@contextlib.contextmanager
+def _defaults(function: Any, values: dict[str, float]) -> Iterator[None]:
+    before = function.__kwdefaults__ or {}
+    function.__kwdefaults__ = {**before, **values}
     try:
         yield
     finally:
-        stream.__kwdefaults__ = before
+        function.__kwdefaults__ = before
 
 
 def be_patient() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 from contextlib import asynccontextmanager
@@ -243,18 +242,14 @@ def test_the_example() -> None:
     root = Path(__file__).parents[2]
     example = root / "examples" / "16_plan_round_obstacle.py"
     command = [sys.executable, "-W", "error", str(root / "tests" / "patient.py"), str(example)]
-    for _ in range(5):
-        with Simulator.spawn(scene=[BOARD], joints=list(LEFT)) as sim:
-            done = subprocess.run(
-                [*command, sim.host, "--port", str(sim.port)],
-                capture_output=True,
-                text=True,
-                timeout=100,
-                check=False,
-            )
-        # On a machine that is too busy for its set-points, a stream ends, as it should.
-        if not re.search("StreamStarved|StreamRefused", done.stderr):
-            break
+    with Simulator.spawn(scene=[BOARD], joints=list(LEFT)) as sim:
+        done = subprocess.run(
+            [*command, sim.host, "--port", str(sim.port)],
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=False,
+        )
     assert (complaints(done.stderr), done.returncode) == ("", 0)
     assert "on the right side\non the left side again, round a ball" in done.stdout
 

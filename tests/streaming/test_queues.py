@@ -228,7 +228,9 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
 async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     controller: Controller, queue: Cycles
 ) -> None:
-    """The controller has left realtime mode by itself, and says nothing."""
+    """The controller has left realtime mode by itself, and only its error list says why."""
+    errors = ["an older one", "no data for 0.02 s"]
+    controller.server.answer("get_last_error", errors)
     opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=5.0, options=THREAD
     )
@@ -240,7 +242,7 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
                 if n == 100:
                     controller.server.answer("get_realtime_data_queue_size", 40)
 
-    with pytest.raises(StreamRefused, match="takes no points"):
+    with pytest.raises(StreamRefused, match=r"takes no points.*error list: no data for 0\.02 s"):
         await program()
     assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
 

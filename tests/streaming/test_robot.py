@@ -244,6 +244,24 @@ async def test_an_emergency_stop_ends_it(robot: aioduco.Robot, sim: Simulator, k
     await robot.recover()
 
 
+async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator) -> None:
+    """Its controller is in a safety stop then, and yet enabled."""
+
+    async def program() -> None:
+        opened = KINDS["joint_position"].open(robot, PROCESS)
+        async with opened as stream:
+            for n in range(5000):
+                await stream.send(START)
+                if n == 100:
+                    os.kill(stream.pid, signal.SIGSTOP)
+                    await eventually_async(lambda: "no data" in "".join(sim.view.errors))
+                    os.kill(stream.pid, signal.SIGCONT)
+
+    with pytest.raises(StreamRefused, match=r"takes no points.*error list: .*no data for"):
+        await program()
+    await robot.recover()
+
+
 async def test_a_program_that_hangs_while_an_array_is_played_stops_the_arm(
     sim: Simulator,
 ) -> None:

@@ -17,7 +17,7 @@ from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.setpoints import SetpointFeed, within
-from aioduco.streaming.worker.watch import ControllerWatch, ended, refused
+from aioduco.streaming.worker.watch import ControllerWatch, ended, newest_error, refused
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
@@ -287,7 +287,11 @@ class RealtimeQueueDriver:
         if self._depth.at_rest:
             return self._stop()
         if self._depth.stuck:
-            return self._refuse("the controller takes no points from its queue any more")
+            error = newest_error(self._connection, self._timeout) or "none"
+            return self._refuse(
+                "the controller takes no points from its queue any more; the newest on its error "
+                f"list: {error}"
+            )
         reason, text = self._watch.look(0)
         return not reason or self._refuse(text)
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from aioduco.errors import ControllerError
 from aioduco.streaming.shared.state import Reason
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
 
-__all__ = ["ControllerWatch", "ended", "refused"]
+__all__ = ["ControllerWatch", "ended", "newest_error", "refused"]
 
 _ENABLED = 6  # robot state (manual 1.2)
 _TASK_STOPPED = 3
@@ -37,6 +38,20 @@ def ended(task: int, state: int) -> tuple[Reason, str]:
     if state in _TASK_FAILED:
         return Reason.REFUSED, f"task {task} ended in state {state} (manual 1.2)"
     return Reason.NONE, ""
+
+
+def newest_error(connection: Connection, timeout: float) -> str:
+    """The newest text on the controller's error list; empty if there is none.
+
+    Args:
+        connection: the worker's connection.
+        timeout: time-out of the call [s].
+    """
+    try:
+        errors = connection.call("get_last_error", (), timeout)
+    except ControllerError:
+        return ""  # this controller does not report them
+    return errors[-1] if errors else ""
 
 
 class ControllerWatch:
