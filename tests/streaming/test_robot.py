@@ -253,6 +253,7 @@ async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator
             for n in range(5000):
                 await stream.send(START)
                 if n == 100:
+                    assert stream.pid is not None
                     os.kill(stream.pid, signal.SIGSTOP)
                     await eventually_async(lambda: "no data" in "".join(sim.view.errors))
                     os.kill(stream.pid, signal.SIGCONT)
