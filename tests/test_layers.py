@@ -157,7 +157,7 @@ STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
         "aioduco._platform",
-        *("aioduco.envelope.checker", "aioduco.envelope.limits"),
+        *("aioduco.envelope.checker", "aioduco.envelope.limits", "aioduco.envelope.zones"),
         *("aioduco.streaming.shared", "aioduco.streaming.worker"),
     },
 }

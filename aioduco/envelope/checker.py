@@ -7,29 +7,30 @@ not loaded it.
 A step of the arm is checked as a sweep: from one configuration to another, straight in joint angles
 or straight in the tool's pose. It is fast because a distance to a zone changes by no more than the
 body moves, and a body moves by no more than a joint's angle times its distance from the joint's
-axis. So the checker stores for each zone how far a body may move before the zone must be checked
-again. The result is the same as if each zone were checked in each sweep.
+axis. So `zones` stores for each zone how far a body may move before the zone must be checked again.
+The result is the same as if each zone were checked in each sweep.
 """
 
 from __future__ import annotations
 
 import math
-from math import cos, hypot, sin, sqrt
+from math import cos, hypot, sin
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.envelope.limits import BODIES, Crossing
+from aioduco.envelope.zones import BodyZonePairs, CheckedZone
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
+
+    from aioduco.envelope.zones import Point
 
 __all__ = ["EnvelopeChecker", "Tip"]
 
-Point: TypeAlias = tuple[float, float, float]
 Tip: TypeAlias = "Sequence[float]"
 """The tool's tip in the base frame: its rotation matrix by rows, then x, y, z [m]. Shape (12,)."""
 Joints6: TypeAlias = tuple[float, ...]
-_Look: TypeAlias = tuple["Sequence[float]", tuple[Point, ...], Joints6]
-_Margin: TypeAlias = "Callable[[float, float, float], float]"
+_Look: TypeAlias = tuple["Sequence[float]", "tuple[Point, ...]", Joints6]
 
 _HALVINGS = 8  # halvings of a chord before a zone that it passes closely counts as crossed
 _BESIDE = 3e-3  # largest depth beyond a zone's limit at the start that is tolerated [m]
@@ -37,141 +38,6 @@ _NOWHERE = (math.nan, math.nan, math.nan)
 _ROUNDING = 1e-9  # upper bound of the rounding error of a summed distance [m]
 _UNMARKED: tuple[Sequence[float], float, float] = ((), 0.0, 0.0)
 _LONG_WAY = 100.0  # summed distance after which the sum restarts at zero, because of rounding [m]
-
-
-class _Zone:
-    """The checker's data of one zone."""
-
-    __slots__ = ("action", "bodies", "keep_out", "margin", "name", "near", "speed", "tolerance")
-
-    def __init__(self, name: str, action: str, speed: float, *shape: Any) -> None:
-        kind, keep_in, bodies, at, size, turn = shape
-        self.name, self.action, self.speed = name, action, speed
-        self.bodies: tuple[int, ...] = tuple(bodies)
-        #: whether bodies must stay outside: a chord may then come nearer than both its ends
-        self.keep_out = not keep_in
-        sign = -1.0 if keep_in else 1.0
-        self.margin: _Margin
-        if kind == "plane":
-            self.margin = _plane(at, size)
-        elif kind == "sphere":
-            self.margin = _sphere(sign, at, size[0])
-        else:
-            self.margin = _box(sign, at, size, turn)
-        #: whether a body may reach the zone in the sweep that is being checked
-        self.near = False
-        #: small depth by which the arm was beyond the limit at the start; it may not go deeper [m]
-        self.tolerance = 0.0
-
-
-def _plane(at: Sequence[float], normal: Sequence[float]) -> _Margin:
-    a, b, c = normal
-    d = a * at[0] + b * at[1] + c * at[2]
-    return lambda x, y, z: a * x + b * y + c * z - d
-
-
-def _sphere(sign: float, at: Sequence[float], radius: float) -> _Margin:
-    a, b, c = at
-
-    def margin(x: float, y: float, z: float) -> float:
-        x -= a
-        y -= b
-        z -= c
-        return sign * (sqrt(x * x + y * y + z * z) - radius)
-
-    return margin
-
-
-def _box(sign: float, at: Sequence[float], size: Sequence[float], turn: Sequence[float]) -> _Margin:
-    a, b, c = at
-    hx, hy, hz = (length / 2 for length in size)
-    r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
-
-    def margin(x: float, y: float, z: float) -> float:
-        x -= a
-        y -= b
-        z -= c
-        u = abs(r00 * x + r10 * y + r20 * z) - hx
-        v = abs(r01 * x + r11 * y + r21 * z) - hy
-        w = abs(r02 * x + r12 * y + r22 * z) - hz
-        outside = 0.0
-        if u > 0.0:
-            outside = u * u
-        if v > 0.0:
-            outside += v * v
-        if w > 0.0:
-            outside += w * w
-        if outside:
-            return sign * sqrt(outside)
-        nearest = u if u > v else v
-        return sign * (w if w > nearest else nearest)
-
-    return margin
-
-
-class _BodyZonePair:
-    """A pair of a body and a zone.
-
-    Attributes:
-        due: summed distance of the body at which the margin must be computed next [m].
-    """
-
-    __slots__ = ("body", "due", "margin", "zone")
-
-    def __init__(self, zone: _Zone, body: int) -> None:
-        self.zone, self.body, self.margin = zone, body, zone.margin
-        self.due = 0.0
-
-
-class _BodyZonePairs:
-    """The pairs of all bodies that share one summed distance.
-
-    Attributes:
-        way: upper bound of the distance that each of the bodies has moved [m].
-    """
-
-    __slots__ = ("all", "soonest", "way")
-
-    def __init__(self, zones: Sequence[_Zone], bodies: Sequence[int]) -> None:
-        self.all = [
-            _BodyZonePair(zone, body) for zone in zones for body in zone.bodies if body in bodies
-        ]
-        self.begin()
-
-    def begin(self) -> None:
-        """Make all pairs due in the next sweep."""
-        self.way = 0.0
-        #: the smallest `due` of all pairs
-        self.soonest = 0.0 if self.all else math.inf
-        for each in self.all:
-            each.due = 0.0
-
-    def look(self, places: Sequence[Point], room: float) -> bool:
-        """Compute the margins of the pairs that are due within a sweep.
-
-        Args:
-            places: positions of the bodies at the start of the sweep [m].
-            room: upper bound of their distance from there during the sweep [m].
-
-        Returns:
-            Whether a body may reach a zone in the sweep; such zones are marked as near.
-        """
-        way = self.way
-        until, soonest, near = way + room, math.inf, False
-        for each in self.all:
-            due = each.due
-            if due <= until:
-                zone = each.zone
-                x, y, z = places[each.body]
-                margin = each.margin(x, y, z) + zone.tolerance
-                if margin > room:
-                    each.due = due = way + margin
-                else:  # also if the body's position is not known
-                    near = zone.near = True
-            if due < soonest:  # noqa: PLR1730 - min() would take longer than the rest of the loop
-                soonest = due
-        self.soonest = soonest
-        return near
 
 
 class EnvelopeChecker:
@@ -196,7 +62,7 @@ class EnvelopeChecker:
         self._lower, self._upper = packed["lower"], packed["upper"]
         self._turn, self._offset = packed["tool"][:9], tuple(packed["tool"][9:])
         self._by_tip = by_tip
-        self._zones: list[_Zone] = []
+        self._zones: list[CheckedZone] = []
         #: name, action, speed and limit value
         self._speeds: list[tuple[str, str, float, float]] = []
         self._joints: list[tuple[str, str, float, float]] = []
@@ -209,7 +75,7 @@ class EnvelopeChecker:
             elif kind == "singular":
                 self._singular.append((name, action, speed, *rest))
             else:
-                self._zones.append(_Zone(name, action, speed, kind, *rest))
+                self._zones.append(CheckedZone(name, action, speed, kind, *rest))
         self._by_joints = bool(self._joints or self._singular)
         #: whether any limit depends on the speed of the tool
         self.times: bool = bool(self._speeds) or any(
@@ -235,8 +101,8 @@ class EnvelopeChecker:
         #: distance of the elbow from the axes of joints 1 and 2, which alone move it [m]
         self._elbow_reaches = hypot(a2, d2), abs(a2)
         self._lever = tip
-        self._elbow = _BodyZonePairs(self._zones, (1,))
-        self._wrist = _BodyZonePairs(self._zones, (0, 2))
+        self._elbow = BodyZonePairs(self._zones, (1,))
+        self._wrist = BodyZonePairs(self._zones, (0, 2))
         self._solve: Any = None
         self._nearest: Any = None
         self.seed: Joints6 = ()
@@ -538,7 +404,7 @@ class EnvelopeChecker:
 
     def _sweep_zone(
         self,
-        zone: _Zone,
+        zone: CheckedZone,
         places: Sequence[Point],
         further: Sequence[Point],
         chords: Sequence[float],
@@ -560,7 +426,7 @@ class EnvelopeChecker:
         return None
 
     def _lowest(
-        self, zone: _Zone, a: Point, b: Point, first: float, last: float, sag: float
+        self, zone: CheckedZone, a: Point, b: Point, first: float, last: float, sag: float
     ) -> float:
         """A lower bound of the margin on the path between two positions; only its sign is exact."""
         low = first if first < last else last
