@@ -1,7 +1,11 @@
-"""Write the tables of `docs/benchmarks.md` from `benchmarks/results/*.json`.
+"""Write the tables of `docs/benchmarks.md`, and the figures in other pages, from the results.
 
-    python docs/figures.py            write the page
+    python docs/figures.py            write the pages
     python docs/figures.py --check    compare the whole text with what is committed
+
+The results are `benchmarks/results/*.json`. In the other pages a comment behind a figure names it:
+
+    49 µs<!-- figure: streaming / pacing / busy / process / late_p99_us -->
 
 A results file holds the `machine` that it was measured on, single figures, and tables: objects
 whose values are objects of figures, one row each, or lists of such objects. Tables may be nested in
@@ -15,6 +19,7 @@ import argparse
 import ast
 import difflib
 import json
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,8 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
 PAGE = HERE / "benchmarks.md"
-BENCHMARKS = HERE.parent / "benchmarks"
+BENCHMARKS = ROOT / "benchmarks"
 BEGIN = "<!-- figures:begin -->"
 END = "<!-- figures:end -->"
 
@@ -32,6 +38,11 @@ UNITS = {
     "us": "µs", "ms": "ms", "s": "s", "hz": "Hz", "rad": "rad", "mrad": "mrad", "m": "m",
     "percent": "%",
 }  # fmt: skip
+
+#: a figure in the text of a page, its unit, and the results file and keys that it is from
+NAMED = re.compile(r"[\d.,]+ (\S+)(?=<!-- figure: (.+?) -->)")
+#: units of time in seconds
+SECONDS = {"µs": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
 def cell(value: Any) -> str:
@@ -117,19 +128,45 @@ def page() -> str:
     return "\n\n".join([before + BEGIN, *body, END + after])
 
 
+def named(match: re.Match[str]) -> str:
+    """A figure and its unit, with two significant digits."""
+    unit, path = match[1], match[2]
+    name, *keys = path.split(" / ")
+    value: Any = json.loads((BENCHMARKS / "results" / f"{name}.json").read_text(encoding="utf-8"))
+    for key in keys:
+        value = value[key]
+    measured = UNITS.get(keys[-1].rpartition("_")[2], "")
+    if measured != unit:
+        value *= SECONDS[measured] / SECONDS[unit]
+    return f"{float(f'{value:.2g}'):,g} {unit}"
+
+
+def pages() -> Iterator[tuple[Path, str]]:
+    """The pages with figures, each with its text as it should be."""
+    yield PAGE, page()
+    for path in (*ROOT.glob("*.md"), *HERE.rglob("*.md")):
+        if path != PAGE:
+            yield path, NAMED.sub(named, path.read_text(encoding="utf-8"))
+
+
 def main() -> int:
-    """Write the page, or compare it."""
-    parser = argparse.ArgumentParser(description="the figures of docs/benchmarks.md")
+    """Write the pages, or compare them."""
+    parser = argparse.ArgumentParser(description="the figures of the pages")
     parser.add_argument("--check", action="store_true", help="compare, change nothing")
     check: bool = parser.parse_args().check
-    wanted, found = page(), PAGE.read_text(encoding="utf-8")
-    if not check:
-        PAGE.write_text(wanted, encoding="utf-8")
-        return 0
-    names = ("docs/benchmarks.md", "made from benchmarks/results/*.json")
-    old, new = found.splitlines(keepends=True), wanted.splitlines(keepends=True)
-    sys.stdout.writelines(difflib.unified_diff(old, new, *names))
-    return int(wanted != found)
+    differ = False
+    for path, wanted in pages():
+        found = path.read_text(encoding="utf-8")
+        if wanted == found:
+            continue
+        differ = True
+        if not check:
+            path.write_text(wanted, encoding="utf-8")
+            continue
+        names = (str(path.relative_to(ROOT)), "made from benchmarks/results/*.json")
+        old, new = found.splitlines(keepends=True), wanted.splitlines(keepends=True)
+        sys.stdout.writelines(difflib.unified_diff(old, new, *names))
+    return int(check and differ)
 
 
 if __name__ == "__main__":
