@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from aioduco.sim import Simulator, simulator
+from aioduco.sim import Simulator, assembly
 from aioduco.sim.physics.world import World
 
 from .conftest import Program, Wire
@@ -46,7 +46,7 @@ def traced(monkeypatch: pytest.MonkeyPatch, model: str) -> tuple[list[bytes], tu
     """Every step that the arm makes, and the error list at the end."""
     steps: list[bytes] = []
     monkeypatch.setattr(Traced, "steps", steps, raising=False)
-    monkeypatch.setattr(simulator, "World", Traced)
+    monkeypatch.setattr(assembly, "World", Traced)
     with Simulator(model, speed=math.inf, programs={"all": SCRIPT}) as sim:
         wire = Wire(sim)
         program = Program(wire)

@@ -91,7 +91,7 @@ def _text(joints: Any) -> str:
 
 def main() -> None:
     with (
-        patch("aioduco.sim.simulator.Controller", RecordingController),
+        patch("aioduco.sim.assembly.Controller", RecordingController),
         Simulator(host="0.0.0.0", speed=200.0) as sim,
     ):
         with aioduco.sync.connect("127.0.0.1", sim.port, heartbeat=None) as robot:
