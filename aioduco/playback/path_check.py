@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["PathFinding", "check_path", "check_waypoints", "fastest", "sharpest"]
 
-_LOOK = 0.004  # time between two samples of the path [s]
-_WINDOW = 8  # samples over which an acceleration is computed: 32 ms
+_LOOK = 0.001  # time between two samples of the path, as between two set-points [s]
+_WINDOW = 32  # samples over which an acceleration is computed: 32 ms
+_SWEEP = 0.004  # time of one sweep of the envelope's check, which is exact over its way [s]
 _ACCELERATION = 15.0  # largest acceleration of a joint in a replay [rad/s²]
 
 
@@ -90,7 +91,7 @@ def check_path(
     middles = times[_WINDOW // 2 :]
     found += _beyond(path, "acceleration", "rad/s²", middles, sharp, np.full(6, a))
     if envelope is not None:
-        found += _leaves(path, envelope, tool, times, q)
+        found += _leaves(path, envelope, tool)
     return tuple(found)
 
 
@@ -129,8 +130,10 @@ def sharpest(path: RecordedPath) -> float:
     return float(np.abs(_accelerations(_looks(path)[1])).max(initial=0.0))
 
 
-def _looks(path: RecordedPath) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    times = np.arange(0.0, path.duration + _LOOK, _LOOK)
+def _looks(
+    path: RecordedPath, interval: float = _LOOK
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    times = np.arange(0.0, path.duration + interval, interval)
     return times, path.at(np.minimum(times, path.duration))
 
 
@@ -168,12 +171,11 @@ def _leaves(
     path: RecordedPath,
     envelope: Envelope,
     tool: Sequence[float],
-    times: NDArray[np.float64],
-    q: NDArray[np.float64],
 ) -> list[PathFinding]:
+    times, q = _looks(path, _SWEEP)
     checker = EnvelopeChecker(envelope.packed(tool))
     tips = (envelope.arm.fkine(q) @ Pose.of(tool).matrix)[:, :3, 3]
-    speeds = np.linalg.norm(np.diff(tips, axis=0), axis=1) / _LOOK
+    speeds = np.linalg.norm(np.diff(tips, axis=0), axis=1) / _SWEEP
     points = [tuple(point) for point in q.tolist()]
     crossing = checker.begin(points[0])
     number = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -167,6 +168,29 @@ async def test_a_path_that_is_about_as_fast_as_allowed_is_followed(tmp_path: Pat
 
     await follow(Motion(), joints, path)
     assert speeds == [JOINT_SPEED.high]
+
+
+async def test_a_peak_of_the_speed_between_two_close_samples_is_allowed_for(tmp_path: Path) -> None:
+    """Times of reception that could not be mended may be close to one another."""
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    times = path.times.copy()
+    middle = len(times) // 3
+    times[middle] = times[middle + 1] - 0.003
+    path = dataclasses.replace(path, times=times, velocities=None)
+    steps = np.diff(path.at(np.arange(0.0, path.duration, 0.001)), axis=0)
+    peak = float(np.abs(steps).max()) / 0.001
+    allowed: list[float] = []
+
+    class Motion:
+        async def follow_joint_trajectory(self, _: object, *, v: float, **__: object) -> None:
+            allowed.append(v)
+
+    async def joints() -> Any:
+        return path.start.array
+
+    await follow(Motion(), joints, path)
+    assert kinds(path, v=0.9 * peak, a=1e9) == ["speed"]
+    assert peak <= allowed[0] <= 1.1 * peak
 
 
 def test_a_sample_of_a_moving_arm_takes_60_bytes(tmp_path: Path) -> None:
