@@ -24,7 +24,18 @@ from aioduco.models.rotation import Array, rotvec_from_matrix
 if TYPE_CHECKING:
     from aioduco.kinematics.geometry import Geometry
 
-__all__ = ["BRANCHES", "REACH", "WRIST", "closed_form", "refine", "residual", "shortfall", "wrap"]
+__all__ = [
+    "BRANCHES",
+    "NEAR_WRIST",
+    "REACH",
+    "ROUNDING",
+    "WRIST",
+    "closed_form",
+    "refine",
+    "residual",
+    "shortfall",
+    "wrap",
+]
 
 BRANCHES = 8
 """Solutions of a pose, since shoulder, elbow and wrist have two each.
@@ -37,6 +48,12 @@ WRIST = 1e-9
 
 REACH = 1e-9
 """How far outside its range a sine or cosine may be by rounding."""
+
+NEAR_WRIST = 1e-6
+"""Sine of joint 5 below which rounding may turn joint 6 so far that a pose seems out of reach."""
+
+ROUNDING = 1e-13
+"""Change of the flange's orientation by which such a turn is undone [rad]."""
 
 
 def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> Array:
@@ -99,10 +116,11 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     q234 = np.arctan2(fourth(ahead) - fifth(up), fourth(up) + fifth(ahead))
     u = np.broadcast_to((c1 * x[..., None] + s1 * y[..., None])[..., None], q234.shape)
     w = np.broadcast_to((wrist[..., 2] - g.d1)[..., None, None], q234.shape)
-    if singular.any():
+    if (sine < NEAR_WRIST).any():
         # Here joint 6 and the sum of joints 2 to 4 rotate about the same axis, in the same or in
-        # opposite directions.
-        turned = np.where(singular, _into_reach(g, u, w, q234) - q234, 0.0)
+        # opposite directions. Beside it, such a turn changes the orientation by its product with
+        # the sine.
+        turned = _into_reach(g, u, w, q234, sine[..., None])
         q6s, q234 = q6s - c5 * turned, q234 + turned
     u, w = u - g.d5 * np.sin(q234), w - g.d5 * np.cos(q234)
     with np.errstate(invalid="ignore"):
@@ -121,14 +139,17 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     return out
 
 
-def _into_reach(g: Geometry, u: Array, w: Array, q234: Array) -> Array:
-    """Return the direction of joint 5's axis, nearest to a given one, with joint 5 in reach.
+def _into_reach(g: Geometry, u: Array, w: Array, q234: Array, sine: Array) -> Array:
+    """Return the smallest rotation of joint 5's axis with which joint 5 is in reach [rad].
+
+    It is 0 where it would change the flange's orientation.
 
     Args:
         g: the arm's lengths [m].
         u: distance of the wrist's centre ahead of joint 2, in the arm's plane [m].
         w: height of the wrist's centre above joint 2 [m].
         q234: direction of joint 5's axis from the vertical [rad].
+        sine: sine of joint 5.
     """
     away = np.maximum(np.hypot(u, w), 1e-12)
     toward = np.arctan2(u, w)
@@ -142,8 +163,8 @@ def _into_reach(g: Geometry, u: Array, w: Array, q234: Array) -> Array:
 
     off = wrap(q234 - toward)
     size = np.clip(np.abs(off), opening(abs(g.a2 - g.a3)), opening(g.a2 + g.a3))
-    nearest: Array = q234 + np.copysign(size, off) - off
-    return nearest
+    turned = np.copysign(size, off) - off
+    return np.where((sine < WRIST) | (np.abs(turned) * sine <= ROUNDING), turned, 0.0)
 
 
 def _arc(function: np.ufunc, ratio: Array) -> Array:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.kinematics.inverse import REACH, WRIST
+from aioduco.kinematics.inverse import NEAR_WRIST, REACH, ROUNDING, WRIST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,9 +71,10 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
                 -(s6 * hx + c6 * hy) - c5 * (c6 * r20 - s6 * r21) + s5 * r22,
                 -(s6 * r20 + c6 * r21) + c5 * (c6 * hx - s6 * hy) - s5 * hz,
             )
-            if singular:
+            if sine < NEAR_WRIST:
                 turned = _into_reach(geometry, ahead, z, q234)
-                q, q234 = q - c5 * turned, q234 + turned
+                if singular or abs(turned) * sine <= ROUNDING:
+                    q, q234 = q - c5 * turned, q234 + turned
             # Position of joint 4 in the arm's plane, from joint 2.
             u, w = ahead - d5 * math.sin(q234), z - d5 * math.cos(q234)
             cosine = (u * u + w * w - a2 * a2 - a3 * a3) / (2 * a2 * a3)

@@ -126,9 +126,28 @@ def test_one_pose_is_solved_as_many_are_singular_ones_too(
     # Where solutions meet, the angles of one are known to the root of the rounding error only.
     regular = np.abs(singular(any_arm, together)).min(initial=1.0) > 1e-3
     if regular:
-        np.testing.assert_allclose(wrap(np.array(alone) - together), 0.0, atol=1e-9)
+        np.testing.assert_allclose(wrap(np.reshape(alone, (-1, 6)) - together), 0.0, atol=1e-9)
     for each in alone:
         assert pose_error(any_arm.geometry, each, flange.tolist()) < 2e-9
+
+
+SMALL = st.floats(-10.0, -4.0).map(lambda power: 10.0**power)
+
+
+@given(MODELS, FULL_TURNS, st.sampled_from([0.0, 1e-9, -1e-8, 1e-6]), SMALL)
+@settings(max_examples=examples(300))
+def test_a_stretched_arm_is_found_however_close_to_the_wrists_singularity(
+    model: str, q: Array, bend: float, wrist: float
+) -> None:
+    """Joint 6 is known to the rounding error by the sine of joint 5 only."""
+    any_arm = arm(model)
+    q[2], q[4] = bend, wrist
+    flange = any_arm.fkine(q)
+    together = closed_form(any_arm.geometry, flange, q[5])
+    alone = solutions(any_arm.geometry, flange.tolist(), q[5])
+    for each in (*together[~np.isnan(together).any(axis=1)], any_arm.ikine(flange, q)):
+        assert pose_error(any_arm.geometry, each.tolist(), flange.tolist()) < 2e-9
+    assert len(alone) == np.count_nonzero(~np.isnan(together).any(axis=1)) > 0
 
 
 @given(MODELS, FULL_TURNS, FULL_TURNS)
