@@ -16,7 +16,7 @@ from aioduco.streaming.worker.buffered import Depth, PoolAction, PoolStates
 def test_a_queue_is_filled_to_its_depth_and_never_beyond(looks: list[int], depth: int) -> None:
     queue = Depth(depth, patience=1e9)
     for left in looks:
-        wanted = queue.look(left, 0.0)
+        wanted = queue.look(left, 0.0, 0.0)
         assert 0 <= wanted <= 100
         assert left + wanted <= max(left, depth)
         assert wanted == 100 or left + wanted >= depth
@@ -26,16 +26,25 @@ def test_a_queue_is_filled_to_its_depth_and_never_beyond(looks: list[int], depth
 def test_a_queue_from_which_nothing_is_taken_is_stuck_after_a_while() -> None:
     queue = Depth(40, patience=0.25)
     for now in (0.0, 0.1, 0.25):
-        queue.look(40, now)
+        queue.look(40, now, now)
         assert not queue.stuck
-    queue.look(40, 0.26)
+    queue.look(40, 0.26, 0.26)
+    assert queue.stuck
+
+
+def test_a_queue_is_not_stuck_because_one_answer_took_long() -> None:
+    queue = Depth(40, patience=0.25)
+    queue.look(40, 0.0, 0.9)
+    queue.look(40, 0.901, 1.8)
+    assert not queue.stuck
+    queue.look(40, 1.801, 1.802)
     assert queue.stuck
 
 
 def test_a_queue_from_which_something_is_taken_now_and_then_is_not() -> None:
     queue = Depth(40, patience=0.25)
     for tick in range(100):
-        queue.look(40 if tick % 2 else 39, 0.2 * tick)
+        queue.look(40 if tick % 2 else 39, 0.2 * tick, 0.2 * tick)
         assert not queue.stuck
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import itertools
 import math
 from typing import Any
@@ -231,8 +232,9 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     """The controller has left realtime mode by itself, and only its error list says why."""
     errors = ["an older one", "no data for 0.02 s"]
     controller.server.answer("get_last_error", errors)
+    options = dataclasses.replace(THREAD, timeout=3.0)
     opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=5.0, options=THREAD
+        "joint_position", v=1.0, a=5.0, options=options
     )
 
     async def program() -> None:

@@ -248,7 +248,7 @@ async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator
     """Its controller is in a safety stop then, and yet enabled."""
 
     async def program() -> None:
-        opened = KINDS["joint_position"].open(robot, PROCESS)
+        opened = KINDS["joint_position"].open(robot, LaneOptions(timeout=3.0))
         async with opened as stream:
             for n in range(5000):
                 await stream.send(START)

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["Depth", "PoolAction", "PoolStates", "RealtimeQueueDriver", "TrackPoolDriver"]
 
 _MOST = 100  # points in one call: about 6 kB
-_PATIENCE = 0.25  # seconds without the controller taking a point, after which it counts as stuck
 _RUNNING = (0, 1, 2)  # not yet begun, running, paused
 
 
@@ -53,12 +52,16 @@ class Depth:
         self.drained: int = 0
         self.stuck: bool = False
 
-    def look(self, left: int, now: float) -> int:
+    def look(self, left: int, asked: float, answered: float) -> int:
         """Process the result of a poll of the queue.
+
+        It was polled at some time between `asked` and `answered`, so a slow answer alone does not
+        make the controller count as stuck.
 
         Args:
             left: points in the queue.
-            now: the time [s].
+            asked: time before the poll [s].
+            answered: time after the poll [s].
 
         Returns:
             Number of points to add.
@@ -69,8 +72,8 @@ class Depth:
             self._full_since = None
             return wanted
         if self._full_since is None:
-            self._full_since = now
-        self.stuck = now - self._full_since > self._patience
+            self._full_since = answered
+        self.stuck = asked - self._full_since > self._patience
         return 0
 
     def rest(self, count: int) -> None:
@@ -219,7 +222,7 @@ class RealtimeQueueDriver:
         self._block = block
         self._queue = queue
         self._directions = Directions(connection, block.config.sent.turning, options.timeout)
-        self._depth = Depth(queue.depth, max(_PATIENCE, 20 * queue.period))
+        self._depth = Depth(queue.depth, max(options.timeout, 20 * queue.period))
 
         def element(values: list[float]) -> RealTimeControlData:
             data = RealTimeControlData(status=True)
@@ -280,7 +283,7 @@ class RealtimeQueueDriver:
         left = self._connection.call("get_realtime_data_queue_size", (), self._timeout)
         self._depths(left)
         self._block.status[StatusWord.DEPTH] = max(left, 0)
-        wanted = self._depth.look(left, start * 1e-9)
+        wanted = self._depth.look(left, start * 1e-9, time.monotonic_ns() * 1e-9)
         if wanted and not self._enqueue(self._more(wanted)):
             return False
         self._round_trip(time.monotonic_ns() - start)
