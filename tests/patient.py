@@ -11,7 +11,7 @@ import contextlib
 import runpy
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import aioduco
 import aioduco.sync
@@ -30,28 +30,27 @@ SAMPLE_PATIENCE = 10.0
 ANSWER_PATIENCE = 10.0
 #: how streams through the realtime queue are opened then, which else may run dry for 20 ms only
 PATIENT_QUEUE = {"com_lost_time": 10.0, "depth": 100}
-#: s for which a program may send such a stream nothing
+#: s for which a program may send a stream nothing, at the least
 HOLD_PATIENCE = 10.0
 
 
 @contextlib.contextmanager
 def patient_queue() -> Iterator[None]:
-    """Make these the defaults of the realtime queue's streams for a while."""
-    with (
-        _defaults(RealtimeStreams.stream, PATIENT_QUEUE),
-        _defaults(Feeding.__init__, {"hold": HOLD_PATIENCE}),
-    ):
-        yield
+    """Make these the defaults of streams for a while, and `HOLD_PATIENCE` the least hold."""
+    stream, check = RealtimeStreams.stream, Feeding.__post_init__
+    before = stream.__kwdefaults__ or {}
 
+    def held_longer(self: Feeding) -> None:
+        object.__setattr__(self, "hold", max(self.hold, HOLD_PATIENCE))
+        check(self)
 
-@contextlib.contextmanager
-def _defaults(function: Any, values: dict[str, float]) -> Iterator[None]:
-    before = function.__kwdefaults__ or {}
-    function.__kwdefaults__ = {**before, **values}
+    stream.__kwdefaults__ = {**before, **PATIENT_QUEUE}
+    Feeding.__post_init__ = held_longer  # type: ignore[method-assign]
     try:
         yield
     finally:
-        function.__kwdefaults__ = before
+        stream.__kwdefaults__ = before
+        Feeding.__post_init__ = check  # type: ignore[method-assign]
 
 
 def be_patient() -> None:

@@ -63,8 +63,8 @@ class LaneOptions(WorkerSettings):
             uses more than half of a processor.
         spin: time before each tick in which the worker polls the clock instead of sleeping [s]. It
             costs that share of a processor and removes the system's wake-up delay.
-        timeout: time-out of one answer of the controller [s], and time after which a controller that
-            takes no point from a full realtime queue counts as stuck.
+        timeout: time-out of one answer of the controller [s]; a controller that takes no point from
+            a full realtime queue for so long counts as stuck.
         connect_timeout: time-out of the connection, and of the worker's start [s].
         watch: time between two polls whether the controller still follows [s]; 0: never.
     """
