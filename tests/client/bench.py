@@ -124,6 +124,43 @@ class Bench(RecordingServer):
                 elif not task.state.ended:
                     task.begin, task.end = task.begin - sooner, task.end - sooner
 
+    def lead(self, function: str, count: int) -> list[int]:
+        """Let a motion end when the next one is there, or it is the last, however long that takes.
+
+        The program has asked for its state ten times then: it would have sent more by then.
+
+        Args:
+            function: the function by which the program sends its motions.
+            count: number of them.
+
+        Returns:
+            How many motions had not ended when each was accepted.
+        """
+        self.motion_time = 100.0
+        found: list[int] = []
+        start, polls = self._answers[function], 0
+
+        def live() -> int:
+            return sum(not task.state.ended for task in self.tasks.values())
+
+        def started(*args: Any) -> int:
+            answer: int = start(*args)
+            found.append(live())
+            return answer
+
+        def polled(task: int) -> int:
+            nonlocal polls
+            with self._lock:
+                polls += 1
+                if polls >= 10 and (live() > 1 or len(self.tasks) == count):
+                    polls = 0
+                    self.arrive()
+                return self.task_state(task)
+
+        self.answer(function, started)
+        self.answer("get_noneblock_taskstate", polled)
+        return found
+
     def moving(self) -> bool:
         """Whether the arm moves."""
         with self._lock:

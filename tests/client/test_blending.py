@@ -21,45 +21,8 @@ def motions(robot: aioduco.Robot, radii: list[float]) -> list[aioduco.MotionComm
     return [robot.motion.movel(POSE, v=0.2, a=0.2, r=r) for r in radii]
 
 
-def drive(bench: Bench, count: int) -> list[int]:
-    """Let a motion end when the next one is there, or it is the last, however long that takes.
-
-    The program has asked for its state ten times then: it would have sent more, if it wanted to.
-
-    Args:
-        bench: the controller.
-        count: number of motions that the program sends.
-
-    Returns:
-        How many motions had not ended when each was accepted.
-    """
-    bench.motion_time = 100.0
-    found: list[int] = []
-    start, polls = bench._answers["movel"], 0
-
-    def live() -> int:
-        return sum(not task.state.ended for task in bench.tasks.values())
-
-    def started(*args: object) -> int:
-        answer: int = start(*args)
-        found.append(live())
-        return answer
-
-    def polled(task: int) -> int:
-        nonlocal polls
-        polls += 1
-        if polls >= 10 and (live() > 1 or len(bench.tasks) == count):
-            polls = 0
-            bench.arrive()
-        return bench.task_state(task)
-
-    bench.answer("movel", started)
-    bench.answer("get_noneblock_taskstate", polled)
-    return found
-
-
 async def test_run_sends_ahead_and_blends(robot: aioduco.Robot, bench: Bench) -> None:
-    drive(bench, 3)
+    bench.lead("movel", 3)
     outcomes = await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]))
     assert outcomes == (Outcome.BLENDED, Outcome.BLENDED, Outcome.FINISHED)
     first, second, third = bench.tasks.values()
@@ -70,14 +33,14 @@ async def test_run_sends_ahead_and_blends(robot: aioduco.Robot, bench: Bench) ->
 
 
 async def test_run_keeps_the_controllers_queue_short(robot: aioduco.Robot, bench: Bench) -> None:
-    live = drive(bench, 10)
+    live = bench.lead("movel", 10)
     outcomes = await robot.motion.run(*motions(robot, [0.01] * 9 + [0.0]), ahead=2)
     assert outcomes == (Outcome.BLENDED,) * 9 + (Outcome.FINISHED,)
     assert max(live) == 2
 
 
 async def test_starting_one_after_another_blends_too(robot: aioduco.Robot, bench: Bench) -> None:
-    drive(bench, 2)
+    bench.lead("movel", 2)
     tasks = [await motion.start() for motion in motions(robot, [0.02, 0.0])]
     assert [await task for task in tasks] == [Outcome.BLENDED, Outcome.FINISHED]
 
@@ -122,7 +85,7 @@ async def test_the_successors_acceptance_is_waited_for(robot: aioduco.Robot, ben
 
 
 async def test_one_that_fails_stops_those_after_it(robot: aioduco.Robot, bench: Bench) -> None:
-    drive(bench, 3)
+    bench.lead("movel", 3)
     bench.ends = TaskState.ERROR
     with pytest.raises(aioduco.TaskFailed):
         await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]), ahead=2)
@@ -184,7 +147,7 @@ async def test_what_is_no_motion_is_refused(robot: aioduco.Robot, bench: Bench) 
 async def test_a_path_goes_on_while_the_arm_moves_and_blends(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
-    live = drive(bench, 3)
+    live = bench.lead("movel", 3)
     moving: list[bool] = []
     async with robot.motion.path() as path:
         for motion in motions(robot, [0.02, 0.02, 0.0]):
@@ -211,7 +174,7 @@ async def test_alone_a_motion_with_a_radius_has_no_successor(
 async def test_a_path_sends_nothing_after_a_failure(
     robot: aioduco.Robot, bench: Bench, noticed: bool
 ) -> None:
-    drive(bench, 1 if noticed else 3)
+    bench.lead("movel", 1 if noticed else 3)
     bench.ends = TaskState.ERROR
 
     async def along() -> None:

@@ -198,12 +198,21 @@ async def test_each_rung_is_logged(bench: Bench, caplog: pytest.LogCaptureFixtur
 
 
 async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> None:
-    bench.motion_time = 0.3
+    bench.motion_time = 30.0
+    seen: list[bool] = []
+
+    def arriving() -> bool:
+        seen.append(bench.moving())
+        bench.arrive()
+        return seen[-1]
+
     ladder = aioduco.ExitLadder(stop=None)
     async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         assert bench.moving()
+        bench.answer("robotmoving", arriving)
     assert bench.commands == ["movej2"]
+    assert seen[:2] == [True, False]
     await left_standing(bench)
 
 

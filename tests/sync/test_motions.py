@@ -144,7 +144,7 @@ def test_what_help_shows(robot: aioduco.sync.Robot) -> None:
 
 @pytest.mark.slow
 def test_a_path_blends_and_ends_with_its_block(robot: aioduco.sync.Robot, desk: Desk) -> None:
-    desk.motion_time = 1.0  # long beside what a busy machine takes to send the next
+    desk.lead("movej2", 3)
     legs = [robot.motion.movej2.prepare(HOME, v=1.0, a=1.0, r=r) for r in (0.02, 0.02, 0.0)]
     with robot.motion.path() as path:
         for leg in legs:
