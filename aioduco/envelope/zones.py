@@ -25,10 +25,12 @@ class CheckedZone:
 
     def __init__(self, name: str, action: str, speed: float, *shape: Any) -> None:
         kind, keep_in, bodies, at, size, turn = shape
-        self.name, self.action, self.speed = name, action, speed
+        self.name: str = name
+        self.action: str = action
+        self.speed: float = speed
         self.bodies: tuple[int, ...] = tuple(bodies)
         #: whether bodies must stay outside: a chord may then come nearer than both its ends
-        self.keep_out = not keep_in
+        self.keep_out: bool = not keep_in
         sign = -1.0 if keep_in else 1.0
         self.margin: _Margin
         if kind == "plane":
@@ -38,9 +40,9 @@ class CheckedZone:
         else:
             self.margin = _box(sign, at, size, turn)
         #: whether a body may reach the zone in the sweep that is being checked
-        self.near = False
+        self.near: bool = False
         #: small depth by which the arm was beyond the limit at the start; it may not go deeper [m]
-        self.tolerance = 0.0
+        self.tolerance: float = 0.0
 
 
 def _plane(at: Sequence[float], normal: Sequence[float]) -> _Margin:
@@ -98,8 +100,10 @@ class BodyZonePair:
     __slots__ = ("body", "due", "margin", "zone")
 
     def __init__(self, zone: CheckedZone, body: int) -> None:
-        self.zone, self.body, self.margin = zone, body, zone.margin
-        self.due = 0.0
+        self.zone: CheckedZone = zone
+        self.body: int = body
+        self.margin: _Margin = zone.margin
+        self.due: float = 0.0
 
 
 class BodyZonePairs:
@@ -112,16 +116,16 @@ class BodyZonePairs:
     __slots__ = ("all", "soonest", "way")
 
     def __init__(self, zones: Sequence[CheckedZone], bodies: Sequence[int]) -> None:
-        self.all = [
+        self.all: list[BodyZonePair] = [
             BodyZonePair(zone, body) for zone in zones for body in zone.bodies if body in bodies
         ]
         self.begin()
 
     def begin(self) -> None:
         """Make all pairs due in the next sweep."""
-        self.way = 0.0
+        self.way: float = 0.0
         #: the smallest `due` of all pairs
-        self.soonest = 0.0 if self.all else math.inf
+        self.soonest: float = 0.0 if self.all else math.inf
         for each in self.all:
             each.due = 0.0
 

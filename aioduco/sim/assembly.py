@@ -104,7 +104,7 @@ class SimulatorAssembly:
         on_network: Callable[[bool | None], None],
     ) -> None:
         arm, cycle = settings.arm, settings.cycle
-        self.world = World(
+        self.world: World = World(
             arm,
             cycle,
             settings.joints,
@@ -114,8 +114,8 @@ class SimulatorAssembly:
             pedestal=settings.pedestal,
             gripper=settings.gripper,
         )
-        self.controller = _controller(settings)
-        self.runtime = SimulationRuntime(
+        self.controller: Controller = _controller(settings)
+        self.runtime: SimulationRuntime = SimulationRuntime(
             self.controller,
             self.world,
             cycle=cycle,
@@ -128,7 +128,7 @@ class SimulatorAssembly:
         if self.world.hand is not None:
             self._connect_gripper(self.world.hand, settings)
         handlers = _handlers(settings, self.controller, self.runtime)
-        self.server = Server(handlers, host=settings.host, port=settings.port)
+        self.server: Server = Server(handlers, host=settings.host, port=settings.port)
         self.server.start()
         self.status: StatusServer | None = None
         if settings.status_port is not None:
@@ -137,7 +137,7 @@ class SimulatorAssembly:
             except OSError:
                 self.server.close()
                 raise
-        self.pictures = PictureProcess(self.world.model)
+        self.pictures: PictureProcess = PictureProcess(self.world.model)
 
     def _connect_gripper(self, hand: Hand, settings: SimulatorSettings) -> None:
         slave = slave_of(hand)
