@@ -180,9 +180,17 @@ class Bench(RecordingServer):
 
     @property
     def commands(self) -> list[str]:
-        """The functions that were called, without reads, supervision and heartbeat."""
+        """The functions that were called, without reads, supervision and heartbeat.
+
+        Stops in a row count as one: a stop whose answer a busy machine delays is sent again.
+        """
         quiet = ("get", "robotmoving", "rpc_heartbeat")
-        return [c.method for c in self.received() if not c.method.startswith(quiet)]
+        called = [c.method for c in self.received() if not c.method.startswith(quiet)]
+        return [
+            name
+            for name, before in zip(called, [None, *called], strict=False)
+            if (name, before) != ("stop", "stop")
+        ]
 
     # -- the controller ------------------------------------------------------------------------
 
