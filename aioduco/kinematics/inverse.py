@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BRANCHES",
+    "EDGE",
     "NEAR_WRIST",
     "REACH",
     "ROUNDING",
@@ -48,6 +49,13 @@ WRIST = 1e-9
 
 REACH = 1e-9
 """How far outside its range a sine or cosine may be by rounding."""
+
+EDGE = 1e-15
+"""How far inside its range a sine or cosine counts as its end.
+
+Rounding there turns an angle by 5e-8 rad, which moves the flange by no more than rounding does. So
+one function finds what another finds of a pose in which the shoulder or the elbow is singular.
+"""
 
 NEAR_WRIST = 1e-6
 """Sine of joint 5 below which rounding may turn joint 6 so far that a pose seems out of reach."""
@@ -168,8 +176,9 @@ def _into_reach(g: Geometry, u: Array, w: Array, q234: Array, sine: Array) -> Ar
 
 
 def _arc(function: np.ufunc, ratio: Array) -> Array:
-    clipped = np.where(np.abs(ratio) <= 1 + REACH, np.clip(ratio, -1.0, 1.0), np.nan)
-    angle: Array = function(clipped)
+    size = np.abs(ratio)
+    ended = np.where(size >= 1 - EDGE, np.sign(ratio), ratio)
+    angle: Array = function(np.where(size <= 1 + REACH, ended, np.nan))
     return angle
 
 

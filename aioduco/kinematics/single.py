@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.kinematics.inverse import NEAR_WRIST, REACH, ROUNDING, WRIST
+from aioduco.kinematics.inverse import EDGE, NEAR_WRIST, REACH, ROUNDING, WRIST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,7 +96,7 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
 
 
 def _clip(ratio: float) -> float:
-    return max(-1.0, min(1.0, ratio))
+    return ratio if abs(ratio) < 1.0 - EDGE else math.copysign(1.0, ratio)
 
 
 def _into_reach(g: Geometry, u: float, w: float, q234: float) -> float:

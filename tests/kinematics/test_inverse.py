@@ -122,13 +122,29 @@ def test_one_pose_is_solved_as_many_are_singular_ones_too(
     together = closed_form(any_arm.geometry, flange, q[5])
     together = together[~np.isnan(together).any(axis=1)]
     alone = solutions(any_arm.geometry, flange.tolist(), q[5])
-    assert len(alone) == len(together)
-    # Where solutions meet, the angles of one are known to the root of the rounding error only.
+    # Where solutions meet, the angles of one are known to the root of the rounding error only, and
+    # where several joints are singular at once, so is how many there are.
+    assert bool(alone) == bool(together.size)
     regular = np.abs(singular(any_arm, together)).min(initial=1.0) > 1e-3
     if regular:
+        assert len(alone) == len(together)
         np.testing.assert_allclose(wrap(np.reshape(alone, (-1, 6)) - together), 0.0, atol=1e-9)
     for each in alone:
         assert pose_error(any_arm.geometry, each, flange.tolist()) < 2e-9
+
+
+@pytest.mark.parametrize("model", models())
+def test_an_arm_straight_up_has_eight_solutions_to_both(model: str) -> None:
+    """Shoulder, elbow and wrist are singular; rounding gave one of the two half of them."""
+    any_arm = arm(model)
+    for first in np.linspace(-3.0, 3.0, 61):
+        flange = any_arm.fkine([first, 0.0, 0.0, 0.0, 0.0, 0.0])
+        together = closed_form(any_arm.geometry, flange)
+        assert not np.isnan(together).any()
+        alone = solutions(any_arm.geometry, flange.tolist())
+        assert len(alone) == BRANCHES
+        for each in (*alone, *together.tolist()):
+            assert pose_error(any_arm.geometry, tuple(each), flange.tolist()) < 2e-9
 
 
 SMALL = st.floats(-10.0, -4.0).map(lambda power: 10.0**power)
