@@ -101,12 +101,14 @@ def test_a_pool_that_ran_dry_is_resumed_by_the_next_points() -> None:
     assert pool.look(0, 20, 0.3) is PoolAction.RESUME
     assert pool.state is StreamState.FOLLOWING
     assert pool.look(19, 0, 0.4) is PoolAction.FOLLOW
+    assert pool.drained == 1
 
 
 def test_a_pool_that_ran_dry_unseen_is_resumed() -> None:
     pool = following()
     assert pool.look(5, 0, 0.0) is PoolAction.FOLLOW
     assert pool.look(0, 20, 0.1) is PoolAction.RESUME  # it ran dry between two looks
+    assert (pool.drained, pool.starved) == (1, 0)
     assert pool.look(18, 0, 0.2) is PoolAction.FOLLOW
     assert pool.look(2, 20, 0.3) is PoolAction.FOLLOW  # it runs dry before the points are in it
     assert pool.look(22, 0, 0.4) is PoolAction.RESUME

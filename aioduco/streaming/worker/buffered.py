@@ -116,8 +116,8 @@ class PoolStates:
         state: state of the stream.
         reason: why it ends; NONE before.
         text: more about the reason; empty if there is nothing to add.
-        drained: how often the pool ran empty before the program had closed the stream.
-        starved: polls at which it was empty then.
+        drained: how often the pool was found empty before the program had closed the stream.
+        starved: polls at which it was empty then, and the program had no points for it.
     """
 
     def __init__(self, low: int, high: int, hold: float) -> None:
@@ -166,13 +166,14 @@ class PoolStates:
         # it adds. Then the controller rests and takes none of the new points, which shows here.
         untaken = 0 < self._filled <= left
         self._filled = left + added
+        if not left and self._dry_since is None:
+            self.drained += not self._closing
         if left or added:
             self._dry_since = None
             self.state = StreamState.FOLLOWING
             return PoolAction.RESUME if not left or untaken else PoolAction.FOLLOW
         if self._dry_since is None:
             self._dry_since = now
-            self.drained += not self._closing
         if self._closing:
             return PoolAction.FINISH
         self.starved += 1
