@@ -57,10 +57,19 @@ async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
     controller: Controller, options: LaneOptions
 ) -> None:
     sent = [near(0.01 * (1 - math.cos(math.pi * n / 300))) for n in range(301)]
+    # The second one is answered when all are on their way: a late one would lead the arm to a hold.
+    on_their_way, count = threading.Event(), itertools.count()
+    controller.server.answer(
+        "servoj", lambda *_: 1001 if next(count) == 0 or on_their_way.wait(20.0) else -1
+    )
+    options = replace(options, timeout=20.0)
     async with no_leaks():
-        async with controller.servo.joints(v=1.0, a=5.0, rate=1000, options=options) as stream:
+        async with controller.servo.joints(
+            v=1.0, a=5.0, rate=1000, ahead=len(sent), options=options
+        ) as stream:
             for point in sent:
                 await stream.send(point)
+            on_their_way.set()
         statistics = stream.statistics()
     points = controller.points()
     # A tick without a new set-point repeats the last one.
