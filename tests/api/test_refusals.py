@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import hypothesis.strategies as st
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from api.desk import Desk
 
+CASES = {case.name: case for case in cases()}
 PARAMETERS = [(case, name) for case in cases() for name in case.parameters]
 
 #: checked by no rule: values of classes that check what is in them, and lists of such values
@@ -91,8 +93,10 @@ def plain(points: object) -> bool:
     )
 
 
-def refused(case: Case, name: str) -> SearchStrategy[Any]:
-    """Values that a parameter must refuse."""
+@cache
+def refused(function: str, name: str) -> SearchStrategy[Any]:
+    """Values that a parameter of a function must refuse."""
+    case = CASES[function]
     rules = rules_of(case)[name]
     values = st.one_of(by_kind(case, name), *(wrong(rule, case.args[name]) for rule in rules))
     if case.name == "trackEnqueue":
@@ -108,7 +112,7 @@ def refused(case: Case, name: str) -> SearchStrategy[Any]:
 @settings(max_examples=examples(10))
 @given(data=st.data())
 def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject) -> None:
-    value = data.draw(refused(case, name))
+    value = data.draw(refused(case.name, name))
     error = refusal(case, **{name: value})
     assert isinstance(error, ParameterError), (value, error)
     assert error.parameter.partition("[")[0].partition(".")[0] == name
