@@ -47,7 +47,6 @@ async def test_at_every_await_of_a_motion(
     def looks() -> int:
         return len(bench.received("get_noneblock_taskstate"))
 
-    sent = 0
     for at in range(1, 30):
         looked = looks()
         # A motion lasts: the program waits at its last await until it is cancelled there, while
@@ -60,11 +59,11 @@ async def test_at_every_await_of_a_motion(
         await eventually_async(lambda: not robot.tasks)
         if waited.cancelled_caught:
             break
-        sent += len(bench.received("movej2"))
     else:
         pytest.fail("the program has more awaits than were tried")
     assert at > 1
-    assert sent > 0
+    # On a busy machine perhaps this once: what is cancelled before it is on its way is not sent.
+    assert bench.received("movej2")
 
 
 @pytest.mark.parametrize("how", HOWS)
