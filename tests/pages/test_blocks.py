@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from patient import patient_queue
+from ports import free_port
 
 import aioduco
 import aioduco.sync
@@ -30,7 +31,7 @@ from aioduco.sim import Simulator
 from aioduco.testing import eventually
 from pages.blocks import PYTHON, ROOT, SHELL, Block, Page, pages
 from pages.session import ENDLESS, INSTALLS, SHOWN, Session, commands
-from pages.tutorial import TUTORIAL
+from pages.tutorial import carry_out
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -240,9 +241,19 @@ def test_a_block_of_commands_runs(block: Block, tmp_path: Path) -> None:
         assert tried, "nothing of it was run: say why by a comment before it"
 
 
-def test_the_one_page_that_is_a_session_is_carried_out_by_the_gate() -> None:
-    assert [page.path for page in whole("one session")] == [TUTORIAL]
-    assert ".ci/tutorial" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("page", [pytest.param(p, id=p.path) for p in whole("one session")])
+def test_a_page_that_is_one_session_runs(page: Page, tmp_path: Path) -> None:
+    with session(tmp_path) as (there, host):
+        port = free_port()
+        there.replace(
+            {
+                "aioduco sim-do": f"aioduco sim-do --control-port {port}",
+                "aioduco sim": f"aioduco sim --host {host} --control-port {port}",
+            }
+        )
+        assert carry_out(page, there, install=False) > 10
 
 
 def test_what_is_not_run_says_why_and_is_little() -> None:

@@ -17,25 +17,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pages.blocks import PYTHON, pages
-from pages.session import CommandFailed, Session, commands
+from pages.session import INSTALLS, CommandFailed, Session, commands
 
 if TYPE_CHECKING:
     from pages.blocks import Page
 
-__all__ = ["TUTORIAL"]
+__all__ = ["carry_out"]
 
-#: the page
-TUTORIAL = "docs/tutorial.md"
 #: the title of a terminal whose command goes on while the next block is typed
 BESIDE = "third terminal"
 
 
-def carry_out(page: Page, session: Session) -> int:
+def carry_out(page: Page, session: Session, *, install: bool) -> int:
     """Do what a page says.
 
     Args:
         page: one session.
         session: where.
+        install: also do what makes the environment.
 
     Returns:
         How many commands were run.
@@ -48,6 +47,8 @@ def carry_out(page: Page, session: Session) -> int:
             session.write(block.title, block.code)
             continue
         for command in commands(block.code, block.language):
+            if not install and INSTALLS.match(command):
+                continue
             run += 1
             if block.title == BESIDE:
                 session.begin(command)
@@ -72,7 +73,7 @@ def wait_for_moving(session: Session, moving: bool) -> None:
 
 def main(wheel: str) -> None:
     """Run the tutorial from a wheel, and print what is typed and what comes of it."""
-    (page,) = [page for page in pages() if page.path == TUTORIAL]
+    (page,) = [page for page in pages() if page.path == "docs/tutorial.md"]
     begin = time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve()
@@ -87,7 +88,7 @@ def main(wheel: str) -> None:
         # In a clone it is `.[extras]`; here it is the same of the wheel.
         replaced = {"'.[": f"'{Path(wheel).resolve()}[", "pip install ": "pip install -q "}
         with Session(folder, environment, replaced, echo=True) as session:
-            run = carry_out(page, session)
+            run = carry_out(page, session, install=True)
             found = session.run("python -c 'import aioduco; print(aioduco.__file__)'", quiet=True)
             if not re.match(rf"{folder}/\.venv/", found):
                 raise CommandFailed(f"not the wheel's: {found}")
