@@ -71,7 +71,7 @@ def test_a_gripper_tells_when_it_has_closed(connect: Callable[[Simulator], Progr
         began = sim.time
         robot.set_standard_digital_out(1, True, True)
         sim.wait_until(lambda: robot.get_standard_digital_in(3), 60.0)
-        assert sim.time - began >= 0.5
+        assert round((sim.time - began) * 1000) >= 500
         assert not robot.get_standard_digital_in(4)
 
 
