@@ -161,9 +161,13 @@ def test_a_stretched_arm_is_found_however_close_to_the_wrists_singularity(
     flange = any_arm.fkine(q)
     together = closed_form(any_arm.geometry, flange, q[5])
     alone = solutions(any_arm.geometry, flange.tolist(), q[5])
-    for each in (*together[~np.isnan(together).any(axis=1)], any_arm.ikine(flange, q)):
-        assert pose_error(any_arm.geometry, each.tolist(), flange.tolist()) < 2e-9
-    assert len(alone) == np.count_nonzero(~np.isnan(together).any(axis=1)) > 0
+    together = together[~np.isnan(together).any(axis=1)]
+    for each in (*together, *alone, any_arm.ikine(flange, q)):
+        assert pose_error(any_arm.geometry, tuple(each), flange.tolist()) < 2e-9
+    # Both find the arm as it is, to the root of what joint 6 is known to. The other branches may be
+    # at the edge of what counts as in reach, where rounding decides.
+    for found in (together, np.reshape(alone, (-1, 6))):
+        assert np.abs(wrap(found - q)).max(axis=1).min() < 2e-3
 
 
 @given(MODELS, FULL_TURNS, FULL_TURNS)
