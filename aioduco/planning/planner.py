@@ -33,21 +33,8 @@ __all__ = ["Planner"]
 
 _NEEDS = ("mujoco", "ompl", "scipy", "toppra")
 _GRACE = 5.0  # from a problem's time-out until its process is killed, such as to time a path [s]
-#: packages that the process imports; toppra imports matplotlib, and MuJoCo mostly OpenGL
-_PACKAGES = (
-    *_NEEDS,
-    *(
-        "OpenGL",
-        "PIL",
-        "charset_normalizer",
-        "cycler",
-        "dateutil",
-        "fontTools",
-        "glfw",
-        "kiwisolver",
-    ),
-    *("matplotlib", "mpl_toolkits", "packaging", "pyparsing"),
-)
+#: packages that the process imports; MuJoCo imports mostly OpenGL
+_PACKAGES = (*_NEEDS, "OpenGL", "charset_normalizer", "glfw")
 
 
 class _Request:

@@ -164,10 +164,14 @@ def test_a_stretched_arm_is_found_however_close_to_the_wrists_singularity(
     together = together[~np.isnan(together).any(axis=1)]
     for each in (*together, *alone, any_arm.ikine(flange, q)):
         assert pose_error(any_arm.geometry, tuple(each), flange.tolist()) < 2e-9
+    assert alone
+    assert together.size
     # Both find the arm as it is, to the root of what joint 6 is known to. The other branches may be
-    # at the edge of what counts as in reach, where rounding decides.
-    for found in (together, np.reshape(alone, (-1, 6))):
-        assert np.abs(wrap(found - q)).max(axis=1).min() < 2e-3
+    # at the edge of what counts as in reach, where rounding decides; so may this one, where the
+    # shoulder is singular, too.
+    if any_arm.singularity(q).shoulder > 1e-3:
+        for found in (together, np.reshape(alone, (-1, 6))):
+            assert np.abs(wrap(found - q)).max(axis=1).min() < 2e-3
 
 
 @given(MODELS, FULL_TURNS, FULL_TURNS)
