@@ -8,13 +8,12 @@ from __future__ import annotations
 import os
 import re
 import signal
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 from playback.recorded import write
 from ports import free_port
+from test_cli import PATIENT
 from test_cli_monitor import moving, terminal
 from test_cli_robot import ready_arm
 
@@ -25,17 +24,12 @@ from aioduco.models.enums import ProgramState
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from aioduco.sim import Simulator
 
 pytestmark = pytest.mark.slow
 
-TESTS = Path(__file__).parent
-#: the command, for a machine that is too busy for its heartbeats
-PATIENT = (
-    *(sys.executable, "-W", "error", str(TESTS / "patient.py")),
-    str(TESTS.parent / "aioduco" / "cli" / "__main__.py"),
-)
 CTRL_C = b"\x03"
 YES = ((b"[y/N]", b"y\r"),)
 

@@ -525,9 +525,13 @@ async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
         return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, tip=())
 
     places: list[float] = []
+    # The second one is answered when all are on their way: a late one would lead the arm to a hold.
+    on_their_way = threading.Event()
 
     def servoj(joints: list[float], *_: object) -> int:
         places.append(joints[0])
+        if len(places) == 2:
+            assert on_their_way.wait(20.0)
         braking = len(places) > 100 and places[-1] - places[-2] < 0.9 * step
         return -1 if braking and then == "refuses a set-point" else 1001
 
@@ -540,7 +544,7 @@ async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
 
     async def program() -> None:
         opened = Servo(replace(controller.endpoint, envelope=envelope)).joints(
-            v=1.0, a=5.0, rate=500, options=THREAD
+            v=1.0, a=5.0, rate=500, ahead=2000, options=replace(THREAD, timeout=20.0)
         )
         async with opened as stream:
             # It is raised again, with the last word of the worker, when the stream is left.
@@ -548,6 +552,8 @@ async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
                 for n in range(2000):
                     way = 5e-6 * n * n if n < 100 else 0.05 + step * (n - 100)
                     await stream.send([begin[0] + way, *begin[1:]])
+                on_their_way.set()
+                await stream.ended()
 
     with pytest.raises(StreamLeavesEnvelope, match="'wall': tool") as caught:
         await program()
