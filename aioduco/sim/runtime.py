@@ -620,6 +620,11 @@ class SimulationRuntime:
             simulated = controller.simulated
             self._change = object()
             self._drive = controller.tick(sensed)
+            network = None if controller.halted else not controller.starting
+            if network and not self._network:
+                # Before the snapshot: who sees the controller started can connect.
+                self._network = network
+                self._on_network(network)
             if simulated is not None:
                 followed, qdd = simulated, simulated.qdd
             self._snapshot = snapshot = SimulationSnapshot(
@@ -635,7 +640,6 @@ class SimulationRuntime:
             # Before a command can come: else the cycle in which it counts would depend on chance.
             self._busy = controller.busy
             released = self._take_answered() if controller.tasks.newly_answered else ()
-            network = None if controller.halted else not controller.starting
             if controller.unplanned is not None:
                 self.planning.plan_in_background()
         if (observer := self.observer) is not None:

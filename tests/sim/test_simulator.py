@@ -12,7 +12,7 @@ import pytest
 
 from aioduco._wire.rpc import Op
 from aioduco.errors import ConnectionLost, ControllerError, ParameterError
-from aioduco.models.enums import TaskState
+from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import CYCLE, READY, Simulator
 from aioduco.testing import nothing_forgiven
@@ -475,6 +475,22 @@ def test_restart_comes_back_on_the_same_port(connect: Callable[..., Program]) ->
         with pytest.raises(ConnectionLost):
             robot.get_robot_state()
         assert connect(sim).get_robot_state() == [4, 0, 4, 1]
+
+
+def test_who_sees_a_controller_started_again_can_connect(connect: Callable[..., Program]) -> None:
+    seen: list[tuple[bool | None, int]] = []
+
+    class Watched(Simulator):
+        def _network(self, up: bool | None) -> None:
+            seen.append((up, self._running().runtime._snapshot.view.robot))
+            super()._network(up)
+
+    with Watched(speed=math.inf) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        robot.restart(False)
+        sim.wait_until(lambda: len(seen) == 2 and sim.view.robot == RobotState.POWER_OFF)
+    assert seen == [(False, RobotState.START), (True, RobotState.INITIALIZE)]
 
 
 def test_closing_ends_blocked_calls_and_leaves_no_thread_or_socket(
