@@ -22,6 +22,11 @@ from aioduco.supervision.state_feed import StateFeed
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+#: the command line, run by this file
+COMMAND_LINE = (
+    *(sys.executable, "-W", "error", __file__),
+    str(Path(aioduco.__file__).parent / "cli" / "__main__.py"),
+)
 #: s that the tests' robots give by default; tests about such a time set it
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
 #: s that a sample may be old by default, and the first one may take

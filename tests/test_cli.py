@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from moments import complaints
+from patient import COMMAND_LINE
 from PIL import Image
 from typer.testing import CliRunner, Result
 
@@ -38,12 +39,6 @@ if TYPE_CHECKING:
     from aioduco.cli.demo.script import Choreography
 
 COMMAND = (sys.executable, "-W", "error", "-m", "aioduco.cli")
-TESTS = Path(__file__).parent
-#: the command, for a machine that is too busy for its heartbeats
-PATIENT = (
-    *(sys.executable, "-W", "error", str(TESTS / "patient.py")),
-    str(TESTS.parent / "aioduco" / "cli" / "__main__.py"),
-)
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -55,7 +50,7 @@ def run(*arguments: str, typed: str = "") -> Result:
 def process(*arguments: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
     """The command in a process that does not outlive the test."""
     with subprocess.Popen(
-        [*PATIENT, *arguments],
+        [*COMMAND_LINE, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -257,7 +252,7 @@ def test_demo_without_a_terminal(tmp_path: Path) -> None:
     """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
     plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
     done = subprocess.run(
-        [*PATIENT, "demo", "--speed", "1", "--plot", str(plot), "--json", str(result)],
+        [*COMMAND_LINE, "demo", "--speed", "1", "--plot", str(plot), "--json", str(result)],
         check=False,
         capture_output=True,
         text=True,
@@ -342,7 +337,7 @@ def test_demo_loads_everything_before_its_event_loop_runs(tmp_path: Path) -> Non
 def test_demo_gives_its_result_alone_on_the_output() -> None:
     done = subprocess.run(
         # At the speed of the wall's clock: it stops a motion in its middle, and blends two.
-        [*PATIENT, "demo", "--speed", "1", "--no-plot", "--json", "-"],
+        [*COMMAND_LINE, "demo", "--speed", "1", "--no-plot", "--json", "-"],
         check=False,
         capture_output=True,
         text=True,
@@ -459,7 +454,7 @@ def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None
         eventually(lambda: shows(text), timeout=50, what=lambda: f"{text!r} in {bytes(seen)!r}")
 
     with subprocess.Popen(
-        [*PATIENT, *options],
+        [*COMMAND_LINE, *options],
         stdin=theirs,
         stdout=theirs,
         stderr=theirs,

@@ -12,7 +12,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from test_cli import COMMAND, PATIENT, address, process, run, wait_until_it_moves
+from patient import COMMAND_LINE
+from test_cli import COMMAND, address, process, run, wait_until_it_moves
 
 import aioduco
 import aioduco.sync
@@ -375,7 +376,7 @@ def test_the_tool_is_led_by_keys_after_a_question() -> None:
         assert run("teleop", at(sim), "--device", "gamepad", "--path", "/none", "-y").exit_code != 0
         assert sim.joints.array == pytest.approx(HOME, abs=1e-3)
         program = subprocess.Popen(
-            [*PATIENT, "teleop", at(sim), "--yes", "--joints"],
+            [*COMMAND_LINE, "teleop", at(sim), "--yes", "--joints"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

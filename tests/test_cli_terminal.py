@@ -11,9 +11,9 @@ import signal
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from patient import COMMAND_LINE
 from playback.recorded import write
 from ports import free_port
-from test_cli import PATIENT
 from test_cli_monitor import moving, terminal
 from test_cli_robot import ready_arm
 
@@ -106,7 +106,7 @@ def test_a_command_in_a_terminal(row: Row, arm: Simulator, tmp_path: Path) -> No
         where = f'name = "tried"\ngateway = "{name}"\nlisten = ["tcp/127.0.0.1:{free_port()}"]\n'
         (tmp_path / f"{name}.toml").write_text(f"[fleet]\n{where}{arms}")
     known = {"at": at, "host": arm.host, "port": arm.port, "here": tmp_path}
-    with terminal(*row.words.format(**known).split(), command=PATIENT) as shell:
+    with terminal(*row.words.format(**known).split(), command=COMMAND_LINE) as shell:
         for text, keys in row.typed:
             shell.until_it_shows(text)
             if keys == CTRL_C:  # its terminal is not the one that controls it
@@ -122,14 +122,14 @@ def test_a_command_in_a_terminal(row: Row, arm: Simulator, tmp_path: Path) -> No
 
 
 def test_a_simulator_does_what_a_terminal_tells_it() -> None:
-    with terminal("sim", "--port", "0", command=PATIENT) as sim:
+    with terminal("sim", "--port", "0", command=COMMAND_LINE) as sim:
         sim.until_it_shows(b"commands on ")
         sim.until_it_shows(b";")
         found = re.search(rb"commands on (\d+);", bytes(sim.seen))
         assert found
         for words, code in (("push 0 0 -20", 0), ("input 99 on", 1)):
             given = ("sim-do", "--control-port", found[1].decode(), *words.split())
-            with terminal(*given, command=PATIENT) as shell:
+            with terminal(*given, command=COMMAND_LINE) as shell:
                 assert shell.exit_code() == code, bytes(shell.seen)
         os.killpg(sim.program.pid, signal.SIGINT)
         assert sim.exit_code() == 0

@@ -38,7 +38,7 @@ def load() -> Solver:
     """
     for name in ("matplotlib", "matplotlib.pyplot"):
         sys.modules.setdefault(name, ModuleType(name))
-    from aioduco.planning.solver import solve  # noqa: PLC0415
+    from aioduco.planning.solver import solve  # noqa: PLC0415  # it imports TOPP-RA
 
     return solve
 

@@ -13,7 +13,7 @@ import anyio
 import numpy as np
 import pytest
 from moments import complaints, streamed_in_time
-from patient import patient_queue
+from patient import COMMAND_LINE, patient_queue
 from PIL import Image
 
 import aioduco
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot
     from aioduco.streaming.joint_trajectory import TrajectoryResult
 
-RUNNER = str(Path(__file__).parents[1] / "patient.py")
-COMMAND = str(Path(aioduco.__file__).parent / "cli" / "__main__.py")
 LEFT = Joints.deg(50, 0, 90, 0, -90, 0)
 RIGHT = Joints.deg(-50, 0, 90, 0, -90, 0)
 BOARD = Box(at=(0.55, 0, 0.35), size=(0.5, 0.04, 0.7), name="board")
@@ -215,7 +213,7 @@ async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
 @pytest.mark.slow
 def test_the_demonstration(tmp_path: Path) -> None:
     told = tmp_path / "told.json"
-    command = [sys.executable, RUNNER, COMMAND, "demo", "--plan", "--json", str(told)]
+    command = [*COMMAND_LINE, "demo", "--plan", "--json", str(told)]
     done = subprocess.run(
         [*command, "--pictures", str(tmp_path)],
         capture_output=True,

@@ -5,14 +5,12 @@ from __future__ import annotations
 import gc
 import signal
 import subprocess
-import sys
 import warnings
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from patient import patient_queue
+from patient import COMMAND_LINE, patient_queue
 from typer.testing import CliRunner
 
 import aioduco
@@ -28,6 +26,7 @@ from playback.recorded import FAR, HOME, nod, write
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -174,10 +173,6 @@ async def test_what_speaks_against_it_is_said_and_nothing_is_sent(tmp_path: Path
         assert np.abs(sim.joints.array - FAR).max() < 1e-6
 
 
-RUNNER = str(Path(__file__).parents[1] / "patient.py")
-COMMAND = str(Path(aioduco.__file__).parent / "cli" / "__main__.py")
-
-
 def wait_a_while(sim: Simulator) -> None:
     begin = sim.time
     sim.wait_until(lambda: sim.time > begin + 0.5, timeout=30)
@@ -198,7 +193,7 @@ def test_an_interrupt_leaves_a_standing_arm(tmp_path: Path) -> None:
 def interrupted(file: Path, number: signal.Signals, status: int) -> bool:
     """Play a file and end that amid a motion; whether the machine was quick enough to play it."""
     with Simulator(joints=HOME) as sim:
-        command: list[str] = [sys.executable, RUNNER, COMMAND, "play", str(file), sim.host]
+        command: list[str] = [*COMMAND_LINE, "play", str(file), sim.host]
         command += ["--port", str(sim.port), "--yes", "--no-rehearse"]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as played:
 
