@@ -11,6 +11,7 @@ from the thread on which it was requested.
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
 import time
 from typing import TYPE_CHECKING, Any
@@ -51,7 +52,7 @@ from aioduco.integrations.ros.trajectory_goals import ErrorCode
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
-    from anyio.abc import SocketStream
+    from anyio.abc import SocketStream, TaskGroup
 
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
@@ -65,6 +66,10 @@ _LOOK_AT_MASTER = 1.0  # seconds between two checks of the master
 _LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # checks after it closed its connection, and seconds between
 _SILENT = 5.0  # seconds without an answer after which the master has gone; it may be busy
 _QUEUE = 10  # queued messages for a slow subscriber
+#: Seconds from a goal to its result, at the least. `SimpleActionClient.send_goal` of Python begins
+#: to track a goal after it has sent it: a result that comes earlier is lost, and its
+#: `wait_for_result` never returns (ros/actionlib, issue 206; that repository is archived).
+_SOONEST_RESULT = 0.1
 
 _log = logging.getLogger(__name__)
 
@@ -106,7 +111,7 @@ async def _serve(settings: NodeSettings) -> None:
         BlockingPortal() as portal,
         anyio.create_task_group() as tasks,
     ):
-        shell = _Shell(node, portal)
+        shell = _Shell(node, portal, tasks)
         rospy.on_shutdown(lambda: _quietly(portal, tasks.cancel_scope.cancel))
         tasks.start_soon(cancel_on_signal, tasks.cancel_scope)
         tasks.start_soon(shell.watch_master)
@@ -136,6 +141,14 @@ async def _closes(connection: SocketStream, due: float) -> bool:
     return False
 
 
+async def _after(due: float, call: Callable[[], object]) -> None:
+    """Make a call at a time, or earlier if this is cancelled."""
+    try:
+        await anyio.sleep_until(due)
+    finally:
+        call()
+
+
 def _without_request(
     call: Callable[[], Awaitable[ServiceReply]],
 ) -> Callable[[Any], Awaitable[ServiceReply]]:
@@ -145,9 +158,10 @@ def _without_request(
 class _Goal:
     """A goal of actionlib, in the interface of the driver's core."""
 
-    def __init__(self, shell: _Shell, handle: Any) -> None:
+    def __init__(self, shell: _Shell, handle: Any, arrived: float) -> None:
         self._shell = shell
         self._handle = handle
+        self._arrived = arrived
         self._caller = handle.goal._connection_header.get("callerid", "")
         self._goal = conversions.goal(handle.goal.goal)
 
@@ -166,28 +180,29 @@ class _Goal:
         self._handle.publish_feedback(conversions.feedback(names, feedback, rospy.get_time()))
 
     def succeeded(self) -> None:
-        self._forget().set_succeeded(conversions.result(ErrorCode.SUCCESSFUL, ""), "")
+        self._end(self._handle.set_succeeded, ErrorCode.SUCCESSFUL, "")
 
     def cancelled(self, text: str) -> None:
-        self._forget().set_canceled(conversions.result(ErrorCode.SUCCESSFUL, text), text)
+        self._end(self._handle.set_canceled, ErrorCode.SUCCESSFUL, text)
 
     def rejected(self, code: ErrorCode, text: str) -> None:
-        self._forget().set_rejected(conversions.result(code, text), text)
+        self._end(self._handle.set_rejected, code, text)
 
     def aborted(self, code: ErrorCode, text: str) -> None:
-        self._forget().set_aborted(conversions.result(code, text), text)
+        self._end(self._handle.set_aborted, code, text)
 
-    def _forget(self) -> Any:
+    def _end(self, send: Callable[[Any, str], object], code: ErrorCode, text: str) -> None:
         self._shell.forget(self._handle.get_goal_id().id)
-        return self._handle
+        self._shell.answer(send, code, text, self._arrived)
 
 
 class _Shell:
     """Topics, services and the action of one arm; the sink of its state."""
 
-    def __init__(self, node: ArmNode, portal: BlockingPortal) -> None:
+    def __init__(self, node: ArmNode, portal: BlockingPortal, tasks: TaskGroup) -> None:
         self._node = node
         self._portal = portal
+        self._tasks = tasks
         self._settings = node.settings
         self.names = node.settings.profile.joint_names
         self._goals: dict[str, _Goal] = {}
@@ -243,11 +258,13 @@ class _Shell:
     # -- goals: called on threads of rospy -------------------------------------------------------
 
     def _take_goal(self, handle: Any) -> None:
+        arrived = time.monotonic()
         try:
-            goal = _Goal(self, handle)
+            goal = _Goal(self, handle, arrived)
         except Exception as error:  # a client may send anything: the node continues
             text = f"the goal cannot be read: {error!r}; nothing was sent"
-            handle.set_rejected(conversions.result(ErrorCode.INVALID_GOAL, text), text)
+            code = ErrorCode.INVALID_GOAL
+            self._schedule(self.answer, handle.set_rejected, code, text, arrived)
             return
         self._schedule(self._submit, goal, handle.get_goal_id().id)
 
@@ -275,6 +292,17 @@ class _Shell:
     def forget(self, number: str) -> None:
         """Remove a goal that has its result."""
         self._goals.pop(number, None)
+
+    def answer(
+        self, send: Callable[[Any, str], object], code: ErrorCode, text: str, arrived: float
+    ) -> None:
+        """Send the result of a goal, `_SOONEST_RESULT` after the goal arrived at the earliest."""
+        result = functools.partial(send, conversions.result(code, text), text)
+        early = arrived + _SOONEST_RESULT - time.monotonic()
+        if early > 0.0:
+            self._tasks.start_soon(_after, anyio.current_time() + early, result)
+        else:
+            result()
 
     def is_connected(self, caller: str) -> bool:
         """Whether a client's connection for goals is open."""
