@@ -252,18 +252,21 @@ def test_demo_without_a_terminal(tmp_path: Path) -> None:
     """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
     plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
     done = subprocess.run(
-        [*COMMAND_LINE, "demo", "--speed", "1", "--plot", str(plot), "--json", str(result)],
+        # Slowly: a motion is stopped in its middle, and a line has to come before the one before it
+        # ends, for which a busy machine then has seconds.
+        [*COMMAND_LINE, "demo", "--speed", "0.25", "--plot", str(plot), "--json", str(result)],
         check=False,
         capture_output=True,
         text=True,
         stdin=subprocess.DEVNULL,
-        timeout=100,
+        timeout=300,
     )
-    assert (done.returncode, complaints(done.stderr)) == (0, "")
+    told = result.read_text(encoding="utf-8") if result.exists() else done.stdout
+    assert (done.returncode, complaints(done.stderr)) == (0, ""), told
     assert "\x1b" not in done.stdout, "no colours and no cursor movements outside a terminal"
     assert len(done.stdout.splitlines()) < 50
 
-    report = json.loads(result.read_text(encoding="utf-8"))
+    report = json.loads(told)
     outcomes = [motion["outcome"] for motion in report["motions"]]
     assert report["ok"] is True
     assert {"finished", "blended", "stopped"} == set(outcomes)
@@ -335,16 +338,16 @@ def test_demo_loads_everything_before_its_event_loop_runs(tmp_path: Path) -> Non
 
 @pytest.mark.slow
 def test_demo_gives_its_result_alone_on_the_output() -> None:
+    """How the demonstration ends is another test's: the simulated clock runs fast here."""
     done = subprocess.run(
-        # At the speed of the wall's clock: it stops a motion in its middle, and blends two.
-        [*COMMAND_LINE, "demo", "--speed", "1", "--no-plot", "--json", "-"],
+        [*COMMAND_LINE, "demo", "--speed", "8", "--no-plot", "--json", "-"],
         check=False,
         capture_output=True,
         text=True,
         timeout=100,
     )
     report = json.loads(done.stdout)
-    assert report["ok"] is True, report
+    assert done.returncode == (0 if report["ok"] else 1), report
     assert "to the start" in done.stderr
 
 
@@ -372,7 +375,7 @@ def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:
 
 @pytest.mark.slow
 def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
-    with Simulator("gcr10_1300", speed=8) as sim:
+    with Simulator("gcr10_1300", speed=1) as sim:
         answer = run("demo", *address(sim), "--model", "gcr10_1300", "--no-plot", typed="y\n")
         assert answer.exit_code == 0, answer.output
         assert not sim.moving
