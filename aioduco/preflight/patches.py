@@ -30,6 +30,7 @@ from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server.processor import Processor
 from aioduco.sim.view.render import PictureProcess
+from aioduco.streaming.session import Session
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.command import MotionCommand, shown
 from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -55,8 +56,9 @@ _BETWEEN = frozenset(
 )
 #: shortest blocking of an event loop that is a finding [s]: the heartbeat's usual limit
 BLOCKED = 1.0
-#: least time-outs of a robot here [s]: a busy computer is not the program's fault
+#: least time-outs of a robot and of a stream here [s]: a busy computer is not the program's fault
 _PATIENCE = {"call_timeout": 15.0, "connect_timeout": 15.0, "loop_stall_limit": 20.0}
+_STREAM_PATIENCE = {"timeout": 15.0, "connect_timeout": 15.0}
 _HEARTBEAT = 30.0
 #: time between two checks of a wait with a time-out, by the wall clock [s]
 _LOOK = 0.01
@@ -154,6 +156,7 @@ def install(
     _loops(clock)
     _threads(clock)
     _addresses(clock, cell)
+    _streams(clock)
     _processes(clock)
     _unanswered(clock)
     _calls(recorder)
@@ -337,9 +340,7 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
     def made(self: Any, host: str, port: int, settings: Any) -> None:
         there = cell.address()
         assert cell.simulator is not None
-        patient: dict[str, Any] = {
-            name: max(least, getattr(settings, name)) for name, least in _PATIENCE.items()
-        }
+        patient = _at_least(settings, _PATIENCE)
         if settings.heartbeat is not None:
             patient["heartbeat"] = max(_HEARTBEAT, settings.heartbeat)
         patient["clock"] = cell.simulator.clock
@@ -378,6 +379,17 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
     lanes: Any = lane.WireLane
     close_lane = lanes.aclose
     runner.open, robot.open, lanes.aclose = opened_runner, opened_robot, closed_lane
+
+
+def _streams(clock: ProgramClock) -> None:
+    session: Any = Session
+    of_session = session.__init__
+
+    def made_stream(self: Any, endpoint: Any, config: Any) -> None:
+        options = replace(config.options, **_at_least(config.options, _STREAM_PATIENCE))
+        of_session(self, endpoint, replace(config, options=options))
+
+    session.__init__ = made_stream
     worker: Any = WorkerHandle
     start = worker.start
 
@@ -386,6 +398,11 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
         start(self)
 
     worker.start = started
+
+
+def _at_least(settings: Any, least: dict[str, float]) -> dict[str, Any]:
+    """Time-outs of some settings, none of them shorter than it may be."""
+    return {name: max(limit, getattr(settings, name)) for name, limit in least.items()}
 
 
 def _processes(clock: ProgramClock) -> None:

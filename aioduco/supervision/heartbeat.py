@@ -374,6 +374,10 @@ class Heartbeat:
                     self._machine.state is HeartbeatState.STALLED
                     and before is not self._machine.state
                 ):
+                    # Before the stop: a program that sees the arm stand must know why, and sends
+                    # no further motion.
+                    if self._changed is not None:
+                        self._changed(self)
                     self._stop_stalled(every)
                 elif not nudged and now < due:
                     continue

@@ -16,6 +16,8 @@ import pytest
 
 import aioduco
 from aioduco import HeartbeatState
+from aioduco.supervision.heartbeat import Heartbeat
+from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
 from client.bench import HOME
 
@@ -96,6 +98,39 @@ async def test_a_hung_loop_stops_the_beat_until_rearmed(
         assert figures.stalls == 1
         # late by the stall limit, less the time to the sign of life that was due
         assert robot.statistics().longest_stall > 0.8 * limit
+
+
+class Line:
+    """A connection that notes what it is to call, and answers all of it."""
+
+    def __init__(self, noted: list[object]) -> None:
+        self._noted = noted
+
+    def open(self, deadline: float | None = None) -> None:
+        pass
+
+    def call(self, name: str, args: tuple[object, ...], timeout: float | None) -> object:
+        self._noted.append(name)
+        return 0
+
+    def abandon(self, reason: str = "") -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_hung_loop_is_reported_before_the_arm_is_stopped() -> None:
+    """A program that sees its arm stand would otherwise move it, and not be told why it stood."""
+    noted: list[object] = []
+    life = SignOfLife()
+    life.moves = True
+    heartbeat = Heartbeat(lambda: Line(noted), 30.0, life, 0.05, lambda h: noted.append(h.state))
+    heartbeat.start()
+    eventually(lambda: "stop" in noted)
+    heartbeat.end()
+    assert heartbeat.join(30.0)
+    assert noted[noted.index("stop") - 1] is HeartbeatState.STALLED
 
 
 async def test_a_lost_heartbeat_is_reported_and_comes_back(

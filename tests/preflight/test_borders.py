@@ -72,15 +72,16 @@ asyncio.run(main())
 OWN_PROCESSES = """
 from aioduco.planning import Planner, Scene
 async def main():
-    patient = aioduco.LaneOptions(timeout=30.0)
     async with aioduco.connect(*ARM, guard="process") as robot:
         await robot.bring_up()
         here = await robot.state.get_actual_joints_position()
         async with Planner(Scene()) as planner:
             Scene().picture(here, width=20, height=20)
             plan = await planner.plan(here, aioduco.Joints.of([q + 0.1 for q in here]))
-        await robot.motion.execute(plan, options=patient)
-        async with robot.servo.joints(v=1.0, a=5.0, rate=100, options=patient) as stream:
+        await robot.motion.execute(plan)
+        # No controller answers as soon as that; here, a computer that is too busy is not found.
+        hasty = aioduco.LaneOptions(timeout=1e-6)
+        async with robot.servo.joints(v=1.0, a=5.0, rate=100, options=hasty) as stream:
             await stream.send(await robot.state.get_actual_joints_position())
 asyncio.run(main())
 """
