@@ -287,6 +287,10 @@ import aioduco
 from aioduco.cli.app import app
 from aioduco.cli.demo import session
 
+# A busy machine takes its time over a beat.
+defaults = aioduco.connect.__kwdefaults__
+defaults |= {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
+
 found = []
 
 class Finder(importlib.abc.MetaPathFinder):

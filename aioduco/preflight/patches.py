@@ -209,7 +209,7 @@ class _Selector(selectors.DefaultSelector):
         self.clock.add_actor()
         if timeout is not None and timeout <= 0:
             return super().select(timeout)
-        with self.clock.waiting() as self.wait:
+        with self.clock.waiting(timeout) as self.wait:
             return super().select(timeout)
 
     def close(self) -> None:

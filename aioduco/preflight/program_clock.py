@@ -6,7 +6,8 @@ Guarantees:
   would fall behind the wall clock by more than `STALL`, it follows the wall clock for as long as
   necessary.
 - While the program waits, time runs as fast as this computer can simulate, up to exactly the next
-  moment at which one of its waits ends.
+  moment at which one of its waits ends. While an event loop that has a timer of this package due
+  does not get to run, such as for the next poll of a task, time stands.
 - While a stream's worker runs, which is a process with its own schedule, time is the wall clock's.
 """
 
@@ -68,13 +69,15 @@ class Wait:
     Attributes:
         thread: id of the thread.
         counts: whether the clock counts it as waiting.
+        due: when it ends by itself, by the wall clock [s].
     """
 
-    __slots__ = ("counts", "thread")
+    __slots__ = ("counts", "due", "thread")
 
-    def __init__(self, thread: int) -> None:
+    def __init__(self, thread: int, due: float = math.inf) -> None:
         self.thread: int = thread
         self.counts: bool = False
+        self.due: float = due
 
 
 class ProgramClock:
@@ -91,6 +94,7 @@ class ProgramClock:
         #: offset on the simulator's time, or on the wall clock without a simulator [s]
         self._offset = 0.0
         self._actors: dict[int, int] = {}
+        self._waits: set[Wait] = set()
         self._calls = 0
         self._streams: list[Callable[[], bool]] = []
         self._timers: list[tuple[float, int, Timer]] = []
@@ -191,9 +195,14 @@ class ProgramClock:
             return any(each.live and each.made - self._zero <= passed for *_, each in self._timers)
 
     @contextlib.contextmanager
-    def waiting(self) -> Iterator[Wait]:
-        """Mark the calling thread as waiting during the block, if it is an actor."""
-        wait = Wait(threading.get_ident())
+    def waiting(self, timeout: float | None = None) -> Iterator[Wait]:
+        """Mark the calling thread as waiting during the block, if it is an actor.
+
+        Args:
+            timeout: time after which the wait ends by itself, by the wall clock [s]; None: never.
+        """
+        due = math.inf if timeout is None else _monotonic() + timeout
+        wait = Wait(threading.get_ident(), due)
         if wait.thread not in self._actors:
             # without the lock: the simulation's thread waits with a lock that `_hold` needs
             yield wait
@@ -201,6 +210,7 @@ class ProgramClock:
         with self._state:
             if wait.thread in self._actors:
                 wait.counts = True
+                self._waits.add(wait)
                 self._actors[wait.thread] += 1
                 self._change()
         try:
@@ -215,6 +225,7 @@ class ProgramClock:
         with self._state:
             if wait.counts:
                 wait.counts = False
+                self._waits.discard(wait)
                 if wait.thread in self._actors:
                     self._actors[wait.thread] -= 1
                 self._change()
@@ -291,7 +302,9 @@ class ProgramClock:
         simulator = self._simulator
         if simulator is None or self._streams:
             return
-        self._hold(min(self._next() - self._offset, simulator.clock.now() + _STEP))
+        now = simulator.clock.now()
+        overdue = any(wait.due < _monotonic() for wait in self._waits)
+        self._hold(now if overdue else min(self._next() - self._offset, now + _STEP))
         simulator.speed = _FAST
 
     def _fire(self) -> bool:
