@@ -13,6 +13,7 @@ import anyio
 import numpy as np
 import pytest
 from moments import streamed_in_time
+from patient import patient_queue
 
 import aioduco
 from aioduco.errors import (
@@ -78,7 +79,9 @@ async def test_each_leads_the_arm_to_where_its_set_points_lead(
     opened, feed, space, _ = KINDS[kind]
     options = PROCESS if kind in FOLLOWED else THREAD
     start = await place(robot, space)
-    async with opened(robot, options) as stream:
+    with patient_queue():  # the program here may be held up for longer than a stream waits
+        made = opened(robot, options)
+    async with made as stream:
         await feed(robot, stream, space)
     # When it has been left, the arm stands.
     assert not await robot.state.robotmoving()
