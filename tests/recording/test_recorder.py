@@ -154,7 +154,7 @@ async def test_a_stream_is_recorded_with_its_set_points_and_its_lateness(tmp_pat
         ) as robot:
             await robot.bring_up()
             start = list(await robot.state.get_actual_joints_position())
-            async with robot.servo.joints(v=1.0, a=1.0) as stream:
+            async with robot.servo.joints(v=1.0, a=1.0, hold=10.0) as stream:
                 for number in range(20):
                     await stream.send([start[0] + 1e-4 * number, *start[1:]])
                     await anyio.sleep(0.01)

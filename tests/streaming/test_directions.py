@@ -149,7 +149,7 @@ async def test_a_stream_of_offsets_adds_up_in_its_frame(
     start = in_use @ await place()
     there = {"base": np.eye(3), "wobj": BENCH.matrix[:3, :3], "tool": start.matrix[:3, :3]}[frame]
     offset = [0.001, 0.0, 0.002, 0.0, 0.01, 0.0]
-    opened = robot.servo.tcp_offset(v=1.0, a=5.0, tool=tool, frame=frame, options=THREAD)
+    opened = robot.servo.tcp_offset(v=1.0, a=5.0, tool=tool, frame=frame, hold=10.0, options=THREAD)
     async with opened as stream:
         for _ in range(20):
             await stream.send(offset)
