@@ -50,7 +50,8 @@ def test_a_child_left_is_found_while_it_runs_and_until_it_is_waited_for() -> Non
     command = [sys.executable, "-c", "input()"]
     before = Resources.now()
     with subprocess.Popen(command, stdin=subprocess.PIPE) as child:
-        assert any("input()" in line for line in Resources.now().beyond(before))
+        # Linux writes its command line a moment after the program has begun.
+        eventually(lambda: any("input()" in line for line in Resources.now().beyond(before)))
         child.communicate(b"\n")
     assert Resources.now().beyond(before) == []
     child = subprocess.Popen([sys.executable, "-c", ""])
