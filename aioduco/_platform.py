@@ -30,6 +30,7 @@ __all__ = [
     "NEW_GROUP",
     "SHARED",
     "boost_main_thread",
+    "boot_time",
     "clock_step",
     "drop_realtime_priority",
     "ending_signals",
@@ -57,6 +58,20 @@ NEW_GROUP: Final = 0x200 if sys.platform == "win32" else 0
 
 #: command-line argument that stands for a socket that is shared, and not inherited
 SHARED: Final = "shared"
+
+
+def boot_time() -> float:
+    """Return the seconds since the computer started, including those for which it slept.
+
+    `time.monotonic` stands still while a Linux computer or a Mac sleeps: a program would not notice
+    that the controller of its arm has missed the heartbeat. On Windows it goes on. All processes of
+    a computer read the same time.
+    """
+    if hasattr(time, "CLOCK_BOOTTIME"):
+        return time.clock_gettime(time.CLOCK_BOOTTIME)
+    if sys.platform == "darwin":
+        return time.clock_gettime(time.CLOCK_MONOTONIC)  # unlike `time.monotonic` there
+    return time.monotonic()
 
 
 def readiness(sock: socket.socket, *, writing: bool = False) -> Callable[[float], bool]:

@@ -240,6 +240,7 @@ class Connection:
         deadline: float | None,
         meanwhile: Callable[[], object] | None = None,
         further: Sequence[tuple[idl.Function, bytes]] = (),
+        permit: Callable[[], object] | None = None,
     ) -> Any:
         """Send a call whose arguments are encoded, and wait for its answer.
 
@@ -251,6 +252,8 @@ class Connection:
                 works.
             further: functions that only read, with their encoded arguments. They are sent right
                 after the call; the controller answers all in their order.
+            permit: called last, before the first byte is sent. It raises if the call may not be
+                sent any more; the connection stays usable.
 
         Returns:
             The result, as for `call`; with `further`, a list of `codec.ReadResult`.
@@ -260,6 +263,8 @@ class Connection:
         reply, self._ahead = self._ahead, None
         if reply is None and deadline is not None and deadline <= time.monotonic():
             raise NotSent(f"{function.name} was not sent: there was no time left for it")
+        if reply is None and permit is not None:
+            permit()
         with self._guard:
             if reply is None and not self._life.begin():
                 raise ConnectionLost(f"{function.name} cannot use {self!r}; nothing was sent")

@@ -46,6 +46,7 @@ class Call(ABC):
     Attributes:
         further: functions that only read, with their encoded arguments. They are sent after it;
             its value is then a list of `codec.ReadResult`, its own result first.
+        permit: called before its first byte is sent; it raises if it may not be sent any more.
     """
 
     __slots__ = (
@@ -56,6 +57,7 @@ class Call(ABC):
         "function",
         "further",
         "handed_over",
+        "permit",
         "value",
         "worker",
     )
@@ -65,6 +67,7 @@ class Call(ABC):
         self.arguments = arguments
         self.deadline = deadline
         self.further: Sequence[tuple[Function, bytes]] = ()
+        self.permit: Callable[[], object] | None = None
         self.value: Any = None
         self.error: BaseException | None = None
         self.abandoned = False

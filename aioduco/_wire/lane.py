@@ -235,6 +235,7 @@ class WireLane:
         args: tuple[Any, ...],
         timeout: float | _Default | None = _Default.LIMIT,
         begun: Callable[[AwaitedCall], object] | None = None,
+        permit: Callable[[], object] | None = None,
     ) -> Any:
         """Call a function of the wire and wait for its answer.
 
@@ -243,6 +244,8 @@ class WireLane:
             args: one value per parameter.
             timeout: time limit of the whole call [s]; None: no limit. By default the lane's limit.
             begun: callback that gets the call before a thread does, to observe its progress.
+            permit: called last, before the first byte is sent, on the thread that sends it. What
+                it raises is raised here: nothing was sent.
 
         Returns:
             The result; None for a function without one.
@@ -267,6 +270,7 @@ class WireLane:
         begin = time.monotonic()
         deadline = None if seconds is None else begin + seconds
         call = AwaitedCall(self.owner_loop, function, encoded, deadline, self._finished)
+        call.permit = permit
         # A task whose scope is already cancelled must send nothing. From here to the thread there
         # is no other checkpoint that would detect this.
         if current_effective_deadline() == -math.inf:

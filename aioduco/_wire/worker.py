@@ -17,6 +17,7 @@ from aioduco.errors import (
     CallTimeout,
     ConnectError,
     ConnectionLost,
+    DucoError,
     NotSent,
     OutcomeUnknown,
 )
@@ -127,7 +128,7 @@ class Worker:
         call.worker = self
         self._current = call
         connection = self._connection
-        if connection is not None and call.function is not None:
+        if connection is not None and call.function is not None and _permitted(call):
             # The thread may have to wait for the interpreter's lock; so send the bytes here.
             call.handed_over = True  # set first: a concurrent `abandon` must see it
             call.handed_over = connection.send_ahead(
@@ -278,7 +279,11 @@ class Worker:
         call.handed_over = True
         try:
             return connection.exchange(
-                call.function, call.arguments, call.deadline, further=call.further
+                call.function,
+                call.arguments,
+                call.deadline,
+                further=call.further,
+                permit=call.permit,
             )
         finally:
             if connection.state is not ConnectionState.IDLE:
@@ -305,6 +310,16 @@ class Worker:
         if self._is_open:
             self._is_open = False
             self._source.ended(connection)
+
+
+def _permitted(call: Call) -> bool:
+    """Whether a call may be sent now. If not, its thread finds the same, and the call fails."""
+    try:
+        if call.permit is not None:
+            call.permit()
+    except DucoError:
+        return False
+    return True
 
 
 def may_send_again(function: Function, progress: Progress) -> bool:

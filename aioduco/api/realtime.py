@@ -111,7 +111,8 @@ class Realtime(Section, RealtimeStreams):
             if not isinstance(point, RealtimePoint) or point.mode is not given[0].mode:
                 raise ParameterError(f"points[{number}]", point, expected)
         data = [point.wire() for point in given]
-        check_finished("realtime_data_enqueue", await self._rpc.realtime_data_enqueue(data, True))
+        answer = await self._feed(lambda rpc: rpc.realtime_data_enqueue(data, True))
+        check_finished("realtime_data_enqueue", answer)
 
     async def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).

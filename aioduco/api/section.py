@@ -178,6 +178,20 @@ class Section(ManualNames):
                 modes.over(ending)
             raise
 
+    async def _feed(self, call: Call) -> int:
+        """Send points that the arm may follow at once, without a task of their own.
+
+        Args:
+            call: makes the call of the wire.
+
+        Returns:
+            The answer.
+        """
+        name, args = capture_call(call)
+        supervisor = self._supervisor
+        supervisor.check_open(name)
+        return await supervisor.dispatcher.feed(Command(name, args), supervisor.calls)
+
     async def _perform(self, call: Call, timeout: float) -> None:
         """Carry out a function that becomes a task and moves nothing, and wait for its end.
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.api.points import points_with_outputs
-from aioduco.api.section import Section, check_finished
+from aioduco.api.section import Section, capture_call, check_finished
 from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPoolFull
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
 from aioduco.streaming.track import TrackStreams
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
+    from aioduco.api.section import Call
     from aioduco.models.op import PointOp
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.streaming.endpoint import StreamEndpoint
@@ -76,7 +77,7 @@ class Track(Section, TrackStreams):
         given = ranges.TRACK_POINTS.listed("points", points)
         kind = _kind(given)
         points_ = _RULES[kind or self._kind]("points", given)
-        await self._put(kind, "trackEnqueue", self._rpc.trackEnqueue, points_)
+        await self._put(kind, lambda rpc: rpc.trackEnqueue(points_, True))
 
     async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
         """Put points into the pool, each with outputs to set there (带 Op 的轨迹点入池).
@@ -96,7 +97,7 @@ class Track(Section, TrackStreams):
         """
         given = points_with_outputs("points", points, ranges.TRACK_COUNT, Joints, Pose)
         points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
-        await self._put(type(given[0].pos), "trackEnqueueOp", self._rpc.trackEnqueueOp, points_)
+        await self._put(type(given[0].pos), lambda rpc: rpc.trackEnqueueOp(points_, True))
 
     async def trackClearQueue(self) -> None:  # noqa: N802  # as above
         """Empty the pool (清空轨迹池).
@@ -177,27 +178,19 @@ class Track(Section, TrackStreams):
             lambda rpc: rpc.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_)
         )
 
-    async def _put(
-        self,
-        kind: _Kind | None,
-        function: str,
-        enqueue: Callable[[Any, bool], Awaitable[int]],
-        points: Sequence[Any],
-    ) -> None:
-        """Put points into the pool."""
+    async def _put(self, kind: _Kind | None, call: Call) -> None:
+        """Put points into the pool, by a call of the wire."""
         held = self._kind
+        function, _ = capture_call(call)
         if kind is not None and held is not None and held is not kind:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
-        if self._followed:
-            # The arm may follow them without a task that reports the motion.
-            self._supervisor.stop_coordinator.claim.make(function)
-            self._supervisor.stop_coordinator.unfollowed_motion = True
         self._kind = kind or held
         try:
-            _taken(function, await enqueue(points, True))
+            # The arm may follow the pool, without a task that reports the motion.
+            _taken(function, await (self._feed(call) if self._followed else call(self._rpc)))
         except (OutcomeUnknown, TrackPoolFull):
             raise  # some may be in the pool
         except DucoError:

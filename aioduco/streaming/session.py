@@ -327,6 +327,11 @@ class Session:
         if self.host is not None:
             self.host.command(StreamCommand.HALT)
 
+    def withdraw(self) -> None:
+        """Send nothing more and stop the arm; may be called from any thread or signal handler."""
+        if self.host is not None:
+            self.host.touch(False)
+
     def kill(self) -> None:
         """Kill a worker's process that does not end by itself; a thread cannot be killed."""
         if self.host is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Protocol, get_args
 
 from aioduco.errors import MotionCarriedOut, ParameterError
@@ -50,10 +50,11 @@ class CommandDispatcher(Protocol):
         self,
         command: Command,
         *,
+        aim: Aim | None = None,
         deadline: float | None = None,
         on_cancel: OnCancel | None = None,
     ) -> Task:
-        """Send a command and return its task."""
+        """Send a command, converted by `aim` when it is its turn, and return its task."""
         ...
 
 
@@ -148,10 +149,9 @@ class MotionCommand:
             deadline = SECONDS("deadline", deadline)
         if on_cancel is not None and on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
-        command = self.command
-        if self._aim is not None:
-            command = replace(command, args=await self._aim.arguments(command))
-        return await self._dispatcher.launch(command, deadline=deadline, on_cancel=on_cancel)
+        return await self._dispatcher.launch(
+            self.command, aim=self._aim, deadline=deadline, on_cancel=on_cancel
+        )
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
         # Here and not in the coroutine: a coroutine that is never awaited gives its own warning.

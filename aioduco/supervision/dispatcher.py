@@ -1,6 +1,8 @@
 """Sending commands that become tasks.
 
 Guarantees:
+- A motion is asked for when it is awaited or started, and sent only while that permit is valid: the
+  gate decides (`supervision.gate`).
 - A motion is stopped if it is not certain whether the controller accepted it. A background task
   sends the motion, so that a cancellation of the caller cannot lose the answer that says whether it
   was accepted: the stop would then overtake the motion.
@@ -13,22 +15,17 @@ from __future__ import annotations
 
 import contextlib
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import anyio
 import anyio.lowlevel
 
-from aioduco.errors import (
-    HeartbeatLost,
-    OutcomeUnknown,
-    Refused,
-    RobotStateError,
-    StopUnconfirmed,
-    TaskStopped,
-)
+from aioduco._platform import boot_time
+from aioduco.errors import OutcomeUnknown, Refused, RobotStateError, StopUnconfirmed
 from aioduco.supervision.command import Command
 from aioduco.supervision.concurrency import every, run_to_completion
-from aioduco.supervision.heartbeat import HeartbeatState
+from aioduco.supervision.gate import Ending
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import PendingCommand
@@ -39,8 +36,9 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.enums import Outcome
+    from aioduco.supervision.command import Aim
     from aioduco.supervision.concurrency import BackgroundTasks
-    from aioduco.supervision.heartbeat import HeartbeatLike
+    from aioduco.supervision.gate import Permit
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import OnCancel
@@ -57,11 +55,9 @@ class Dispatcher:
         lane: lane on which commands are sent.
         coordinator: follows the tasks, and stops motions that went wrong.
         background: runs the tasks that send commands, beside the caller.
-        heartbeat: no motion is started unless it is beating; None for no heartbeat.
         settings: times and limits.
 
     Attributes:
-        closed: why no command is sent any more; empty while commands can be sent.
         accepted: number of commands that the controller accepted.
         check: checks each motion before it is sent; it may raise, or slow the motion down.
     """
@@ -71,23 +67,22 @@ class Dispatcher:
         lane: WireLane,
         coordinator: StopCoordinator,
         background: BackgroundTasks,
-        heartbeat: HeartbeatLike | None,
         settings: RobotSettings,
     ) -> None:
         self._lane = lane
         self._coordinator = coordinator
+        self._permits = coordinator.permits
+        self._gate = coordinator.permits.gate
         self._background = background
-        self._heartbeat = heartbeat
         self._settings = settings
         self._clock = settings.clock
         self._order = anyio.Lock()
         self._last: Task | None = None
-        self.closed = ""
         self.accepted: int = 0
         self.check: Callable[[Command], Awaitable[Command]] | None = None
 
     async def quiet(self, timeout: float) -> None:
-        """Wait until no command is on its way; after `closed` was set, none follows."""
+        """Wait until no command is on its way; after the gate was closed, none follows."""
         with anyio.move_on_after(timeout):
             async with self._order:
                 return
@@ -97,9 +92,10 @@ class Dispatcher:
         coordinator = self._coordinator
         async for _ in every(_CLAIM_EVERY):
             # No await between the last check for commands on their way, and `drop`.
-            stands = (
-                coordinator.claim.made and not coordinator.moving and await coordinator.stands()
-            )
+            if not coordinator.claim.made or coordinator.busy:
+                continue
+            stands = await coordinator.stands()
+            self._gate.seen(boot_time(), standing=stands)
             if stands and not coordinator.moving and not self._order.statistics().locked:
                 coordinator.claim.drop()
 
@@ -113,9 +109,11 @@ class Dispatcher:
             RobotStateError: the robot is not open, or something moves the arm.
             HeartbeatLost: the heartbeat is not running.
         """
+        command = Command(name, ())
+        permit = self._asked(command)
         async with self._order:
-            await self._coordinator.follower.lost_stopped()
-            self._admit(Command(name, ()))
+            await self._permits.after_stops(permit)
+            self._admit(command, permit)
             coordinator = self._coordinator
             tasks = [task for task in coordinator.follower.tasks if task.motion]
             if tasks or coordinator.modes.moving or coordinator.pending:
@@ -142,23 +140,27 @@ class Dispatcher:
         self,
         command: Command,
         *,
+        aim: Aim | None = None,
         deadline: float | None = None,
         on_cancel: OnCancel | None = None,
     ) -> Task:
         """Send a command and return its task; `MotionCommand.start` describes it."""
-        self._admit(command)
+        permit = self._asked(command)
         # Locked until the result of the command is certain: while a command that was lost is being
         # stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
-            await self._coordinator.follower.lost_stopped()
-            stops = self._coordinator.stops
-            if self.check is not None and command.motion:
-                command = await self.check(command)
+            if command.motion:
+                command = await self._prepared(command, permit, aim)
             errors = await self._coordinator.follower.error_list()
-            self._admit(command)
-            if command.motion and self._coordinator.stops != stops:
-                raise TaskStopped(command.name, None, "was not sent, since the arm was stopped")
-            return await self._launch(command, stops, errors, deadline, on_cancel)
+            self._admit(command, permit)
+            return await self._launch(command, permit, errors, deadline, on_cancel)
+
+    async def _prepared(self, command: Command, permit: Permit, aim: Aim | None = None) -> Command:
+        """Wait for stops, then convert a motion into the wire's frame, and check it."""
+        await self._permits.after_stops(permit)
+        if aim is not None:
+            command = replace(command, args=await aim.arguments(command))
+        return command if self.check is None else await self.check(command)
 
     @contextlib.contextmanager
     def _held(self, command: Command) -> Iterator[None]:
@@ -176,7 +178,7 @@ class Dispatcher:
     async def _launch(
         self,
         command: Command,
-        stops: int,
+        permit: Permit,
         errors: Sequence[str],
         deadline: float | None,
         on_cancel: OnCancel | None,
@@ -192,7 +194,7 @@ class Dispatcher:
         was_on = mode is not None and self._coordinator.modes.enter(mode, (False,))
         with self._held(command):
             try:
-                pending, cancelled = await self._sent(command)
+                pending, cancelled = await self._sent(command, permit)
             except StopUnconfirmed:
                 if before is not None:
                     before.life.successor_refused()
@@ -207,21 +209,24 @@ class Dispatcher:
                     before.life.successor_refused()
                 raise cancelled or error
             task = self._accept(
-                command, pending.answer, pending.at, stops, errors, deadline, on_cancel
+                command, pending.answer, pending.at, permit.stops, errors, deadline, on_cancel
             )
-        if command.motion and self._coordinator.stops != stops:
+        ended = self._gate.ending(permit)
+        if command.motion and ended is not None and ended is not Ending.PAUSED:
             # A stop was requested meanwhile, and the controller may have served it first.
             _, again = await run_to_completion(self._coordinator.halt)
             cancelled = cancelled or again
         await self._hand_over(task, cancelled)
         return task
 
-    async def _sent(self, command: Command) -> tuple[PendingCommand, BaseException | None]:
+    async def _sent(
+        self, command: Command, permit: Permit
+    ) -> tuple[PendingCommand, BaseException | None]:
         """Send a command, and wait until its result is certain."""
         timeout = self._settings.call_timeout
         if command.motion:
             return await self._coordinator.answered(
-                self._lane, command.name, command.args, timeout, followed=True
+                self._lane, permit, command.name, command.args, timeout, followed=True
             )
         pending = PendingCommand(command.name)
         work = pending.carry_out(self._lane, command.args, timeout)
@@ -242,12 +247,11 @@ class Dispatcher:
         Returns:
             The answer.
         """
-        await self._coordinator.follower.lost_stopped()
-        if self.check is not None:
-            command = await self.check(command)
-        self._admit(command)
+        permit = self._asked(command)
+        command = await self._prepared(command, permit)
+        self._admit(command, permit)
         pending, cancelled = await self._coordinator.answered(
-            lane, command.name, command.args, timeout, followed=False
+            lane, permit, command.name, command.args, timeout, followed=False
         )
         if cancelled is not None:
             raise cancelled
@@ -255,11 +259,25 @@ class Dispatcher:
             raise pending.error
         return pending.answer
 
+    async def feed(self, command: Command, lane: WireLane) -> int:
+        """Send points that the arm may follow at once, and return the answer.
+
+        Args:
+            command: the command.
+            lane: lane on which it is sent.
+        """
+        permit = self._asked(command)
+        await self._permits.after_stops(permit)
+        self._admit(command, permit)
+        self._gate.resume()
+        answer: int = await lane.call(
+            command.name, command.args, permit=self._permits.last_check(permit)
+        )
+        return answer
+
     def adopt(self, command: Command, task_id: int) -> Task:
         """Follow a task of a call that, according to the manual, starts no task."""
-        return self._accept(
-            command, task_id, time.monotonic(), self._coordinator.stops, (), None, None
-        )
+        return self._accept(command, task_id, time.monotonic(), self._gate.stops, (), None, None)
 
     async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
         """Give the task to the caller, unless the caller was cancelled meanwhile."""
@@ -271,30 +289,34 @@ class Dispatcher:
             await self._coordinator.cancelled_while_waiting(task)
             raise
 
-    def _admit(self, command: Command) -> None:
+    def _asked(self, command: Command) -> Permit:
+        """Ask for a permit to send a command.
+
+        Raises:
+            RobotStateError: the robot is closed, or a stream is open.
+            HeartbeatLost: the heartbeat does not beat, or the program hung.
+            TaskStopped: the undertaking to which it belongs has ended.
+        """
         self._lane.owner_loop.require(command.name)
-        if self.closed:
-            raise RobotStateError(f"{command.name} was not sent: {self.closed}")
-        if command.motion and self._coordinator.streams:
-            stream = next(iter(self._coordinator.streams))
-            raise RobotStateError(
-                f"{command.name} was not sent: the arm follows {stream!r}; close it first"
-            )
         if not command.motion:
+            return self._gate.ask(command.name, boot_time(), moves=False)
+        self._refuse_beside_stream(command.name)
+        return self._permits.ask(command.name)
+
+    def _admit(self, command: Command, permit: Permit) -> None:
+        """Check a command once more, after what was awaited; claim the arm for a motion."""
+        if not command.motion:
+            self._gate.ask(command.name, boot_time(), moves=False)
             return
-        if (
-            self._heartbeat is not None
-            and (state := self._heartbeat.state) is not HeartbeatState.BEATING
-        ):
-            what = (
-                "the event loop hung; call robot.rearm_heartbeat() to go on"
-                if state is HeartbeatState.STALLED
-                else "the controller does not answer it; it is tried on"
-            )
-            raise HeartbeatLost(
-                f"{command.name} was not sent, since the heartbeat does not beat: {what}"
-            )
+        self._refuse_beside_stream(command.name)
+        self._permits.check(permit)
         self._coordinator.claim.make(command.name)
+
+    def _refuse_beside_stream(self, name: str) -> None:
+        for stream in self._coordinator.streams:
+            raise RobotStateError(
+                f"{name} was not sent: the arm follows {stream!r}; close it first"
+            )
 
     def _accept(
         self,

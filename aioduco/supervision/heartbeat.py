@@ -33,6 +33,7 @@ import time
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from aioduco._platform import boot_time
 from aioduco.errors import DucoError
 from aioduco.reporting import BackgroundLogger
 
@@ -283,8 +284,11 @@ class Heartbeat:
         self._stall_limit = stall_limit
         self._changed = changed
         self._remote = remote
+        #: when the last beat was given to the controller at the latest
         self._given = 0.0
-        self._machine = HeartbeatMachine(seconds, stall_limit, time.monotonic())
+        #: when the last beat that was answered was sent [s of `boot_time`]; 0 before
+        self.sent: float = 0.0
+        self._machine = HeartbeatMachine(seconds, stall_limit, boot_time())
         self._line: HeartbeatConnection | None = None
         self._ended = False
         self._nudge = threading.Event()
@@ -317,7 +321,7 @@ class Heartbeat:
 
         Any movement of the arm after that is a new motion, not one from before.
         """
-        silent = time.monotonic() - self._given
+        silent = boot_time() - self._given
         return self._machine.beats > 0 and silent > _CERTAIN * self._seconds
 
     def start(self) -> None:
@@ -357,15 +361,15 @@ class Heartbeat:
 
     def _run(self) -> None:
         every = self._seconds / BEATS_PER_TIME
-        due = time.monotonic()
+        due = boot_time()
         try:
             while True:
                 planned = self._wake(due)
-                nudged = self._nudge.wait(max(0.0, planned - time.monotonic()))
+                nudged = self._nudge.wait(max(0.0, planned - boot_time()))
                 self._nudge.clear()
                 if self._ended:
                     return
-                now = time.monotonic()
+                now = boot_time()
                 before = self._machine.state
                 if self._remote and now - planned > self._seconds:
                     self._machine.suspended(now)
@@ -385,7 +389,7 @@ class Heartbeat:
                     # An absolute schedule; beats whose time has passed are skipped.
                     due = max(due + every, now)
                     if may and not self._beat(every):
-                        due = min(due, time.monotonic() + every * _AGAIN)
+                        due = min(due, boot_time() + every * _AGAIN)
                 if self._machine.state is not before:
                     self._report(before)
                 if self._changed is not None:
@@ -423,19 +427,21 @@ class Heartbeat:
                     return False
                 self._line.open(until)
             left = max(until - time.monotonic(), 0.001)
+            sent = boot_time()
             try:
                 self._line.call("rpc_heartbeat", (round(self._seconds * 1000),), left)
             finally:
-                self._given = time.monotonic()
+                self._given = boot_time()
         except DucoError as exc:
             self._drop()
             self._error = exc
             if not self._ended:
-                self._machine.missed_beat(time.monotonic())
+                self._machine.missed_beat(boot_time())
                 _log.debug("heartbeat not answered: %s", exc)
         else:
             self._error = None
-            self._machine.beaten(time.monotonic())
+            self.sent = sent
+            self._machine.beaten(boot_time())
         return self._error is None
 
     def _drop(self) -> None:
@@ -446,7 +452,7 @@ class Heartbeat:
     def _report(self, before: HeartbeatState) -> None:
         match self._machine.state:
             case HeartbeatState.STALLED:
-                stall = time.monotonic() - self._life.stamp
+                stall = boot_time() - self._life.stamp
                 _log.error(
                     "the event loop has not run for %.2f s: %sthe heartbeat is withheld. "
                     "Call robot.rearm_heartbeat() to go on",

@@ -13,6 +13,7 @@ import time
 import traceback
 from typing import TYPE_CHECKING, Final
 
+from aioduco._platform import boot_time
 from aioduco._wire.forks import fork_hooks
 from aioduco.reporting import BackgroundLogger
 
@@ -35,19 +36,30 @@ class SignOfLife:
     Written by the loop, read by any thread.
     """
 
-    __slots__ = ("longest_stall", "moves", "stamp")
+    __slots__ = ("longest_stall", "moves", "ran", "stamp")
 
     def __init__(self) -> None:
-        self.stamp: float = time.monotonic()
+        #: when the loop last ran [s of `time.monotonic`]
+        self.ran: float = time.monotonic()
+        #: the last sign of life that counts [s of `boot_time`]: after a hang, none does until the
+        #: program rearms the heartbeat
+        self.stamp: float = boot_time()
         #: longest delay of a sign of life [s]
         self.longest_stall: float = 0.0
         #: whether the program may be moving the arm: only then the arm is stopped for the program
         self.moves: bool = False
 
-    def touch(self, due: float) -> None:
-        """Note that the loop runs; `due` is when this sign of life was due."""
-        self.stamp = time.monotonic()
-        self.longest_stall = max(self.longest_stall, self.stamp - due)
+    def touch(self, due: float, *, counts: bool = True) -> None:
+        """Note that the loop runs.
+
+        Args:
+            due: when this sign of life was due [s of `time.monotonic`].
+            counts: whether it is a sign of life for the heartbeat.
+        """
+        self.ran = time.monotonic()
+        if counts:
+            self.stamp = boot_time()
+        self.longest_stall = max(self.longest_stall, self.ran - due)
 
     def set_moves(self, moves: bool) -> bool:
         """Set whether the program may move the arm from now on. Returns whether that worked."""
@@ -112,7 +124,7 @@ class LoopWatchdog:
 
     def _run(self) -> None:
         while watched := self._watched:
-            stamp = max(one.life.stamp for one in watched)
+            stamp = max(one.life.ran for one in watched)
             limit = min(one.limit for one in watched)
             if self._changed.wait(max(0.0, stamp + limit - time.monotonic())):
                 return
@@ -126,7 +138,7 @@ class LoopWatchdog:
             self._report(watched, self._latest() - stamp, where)
 
     def _latest(self) -> float:
-        return max((one.life.stamp for one in self._watched), default=0.0)
+        return max((one.life.ran for one in self._watched), default=0.0)
 
     def _report(self, watched: tuple[WatchedLoop, ...], seconds: float, where: str) -> None:
         for one in watched:

@@ -146,7 +146,10 @@ class OpenStream(Protocol):
         ...
 
     def halt(self) -> None:
-        """Stop sending at once; from any thread or signal handler."""
+        """Stop sending at once: the arm is being stopped; from any thread or signal handler."""
+
+    def withdraw(self) -> None:
+        """Stop sending at once, and stop the arm; from any thread or signal handler."""
 
     def kill(self) -> None:
         """End a lane that does not end by itself."""
@@ -198,6 +201,11 @@ class Streams:
         for stream in streams:
             stream.halt()
         return bool(streams)
+
+    def withdraw(self) -> None:
+        """Stop all streams from sending; each stops the arm. From any thread or signal handler."""
+        for stream in tuple(self._open):
+            stream.withdraw()
 
     async def settled(self, timeout: float) -> bool:
         """Wait until no lane can send anything more; a lane that takes longer is killed.

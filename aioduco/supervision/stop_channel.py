@@ -6,7 +6,7 @@ Guarantees:
 - An unanswered stop is repeated over a fresh connection until its deadline: it is the only
   command that is safe to repeat. If no answer comes by the deadline, `StopUnconfirmed` is raised.
 - If a stop is requested while a motion is on its way, the controller may serve the stop first.
-  The sender of the motion detects this by `epoch`, and stops once more.
+  The sender of the motion detects this by its permit, and stops once more.
 """
 
 from __future__ import annotations
@@ -77,7 +77,6 @@ class StopChannel:
 
     Attributes:
         others: lane for pause, resume and abort.
-        epoch: number of requested stops and aborts. It rises before anything is sent.
         stops: number of stops that the controller accepted.
         attempts: number of stops that were sent, repeats included.
     """
@@ -86,7 +85,6 @@ class StopChannel:
         self._stop = stop
         self.others: WireLane = others
         self._watch = watch
-        self.epoch: int = 0
         self.stops: int = 0
         self.attempts: int = 0
         self._begun: _BegunStop | None = None
@@ -107,7 +105,6 @@ class StopChannel:
             WrongProcess: this is a forked child; nothing was sent.
         """
         self._stop.owner_loop.require("stop")
-        self.epoch += 1
         begun = _BegunStop(time.monotonic(), self._ask_guard(timeout))
         if begun.by_guard is None:
             self.attempts += 1
@@ -174,7 +171,6 @@ class StopChannel:
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
-        self.epoch += 1
         until = time.monotonic() + timeout
         if self._by_guard_now(timeout):
             self.stops += 1
@@ -305,8 +301,6 @@ class StopChannel:
             OutcomeUnknown: it was sent, but not answered.
             ConnectionLost: it was not sent.
         """
-        if name == "abort":
-            self.epoch += 1
         answer: int = await self.others.call(name, (False,))
         if answer < 0:
             raise Refused(name, answer, "no reason is given")

@@ -31,6 +31,7 @@ from aioduco.errors import (
 )
 from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import every, run_to_completion
+from aioduco.supervision.gate import Ending
 from aioduco.supervision.motion_sources import Modes, Streams
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import PendingCommand, PendingCommands, stop_until_certain
@@ -41,8 +42,10 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.concurrency import BackgroundTasks
+    from aioduco.supervision.gate import Gate, Permit
     from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.motion_sources import Claim
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_channel import StopChannel
     from aioduco.supervision.task import Task
@@ -75,6 +78,7 @@ class StopCoordinator:
         settings: times and limits.
         claim: made before anything is sent that may move the arm.
         heartbeat: without its beats, the controller stops the arm by itself; None for no heartbeat.
+        permits: given by the gate, which is closed while the arm is brought to rest.
 
     Attributes:
         follower: follows the tasks.
@@ -94,7 +98,10 @@ class StopCoordinator:
         settings: RobotSettings,
         claim: Claim,
         heartbeat: HeartbeatLike | None,
+        permits: Permits,
     ) -> None:
+        self.permits = permits
+        self.gate: Gate = permits.gate
         self._channel = channel
         self._heartbeat = heartbeat
         self._poll = poll
@@ -111,14 +118,33 @@ class StopCoordinator:
     @property
     def stops(self) -> int:
         """Number of requested stops."""
-        return self._channel.epoch
+        return self.gate.stops
 
     @property
     def moving(self) -> bool:
-        """Whether anything that this program started may be moving the arm."""
+        """Whether anything that this program started or resumed may be moving the arm."""
+        return self.gate.resumed or self.busy
+
+    @property
+    def busy(self) -> bool:
+        """Whether anything that this program started moves the arm, or may still do so."""
         if self.unfollowed_motion or self.modes.moving or self.pending or self.streams:
             return True
         return any(task.motion for task in self.follower.tasks)
+
+    def permits_ended(self, ending: Ending) -> None:
+        """End what sends by itself, at once; from any thread or signal handler.
+
+        Args:
+            ending: why the permits have ended.
+        """
+        if ending.stops:
+            self.streams.halt()
+            return
+        self.streams.withdraw()
+        why = HeartbeatLost(f"the arm was stopped, since {ending.value}")
+        for task in self.follower.tasks:
+            task.stopped_by = task.stopped_by or why
 
     async def stands(self) -> bool:
         """Return whether the arm stands; also True if the controller cannot report it."""
@@ -136,8 +162,9 @@ class StopCoordinator:
             StopUnconfirmed: it is not known that it stands, or that it keeps standing.
         """
         settings = self._settings
-        await self.send_stop(settings.stop_timeout)
-        await self.rest(settings.stop_timeout, settings.standstill_timeout)
+        with self.gate.stop():
+            await self.send_stop(settings.stop_timeout)
+            await self.rest(settings.stop_timeout, settings.standstill_timeout)
 
     async def send_stop(self, timeout: float) -> None:
         """Stop the arm: it is then slowing down, and no stream or mode makes it move again.
@@ -191,11 +218,12 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
-        streaming = self.streams.halt()
-        self._channel.stop_now(timeout)
-        if streaming:
-            self.streams.quiet(_SILENCE_NOW)
+        with self.gate.stop():
+            streaming = self.streams.halt()
             self._channel.stop_now(timeout)
+            if streaming:
+                self.streams.quiet(_SILENCE_NOW)
+                self._channel.stop_now(timeout)
 
     def check_loop(self, what: str) -> None:
         """Check that this is the robot's event loop, before `what` is done on it.
@@ -237,6 +265,7 @@ class StopCoordinator:
 
     def begin_stop(self) -> None:
         """Send a stop before anything else runs on the event loop; `stop` must be awaited next."""
+        self.gate.end(Ending.STOPPED)
         self._channel.begin(self._settings.stop_timeout)
 
     async def stop(self) -> None:
@@ -249,6 +278,7 @@ class StopCoordinator:
     async def answered(
         self,
         lane: WireLane,
+        permit: Permit,
         name: str,
         args: tuple[Any, ...],
         timeout: float | None,
@@ -263,6 +293,7 @@ class StopCoordinator:
 
         Args:
             lane: lane on which to send it.
+            permit: checked as the last thing before it is sent.
             name: the function of the wire.
             args: its arguments.
             timeout: seconds for its answer; None if it is answered at the end of the motion.
@@ -275,7 +306,7 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it is not known that the arm stands, and keeps standing.
         """
-        pending = self.pending.send(lane, name, args, timeout)
+        pending = self.pending.send(lane, name, args, timeout, self.permits.last_check(permit))
         cancelled: BaseException | None = None
         if followed:
             _, cancelled = await run_to_completion(lambda: pending.wait(timeout))
@@ -301,9 +332,12 @@ class StopCoordinator:
             "the arm is stopped, and watched until nothing can come any more of %r", pending
         )
         begin = time.monotonic()
-        _, cancelled = await run_to_completion(
-            lambda: self.stop_until_certain(pending, since=begin)
-        )
+
+        async def stop() -> None:
+            with self.gate.stop():
+                await self.stop_until_certain(pending, since=begin)
+
+        _, cancelled = await run_to_completion(stop)
         return cancelled
 
     async def stop_until_certain(
@@ -396,6 +430,10 @@ class StopCoordinator:
 
     async def pause(self) -> None:
         """Pause all tasks, and wait until the arm stands."""
+        with self.gate.stop(Ending.PAUSED):
+            await self._pause()
+
+    async def _pause(self) -> None:
         if self.streams.halt():
             # A stream follows a clock, so it cannot continue later where it was.
             await self._silence_streams()
@@ -408,18 +446,22 @@ class StopCoordinator:
 
     async def resume(self) -> None:
         """Resume all paused tasks."""
-        await self.follower.lost_stopped()
+        permit = self.permits.ask("resume")
+        await self.permits.after_stops(permit)
+        self.permits.check(permit)
         self.claim.make("resume")
-        stops = self.stops
-        answer = await self._resumed()
-        await self.follower.complete("resume", answer, _PAUSE_LIMIT, stops)
+        # Motions of other programs are resumed, too, and are this program's from now on.
+        self.gate.resume()
+        answer = await self._resumed(permit)
+        await self.follower.complete("resume", answer, _PAUSE_LIMIT, permit.stops)
 
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands."""
-        if self.streams.halt():
-            await self._silence_streams()
-        await self._controlled("abort")
-        await self.standstill()
+        with self.gate.stop():
+            if self.streams.halt():
+                await self._silence_streams()
+            await self._controlled("abort")
+            await self.standstill()
 
     async def standstill(self) -> None:
         """Wait until the arm stands, without a stop.
@@ -457,10 +499,12 @@ class StopCoordinator:
             task.release_clock()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
 
-    async def _resumed(self) -> int:
+    async def _resumed(self, permit: Permit) -> int:
         """Send resume. Returns the id of the task that it became."""
         lane, timeout = self._channel.others, self._settings.call_timeout
-        pending, cancelled = await self.answered(lane, "resume", (False,), timeout, followed=False)
+        pending, cancelled = await self.answered(
+            lane, permit, "resume", (False,), timeout, followed=False
+        )
         error = pending.error
         if error is None and pending.answer < 0:
             error = Refused("resume", pending.answer, "no reason is given")

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
+from aioduco._platform import boot_time
 from aioduco._spawn import started_in_place_of
 from aioduco._wire.connection import Connection
 from aioduco._wire.handoff import OwnerLoop, loop_callback
@@ -43,6 +44,7 @@ from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_compl
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.events import Events, LoopBlocked
+from aioduco.supervision.gate import Ending, Gate
 from aioduco.supervision.guard.guarded import (
     GuardClient,
     GuardedHeartbeat,
@@ -52,6 +54,7 @@ from aioduco.supervision.guard.guarded import (
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
 from aioduco.supervision.motion_sources import Claim
+from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import RetryingReads
 from aioduco.supervision.state_feed import StateFeed
 from aioduco.supervision.stop_channel import StopChannel
@@ -160,6 +163,7 @@ class Supervisor:
                     settings.heartbeat,
                     self._life,
                     settings.loop_stall_limit,
+                    self._beaten,
                 )
         else:
             self.guard = GuardClient(host, port, settings)
@@ -169,6 +173,10 @@ class Supervisor:
             )
             if settings.heartbeat is not None:
                 self.heartbeat = GuardedHeartbeat(self.guard)
+        self.gate: Gate = Gate(
+            settings.heartbeat, settings.loop_stall_limit, boot_time(), self._permits_ended
+        )
+        self._stalls = 0
         self.stop_coordinator: StopCoordinator = StopCoordinator(
             self.stop_channel,
             self.poll,
@@ -176,9 +184,10 @@ class Supervisor:
             settings,
             Claim(self._life.set_moves),
             self.heartbeat,
+            Permits(self.gate),
         )
         self.dispatcher: Dispatcher = Dispatcher(
-            self._motion_lane, self.stop_coordinator, self._background, self.heartbeat, settings
+            self._motion_lane, self.stop_coordinator, self._background, settings
         )
         self.feed: StateFeed = StateFeed(
             self._feed_lane, self.samples, self._background, settings.state_rate
@@ -200,6 +209,21 @@ class Supervisor:
         self._watched: WatchedLoop | None = None
         self._opened = False
         self._closed = False
+
+    def _permits_ended(self, ending: Ending) -> None:
+        """Tell the streams, and the tasks of a program that hung, that their permit has ended."""
+        self.stop_coordinator.permits_ended(ending)
+
+    def _beaten(self, heartbeat: Heartbeat) -> None:
+        """Pass a report of the heartbeat on to the gate; on the heartbeat's thread."""
+        self._take_beat(heartbeat.statistics().stalls, heartbeat.sent)
+
+    def _take_beat(self, stalls: int, sent: float) -> None:
+        if stalls > self._stalls:
+            self.gate.hang()
+        self._stalls = stalls
+        if sent:
+            self.gate.beaten(sent)
 
     def _heartbeat_state(self) -> HeartbeatState:
         return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
@@ -408,6 +432,7 @@ class Supervisor:
         if self.heartbeat is None:
             return
         self.heartbeat.rearm()
+        self.gate.rearm(boot_time())
         if not await _beats(self.heartbeat, limit):
             raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")
 
@@ -455,7 +480,7 @@ class Supervisor:
             self.owner_loop.move("aclose")
         self.owner_loop.require("aclose")
         self._closed = True
-        self.dispatcher.closed = "the robot is closed, or is being closed"
+        self.gate.close("the robot is closed, or is being closed")
         ladder, coordinator = self.settings.ladder, self.stop_coordinator
         down = _LadderRun()
         await down.rung("settle", ladder.settle, self.dispatcher.quiet)
@@ -496,13 +521,17 @@ class Supervisor:
     async def _start_guard(self) -> None:
         """Let the guard take over stop and heartbeat, if a guard is wanted."""
         if self.guard is not None:
-            await self.guard.acquire(self._guard_lost)
+            self._stalls = 0
+            await self.guard.acquire(
+                self._guard_lost, lambda beat: self._take_beat(beat.stalls, beat.sent)
+            )
             self._life.touch(time.monotonic())
 
     def _guard_lost(self) -> None:
         """Stop the arm, and start another guard, since the guard and its heartbeat have ended."""
         if self._closed or self.guard is None or not self._opened:
             return
+        self.gate.lapse()
         self._background.start(self._new_guard(self.guard), "aioduco new guard")
         _log.critical(
             "the guard of %s:%d is gone: the arm is stopped, and another guard is started",
@@ -526,11 +555,12 @@ class Supervisor:
         """Give signs of life of the event loop, first at `due`."""
         period = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
         async for turn in every(period, due):
-            self._life.touch(turn)
+            self._life.touch(turn, counts=self.gate.alive(boot_time()))
 
     def _crashed(self, error: BaseException) -> None:
         """End the heartbeat after a failure of the supervision: the controller stops the arm."""
-        self.dispatcher.closed = f"the supervision of the robot failed ({error!r}); open it anew"
+        why = f"the supervision of the robot failed ({error!r}); open it anew"
+        self.gate.close(why, Ending.FAILED)
         if self.heartbeat is not None:
             self.heartbeat.end()
 
@@ -540,9 +570,9 @@ class Supervisor:
         Before the interpreter exits, code of the program may run: an excepthook may take any time.
         So the arm is stopped now.
         """
-        if self._closed or self.dispatcher.closed:
+        if self._closed or self.gate.closed:
             return
-        self.dispatcher.closed = "the event loop of the robot has ended; open it anew"
+        self.gate.close("the event loop of the robot has ended; open it anew")
         self.forget()
 
 

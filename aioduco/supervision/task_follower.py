@@ -188,8 +188,6 @@ class TaskFollower:
         self._seen: dict[Task, float] = {}
         self._closed = False
         self._error_list: tuple[str, ...] = ()
-        self._stopping: set[Task] = set()
-        self._stopped = anyio.Event()
         self.polls: int = 0
         self.observers: list[Callable[[Task], object]] = []
 
@@ -421,15 +419,7 @@ class TaskFollower:
         `mark_ended` is called when the arm stands, or when no stop could be confirmed.
         """
         self._arm.unfollowed_motion = True
-        self._stopping.add(task)
-
-        def over() -> None:
-            self._stopping.discard(task)
-            stopped, self._stopped = self._stopped, anyio.Event()
-            stopped.set()
-            mark_ended()
-
-        self._background.start(self._see_stopped(task), "aioduco stop of a lost task", over)
+        self._background.start(self._see_stopped(task), "aioduco stop of a lost task", mark_ended)
         self._background.start(self._see_lapsed(task, mark_ended), "aioduco lost heartbeat")
 
     async def _see_standing(self, task: Task) -> None:
@@ -450,7 +440,7 @@ class TaskFollower:
     async def _see_lapsed(self, task: Task, mark_ended: Callable[[], None]) -> None:
         """End a lost task as soon as the controller has stopped the arm by itself.
 
-        The attempts to stop continue, and the next command waits for them (`lost_stopped`).
+        The attempts to stop continue, and the next motion waits for them.
         """
         async with anyio.create_task_group() as group:
 
@@ -463,14 +453,6 @@ class TaskFollower:
             group.start_soon(lapse)
             await task.wait()
             group.cancel_scope.cancel()
-
-    async def lost_stopped(self) -> None:
-        """Wait until all attempts to stop a lost motion are over.
-
-        Such a stop would end the motion that is sent next.
-        """
-        while self._stopping:
-            await self._stopped.wait()
 
     async def _end_due(self, task: Task) -> None:
         assert task.continuous is not None

@@ -95,11 +95,17 @@ class PendingCommand:
             await self._over.wait()
         return self.over
 
-    async def carry_out(self, lane: WireLane, args: tuple[Any, ...], timeout: float | None) -> None:
-        """Send it, and keep its answer or error."""
+    async def carry_out(
+        self,
+        lane: WireLane,
+        args: tuple[Any, ...],
+        timeout: float | None,
+        permit: Callable[[], object] | None = None,
+    ) -> None:
+        """Send it if `permit` does not raise, and keep its answer or error."""
         try:
             with self._scope:
-                self.answer = await lane.call(self.name, args, timeout, self._take)
+                self.answer = await lane.call(self.name, args, timeout, self._take, permit)
                 self.answered = True
         except OutcomeUnknown as exc:
             self.error = exc
@@ -154,7 +160,12 @@ class PendingCommands:
         return iter(tuple(self._pending))
 
     def send(
-        self, lane: WireLane, name: str, args: tuple[Any, ...], timeout: float | None
+        self,
+        lane: WireLane,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | None,
+        permit: Callable[[], object],
     ) -> PendingCommand:
         """Send a command in the background.
 
@@ -163,19 +174,25 @@ class PendingCommands:
             name: the function of the wire.
             args: its arguments.
             timeout: seconds within which its answer should come; None: at the end of the motion.
+            permit: called last, before it is sent; it raises if it may not be sent any more.
         """
         pending = PendingCommand(name)
         self._pending.append(pending)
         limit = None if timeout is None else timeout + self._limit
-        work = self._carry_out(pending, lane, args, limit)
+        work = self._carry_out(pending, lane, args, limit, permit)
         self._background.start(work, f"aioduco {name}", lambda: self._over(pending))
         return pending
 
     async def _carry_out(
-        self, pending: PendingCommand, lane: WireLane, args: tuple[Any, ...], limit: float | None
+        self,
+        pending: PendingCommand,
+        lane: WireLane,
+        args: tuple[Any, ...],
+        limit: float | None,
+        permit: Callable[[], object],
     ) -> None:
         try:
-            await pending.carry_out(lane, args, limit)
+            await pending.carry_out(lane, args, limit, permit)
         finally:
             self._over(pending)
 

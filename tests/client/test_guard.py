@@ -81,7 +81,7 @@ def running(pid: int) -> bool:
         Release(1, 2),
         Done(2, ""),
         LogMessage(30, "the arm was not seen to stop"),
-        Beat(1, "beating", 3, 0, 0, 0, 0.33, "", False),
+        Beat(1, "beating", 3, 0, 0, 0, 0.33, "", False, 12.5),
     ],
 )
 def test_messages_survive_the_way(message: Message) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
+from aioduco._platform import boot_time
 from aioduco._wire.handoff import loop_callback
 from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion
@@ -60,6 +61,7 @@ class GuardClient:
         self._heard_at = 0.0
         self._losses = 0
         self._lost: Callable[[], None] = _ignore
+        self._beaten: Callable[[Beat], object] = _ignore_beat
 
     def __repr__(self) -> str:
         return f"<GuardClient of {self._host}:{self._port} at {self._link!r}>"
@@ -83,7 +85,7 @@ class GuardClient:
     def silent(self) -> bool:
         """Whether no report of the heartbeat came for a heartbeat time: the guard hangs."""
         limit = self._settings.heartbeat
-        return limit is not None and time.monotonic() - self._heard_at > limit
+        return limit is not None and boot_time() - self._heard_at > limit
 
     @property
     def lapsed(self) -> bool:
@@ -95,17 +97,19 @@ class GuardClient:
         """How often a guard was lost."""
         return self._losses
 
-    async def acquire(self, lost: Callable[[], None]) -> None:
+    async def acquire(self, lost: Callable[[], None], beaten: Callable[[Beat], object]) -> None:
         """Let the guard supervise the robot; start a guard if there is none.
 
         Args:
             lost: called on the event loop if the guard ends before `release`.
+            beaten: called with each report of the heartbeat, on any thread.
 
         Raises:
             GuardLost: it could not be started, or does not answer.
             ConnectError: it cannot connect to the controller.
         """
         self._lost = loop_callback(lost)
+        self._beaten = beaten
         self._beat = None
         try:
             self._thread = DaemonThread("aioduco-guard-wait")
@@ -215,8 +219,9 @@ class GuardClient:
         return answer.error if answer.given and not answer.lost else None
 
     def _heard(self, beat: Beat) -> None:
-        self._heard_at = time.monotonic()
+        self._heard_at = boot_time()
         self._beat = beat
+        self._beaten(beat)
 
     def _gone(self) -> None:
         self._robot = 0
@@ -297,15 +302,15 @@ class GuardedSignOfLife(SignOfLife):
         super().__init__()
         self._client = client
 
-    def touch(self, due: float) -> None:
-        """Note that the loop runs; `due` is when this sign of life was due."""
-        super().touch(due)
+    def touch(self, due: float, *, counts: bool = True) -> None:
+        """Note that the loop runs; `SignOfLife.touch` describes it."""
+        super().touch(due, counts=counts)
         self._client.touch(self.stamp, self.moves)
 
     def set_moves(self, moves: bool) -> bool:
         """Set whether the program may move the arm from now on. Returns whether it was sent."""
         self.moves = moves
-        return self._client.touch(time.monotonic(), moves)
+        return self._client.touch(self.stamp, moves)
 
 
 class GuardedHeartbeat:
@@ -382,3 +387,7 @@ class GuardedHeartbeat:
 
 def _ignore() -> None:
     """Do nothing: the robot was released."""
+
+
+def _ignore_beat(beat: Beat) -> None:
+    """Do nothing: no guard supervises the robot yet."""

@@ -52,7 +52,7 @@ class Alive(NamedTuple):
 
     Attributes:
         robot: the program's number for the robot.
-        stamp: when it ran.
+        stamp: its last sign of life that counts [s of `boot_time`].
         moves: whether the program may be moving the arm; sent before anything that moves it.
     """
 
@@ -101,7 +101,10 @@ class Done(NamedTuple):
 
 
 class Beat(NamedTuple):
-    """Guard to program: state and statistics of a heartbeat, and why the last beat was lost."""
+    """Guard to program: state and statistics of a heartbeat, and why the last beat was lost.
+
+    `sent` is when the last beat that was answered was sent [s of `boot_time`].
+    """
 
     robot: int
     state: str
@@ -112,6 +115,7 @@ class Beat(NamedTuple):
     longest_gap: float
     error: str
     lapsed: bool
+    sent: float
 
     @property
     def heartbeat_state(self) -> HeartbeatState:

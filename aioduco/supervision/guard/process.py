@@ -137,7 +137,9 @@ class GuardedRobot:
         """Report the heartbeat to the program; on the heartbeat's thread."""
         figures = heartbeat.statistics()
         error = shortened(str(heartbeat.error)) if heartbeat.error is not None else ""
-        told = Beat(self.robot, figures.state.value, *figures[1:], error, heartbeat.lapsed)
+        told = Beat(
+            self.robot, figures.state.value, *figures[1:], error, heartbeat.lapsed, heartbeat.sent
+        )
         self._guard.tell(told)
 
     async def halt(self, *, gone: bool = False) -> None:

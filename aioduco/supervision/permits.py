@@ -1,0 +1,90 @@
+"""Permits of one robot: the gate, with the clock, the waits for stops, and undertakings."""
+
+from __future__ import annotations
+
+import contextlib
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
+
+from aioduco._platform import boot_time
+from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from aioduco.supervision.gate import Gate, Permit
+
+__all__ = ["Permits"]
+
+#: seconds between two checks whether a stop is confirmed, of what waits for it
+_STOPPING_EVERY = 0.01
+
+#: permits of the undertakings in progress, each with the permits of its robot
+_undertakings: ContextVar[tuple[tuple[Permits, Permit], ...]] = ContextVar(
+    "aioduco_undertakings", default=()
+)
+
+
+class Permits:
+    """Asks the gate for permits, and checks them.
+
+    Args:
+        gate: decides.
+    """
+
+    def __init__(self, gate: Gate) -> None:
+        self.gate = gate
+
+    def ask(self, name: str) -> Permit:
+        """Ask for a permit, within the undertaking in progress.
+
+        Args:
+            name: what can move the arm.
+
+        Raises:
+            RobotStateError: the robot is closed, or is being closed.
+            HeartbeatLost: the heartbeat does not beat, or the program hung.
+            TaskStopped: the undertaking has ended.
+        """
+        within = [permit for owner, permit in _undertakings.get() if owner is self]
+        return self.gate.ask(name, boot_time(), within[-1] if within else None)
+
+    async def after_stops(self, permit: Permit) -> None:
+        """Wait until no stop is being confirmed.
+
+        Raises:
+            StopUnconfirmed: a stop was not confirmed.
+            TaskStopped, HeartbeatLost, RobotStateError: the permit has ended; nothing was sent.
+        """
+        if self.gate.stopping:
+            async for _ in every(_STOPPING_EVERY):
+                if not self.gate.waits(permit, boot_time()):
+                    return
+
+    def check(self, permit: Permit) -> None:
+        """Check that a permit is valid.
+
+        Raises:
+            TaskStopped, HeartbeatLost, RobotStateError: it has ended; nothing was sent.
+        """
+        self.gate.check(permit, boot_time())
+
+    def last_check(self, permit: Permit) -> Callable[[], object]:
+        """Return the check for the moment before the bytes are handed to a socket."""
+        return lambda: self.gate.check(permit, boot_time())
+
+    @contextlib.contextmanager
+    def undertaking(self, name: str) -> Iterator[None]:
+        """Let everything in the block end with the next stop, also what it asks for after it.
+
+        Args:
+            name: what the program does in the block, for messages.
+
+        Raises:
+            RobotStateError, HeartbeatLost, TaskStopped: as for `ask`.
+        """
+        token = _undertakings.set((*_undertakings.get(), (self, self.ask(name))))
+        try:
+            yield
+        finally:
+            _undertakings.reset(token)
