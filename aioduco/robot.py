@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -662,6 +662,30 @@ class Robot(ManualNames):
         """
         self._supervisor.check_open("abort")
         await self._supervisor.stop_coordinator.abort()
+
+    def permit(self, name: str = "block") -> AbstractContextManager[None]:
+        """Tie all that moves the arm in a block together: after a stop, nothing of it is sent.
+
+            with robot.permit("pick"):
+                place = await find_part()
+                await robot.motion.movel(place, v=0.2, a=0.5)
+                await gripper.close()
+
+        A motion that the program asks for after a stop is a new command, and is sent. In such a
+        block it is refused if the arm was stopped, or the heartbeat lost, since the block was
+        entered: for sequences that no one watches between their steps. It holds in the tasks that
+        the block starts, too. A pause does not end it.
+
+        Args:
+            name: what the block does, for messages.
+
+        Raises:
+            RobotStateError: the robot is not open.
+            HeartbeatLost: the heartbeat does not beat, or the program hung.
+            TaskStopped: an outer block has ended.
+        """
+        self._supervisor.check_usable(name)
+        return self._supervisor.permits.undertaking(name)
 
     async def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
         """Resume the heartbeat after the event loop hung and the heartbeat was withheld.

@@ -114,22 +114,23 @@ async def play(
     """
     if not isinstance(path, RecordedPath):
         raise ParameterError("path", path, "a RecordedPath")
-    found = await check_path_on(robot, path, arm=arm)
-    if found:
-        raise refused(path.source.name, [str(each) for each in found])
-    here = np.asarray(await robot.state.get_actual_joints_position())
-    if approach is not None and np.abs(here - path.start.array).max() > _NEAR / 10:
-        await robot.motion.movej2(path.start, v=approach, a=2.0 * approach)
-    async with _outputs(robot, path.outputs if outputs else (), feedback) as told:
-        return await follow(
-            robot.motion,
-            robot.state.get_actual_joints_position,
-            path,
-            through=through,
-            tolerances=tolerances,
-            feedback=told,
-            options=options,
-        )
+    with robot.permit("play"):
+        found = await check_path_on(robot, path, arm=arm)
+        if found:
+            raise refused(path.source.name, [str(each) for each in found])
+        here = np.asarray(await robot.state.get_actual_joints_position())
+        if approach is not None and np.abs(here - path.start.array).max() > _NEAR / 10:
+            await robot.motion.movej2(path.start, v=approach, a=2.0 * approach)
+        async with _outputs(robot, path.outputs if outputs else (), feedback) as told:
+            return await follow(
+                robot.motion,
+                robot.state.get_actual_joints_position,
+                path,
+                through=through,
+                tolerances=tolerances,
+                feedback=told,
+                options=options,
+            )
 
 
 async def check_path_on(
@@ -317,15 +318,16 @@ async def run_waypoints(
         motions.append(await _motion(robot, waypoint, speed))
         motions[-1].hand_over()  # if it is not sent, the error that prevents it is report enough
     ahead: list[MotionCommand] = []
-    for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
-        ahead.append(motion)
-        if waypoint.stops or motion is motions[-1]:
-            await robot.motion.run(*ahead)
-            ahead.clear()
-            for num, value in waypoint.outputs.items():
-                await robot.io.set_standard_digital_out(num, value)
-            if waypoint.dwell:
-                await anyio.sleep(waypoint.dwell)
+    with robot.permit("run_waypoints"):  # a stop during a dwell ends them all
+        for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
+            ahead.append(motion)
+            if waypoint.stops or motion is motions[-1]:
+                await robot.motion.run(*ahead)
+                ahead.clear()
+                for num, value in waypoint.outputs.items():
+                    await robot.io.set_standard_digital_out(num, value)
+                if waypoint.dwell:
+                    await anyio.sleep(waypoint.dwell)
     return len(waypoints.waypoints)
 
 

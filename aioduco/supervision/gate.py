@@ -123,6 +123,8 @@ class Gate:
         self._stall_limit = stall_limit
         self._ended = ended
         self._epoch = _Epoch()
+        #: the epoch of undertakings, which a pause does not end: the program may resume
+        self._lasting = _Epoch()
         self._alive = now
         #: until then the controller does not stop the arm for want of a beat
         self._lease = math.inf if heartbeat is None else -math.inf
@@ -205,7 +207,13 @@ class Gate:
     # -- permits -------------------------------------------------------------------------------
 
     def ask(
-        self, name: str, now: float, within: Permit | None = None, *, moves: bool = True
+        self,
+        name: str,
+        now: float,
+        within: Permit | None = None,
+        *,
+        moves: bool = True,
+        lasting: bool = False,
     ) -> Permit:
         """Ask for a permit. It is not valid before the stops that are being confirmed are over.
 
@@ -214,6 +222,7 @@ class Gate:
             now: the time.
             within: permit of the undertaking to which it belongs, and with which it ends.
             moves: whether it can move the arm; what cannot needs an open robot only.
+            lasting: whether it is an undertaking: a pause does not end it.
 
         Raises:
             RobotStateError: the robot is closed, or is being closed.
@@ -225,7 +234,7 @@ class Gate:
             raise refusal
         if within is not None:
             self._require_current(name, within)
-        return Permit(name, self._epoch, self.stops)
+        return Permit(name, self._lasting if lasting else self._epoch, self.stops)
 
     def check(self, permit: Permit, now: float) -> None:
         """Check that a permit is valid; the last thing before bytes are handed to a socket.
@@ -256,7 +265,7 @@ class Gate:
 
     def ending(self, permit: Permit) -> Ending | None:
         """Return why a permit has ended; None if it has not."""
-        if permit.epoch is self._epoch:
+        if permit.epoch in (self._epoch, self._lasting):
             return None
         return permit.epoch.ending or Ending.STOPPED
 
@@ -266,6 +275,9 @@ class Gate:
             self.stops += 1
         epoch, self._epoch = self._epoch, _Epoch()
         epoch.ending = ending
+        if ending is not Ending.PAUSED:
+            lasting, self._lasting = self._lasting, _Epoch()
+            lasting.ending = ending
         self._ended(ending)
 
     def close(self, why: str, ending: Ending = Ending.LEFT) -> None:

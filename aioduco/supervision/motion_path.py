@@ -15,11 +15,12 @@ from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.supervision.command import MotionCommand
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
     from aioduco.models.enums import Outcome
+    from aioduco.supervision.gate import Permit
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.task import Task
 
 __all__ = ["MotionPath"]
@@ -36,10 +37,10 @@ class MotionPath:
         ahead: maximum number of motions in the controller, the running one included.
     """
 
-    def __init__(self, ahead: int, stops: Callable[[], int]) -> None:
+    def __init__(self, ahead: int, permits: Permits) -> None:
         self.ahead: int = ahead
-        self._stops = stops
-        self._began: int | None = None
+        self._permits = permits
+        self._permit: Permit | None = None
         self._closed = False
         self._live: deque[Task] = deque()
         self._outcomes: list[Outcome] = []
@@ -72,14 +73,14 @@ class MotionPath:
             ParameterError: it is no motion; nothing was sent.
             TaskError: an earlier motion did not succeed; nothing was sent.
             Refused: the controller refused it.
-            RobotStateError: the block was left, or the arm was stopped; the motion was not sent,
-                or was stopped, too.
+            RobotStateError: the block was left, or the arm was stopped; the motion was not sent.
             HeartbeatLost, OutcomeUnknown, ConnectionLost: as `MotionCommand.start` says.
         """
         if not isinstance(motion, MotionCommand):
             raise ParameterError("motion", motion, "a motion")
         motion.hand_over()
-        if self._began is None or self._closed:
+        permit = self._permit
+        if permit is None or self._closed:
             raise RobotStateError(
                 f"{motion!r} was not sent: a path takes motions within its block, "
                 "async with robot.motion.path() as path"
@@ -89,16 +90,12 @@ class MotionPath:
         for earlier in self._live:
             if earlier.done:
                 earlier.result()
-        if self._stops() != self._began:
+        if self._permits.gate.ending(permit) is not None:
             await self._until(0)
             raise RobotStateError(f"{motion!r} was not sent: the arm was stopped on this path")
-        task = await motion.start()
+        with self._permits.within(permit):
+            task = await motion.start()
         self._live.append(task)
-        if self._stops() != self._began:
-            # The stop came before the motion was sent, so it did not apply to the motion.
-            await task.cancel()
-            await self._until(0)
-            raise RobotStateError("the arm was stopped on this path")
         return task
 
     async def _until(self, most: int) -> None:
@@ -108,9 +105,9 @@ class MotionPath:
             self._live.popleft()
 
     async def __aenter__(self) -> Self:
-        if self._began is not None:
+        if self._permit is not None:
             raise RuntimeError("this path is tied to a block already: make another one")
-        self._began = self._stops()
+        self._permit = self._permits.ask("path", lasting=True)
         return self
 
     async def __aexit__(

@@ -35,11 +35,12 @@ class Permits:
     def __init__(self, gate: Gate) -> None:
         self.gate = gate
 
-    def ask(self, name: str) -> Permit:
+    def ask(self, name: str, *, lasting: bool = False) -> Permit:
         """Ask for a permit, within the undertaking in progress.
 
         Args:
             name: what can move the arm.
+            lasting: whether it is an undertaking: a pause does not end it.
 
         Raises:
             RobotStateError: the robot is closed, or is being closed.
@@ -47,7 +48,7 @@ class Permits:
             TaskStopped: the undertaking has ended.
         """
         within = [permit for owner, permit in _undertakings.get() if owner is self]
-        return self.gate.ask(name, boot_time(), within[-1] if within else None)
+        return self.gate.ask(name, boot_time(), within[-1] if within else None, lasting=lasting)
 
     async def after_stops(self, permit: Permit) -> None:
         """Wait until no stop is being confirmed.
@@ -73,8 +74,7 @@ class Permits:
         """Return the check for the moment before the bytes are handed to a socket."""
         return lambda: self.gate.check(permit, boot_time())
 
-    @contextlib.contextmanager
-    def undertaking(self, name: str) -> Iterator[None]:
+    def undertaking(self, name: str) -> contextlib.AbstractContextManager[None]:
         """Let everything in the block end with the next stop, also what it asks for after it.
 
         Args:
@@ -83,7 +83,12 @@ class Permits:
         Raises:
             RobotStateError, HeartbeatLost, TaskStopped: as for `ask`.
         """
-        token = _undertakings.set((*_undertakings.get(), (self, self.ask(name))))
+        return self.within(self.ask(name, lasting=True))
+
+    @contextlib.contextmanager
+    def within(self, permit: Permit) -> Iterator[None]:
+        """Let everything that is asked for in the block end with a permit."""
+        token = _undertakings.set((*_undertakings.get(), (self, permit)))
         try:
             yield
         finally:

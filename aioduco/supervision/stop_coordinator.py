@@ -142,7 +142,13 @@ class StopCoordinator:
             self.streams.halt()
             return
         self.streams.withdraw()
-        why = HeartbeatLost(f"the arm was stopped, since {ending.value}")
+        why = HeartbeatLost(ending.value)
+        if ending is Ending.HUNG:
+            why = HeartbeatLost(
+                "the program's event loop did not run for longer than "
+                f"{self._settings.loop_stall_limit:g} s (loop_stall_limit). "
+                "robot.rearm_heartbeat() lets it move the arm again"
+            )
         for task in self.follower.tasks:
             task.stopped_by = task.stopped_by or why
 
@@ -207,7 +213,7 @@ class StopCoordinator:
             await self._channel.rest(stop_timeout, timeout)
             if self.pending or self.worker_died:
                 await self.stop_until_certain(*self.pending)
-        self.unfollowed_motion = False
+            self.unfollowed_motion = False
 
     def stop_now(self, timeout: float) -> None:
         """Send a stop from any thread or signal handler, and block until it is accepted.

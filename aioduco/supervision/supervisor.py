@@ -124,6 +124,8 @@ class Supervisor:
         calls: the lane of all calls that are neither motions nor supervision.
         retrying: the calls of that lane; reads are retried while the connection is lost.
         poll: the lane on which tasks and the arm's standstill are polled.
+        gate: decides what may move the arm.
+        permits: permits to move it.
         samples: makes samples of the state.
         stop_channel: sends stop, pause, resume, abort.
         stop_coordinator: brings the arm to rest.
@@ -176,6 +178,7 @@ class Supervisor:
         self.gate: Gate = Gate(
             settings.heartbeat, settings.loop_stall_limit, boot_time(), self._permits_ended
         )
+        self.permits: Permits = Permits(self.gate)
         self._stalls = 0
         self.stop_coordinator: StopCoordinator = StopCoordinator(
             self.stop_channel,
@@ -184,7 +187,7 @@ class Supervisor:
             settings,
             Claim(self._life.set_moves),
             self.heartbeat,
-            Permits(self.gate),
+            self.permits,
         )
         self.dispatcher: Dispatcher = Dispatcher(
             self._motion_lane, self.stop_coordinator, self._background, settings

@@ -224,9 +224,8 @@ class Task:
             raise TaskOverdue(
                 self.name, self.id, "did not end by its deadline: the arm was stopped"
             )
-        raise task_error(self.name, self.id, outcome, self._errors) from (
-            self.fault or self.stopped_by
-        )
+        cause = self.fault or self.stopped_by
+        raise task_error(self.name, self.id, outcome, self._errors, self.stopped_by) from cause
 
     async def wait(self) -> Outcome:
         """Wait for the end and return the outcome, whatever it is.
@@ -404,8 +403,14 @@ _MEANING: dict[Outcome, tuple[type[TaskError], str]] = {
 
 
 def task_error(
-    name: str, task_id: int | None, outcome: Outcome, errors: Sequence[str] = ()
+    name: str,
+    task_id: int | None,
+    outcome: Outcome,
+    errors: Sequence[str] = (),
+    stopped_by: BaseException | None = None,
 ) -> TaskError:
     """Return the typed error for an outcome other than success."""
     kind, message = _MEANING[outcome]
+    if stopped_by is not None and outcome in (Outcome.STOPPED, Outcome.INTERRUPTED):
+        kind, message = TaskStopped, f"was stopped: {stopped_by}"
     return kind(name, task_id, message, errors)

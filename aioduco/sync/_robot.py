@@ -14,6 +14,7 @@ from aioduco.sync._runner import Runner
 from aioduco.sync._tasks import Task
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
     from os import PathLike
     from types import TracebackType
     from typing import Self
@@ -314,6 +315,21 @@ class Robot(Sections):
             seconds: duration of the wait [s].
         """
         self._runner.sleep(seconds)
+
+    def permit(self, name: str = "block") -> AbstractContextManager[None]:
+        """Tie all that moves the arm in a block together: after a stop, nothing of it is sent.
+
+        It works as `aioduco.Robot.permit`, for the calls of this thread.
+
+        Args:
+            name: what the block does, for messages.
+
+        Raises:
+            RobotStateError: the robot is not open.
+            HeartbeatLost: the heartbeat does not beat, or the program hung.
+            TaskStopped: an outer block has ended.
+        """
+        return self._robot.permit(name)
 
     def stop_now(self, timeout: float = 2.0) -> None:
         """Send a stop from any thread or signal handler; it needs no event loop.

@@ -37,7 +37,7 @@ async def test_work_that_never_began_is_over() -> None:
 async def test_a_command_that_was_never_sent_is_known_not_to_be() -> None:
     lane = cast("WireLane", cast("Any", None))  # it comes to no call
     commands = PendingCommands(BackgroundTasks(lambda error: None), 60.0)
-    pending = commands.send(lane, "movej2", (), 2.0)
+    pending = commands.send(lane, "movej2", (), 2.0, lambda: None)
     cancel_all()
     assert await pending.wait()
     assert isinstance(pending.error, NotSent)

@@ -148,7 +148,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
         Manual section 1.3.5, blend radius.
         """
-        return MotionPath(_AHEAD("ahead", ahead), lambda: self._supervisor.stop_coordinator.stops)
+        return MotionPath(_AHEAD("ahead", ahead), self._supervisor.permits)
 
     async def follow_joint_trajectory(
         self,
@@ -208,20 +208,21 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         Feeding(rate=rate, reach=per_group("reach", reach, 6))  # checks both
         options = checked(options)
         self._supervisor.check_open("follow_joint_trajectory")
-        queued = through == "realtime" or (through == "auto" and await self._has_queue())
-        return await follow(
-            self._endpoint,
-            self._rpc.get_actual_joints_position,
-            trajectory,
-            realtime=queued,
-            v=speed,
-            a=acceleration,
-            tolerances=tolerances,
-            feedback=feedback,
-            rate=rate,
-            reach=reach,
-            options=options,
-        )
+        with self._supervisor.permits.undertaking("follow_joint_trajectory"):
+            queued = through == "realtime" or (through == "auto" and await self._has_queue())
+            return await follow(
+                self._endpoint,
+                self._rpc.get_actual_joints_position,
+                trajectory,
+                realtime=queued,
+                v=speed,
+                a=acceleration,
+                tolerances=tolerances,
+                feedback=feedback,
+                rate=rate,
+                reach=reach,
+                options=options,
+            )
 
     async def execute(
         self,
@@ -274,16 +275,17 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         if through not in (*get_args(Through), "blended"):
             raise ParameterError("through", through, f"{', '.join(get_args(Through))} or blended")
         self._supervisor.check_open("execute")
-        return await plan.run_on(
-            self,
-            self._joints_at_rest,
-            watch=watch,
-            planner=planner,
-            through=through,
-            tolerances=tolerances,
-            feedback=feedback,
-            options=options,
-        )
+        with self._supervisor.permits.undertaking("execute"):
+            return await plan.run_on(
+                self,
+                self._joints_at_rest,
+                watch=watch,
+                planner=planner,
+                through=through,
+                tolerances=tolerances,
+                feedback=feedback,
+                options=options,
+            )
 
     async def _joints_at_rest(self) -> list[float]:
         """Read the joints once the arm stands: after a stop it may still be coming to rest."""
