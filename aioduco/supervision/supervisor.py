@@ -400,6 +400,7 @@ class Supervisor:
             await self.poll.call("get_robot_state", ())
             version = await _version(self.poll)
             await self._start_guard()
+            self.gate.rearm(boot_time())  # opening may have taken long: it moved nothing
             if self.heartbeat is not None:
                 self.heartbeat.start()
                 if not await _beats(self.heartbeat, timeout):
