@@ -128,6 +128,8 @@ class Gate:
         self._alive = now
         #: until then the controller does not stop the arm for want of a beat
         self._lease = math.inf if heartbeat is None else -math.inf
+        #: why no beat is answered; empty: the controller does not answer
+        self._unbeaten = ""
         #: the stops that are being confirmed
         self._stopping: set[object] = set()
         #: whether a motion that this program resumed may be moving the arm
@@ -171,17 +173,23 @@ class Gate:
         if sent > self._lease > -math.inf:
             self.end(Ending.LAPSED)
         self._lease = sent + self._heartbeat
+        self._unbeaten = ""
 
     @property
     def lease(self) -> float:
         """Time until which the controller does not stop the arm by itself; inf: for ever."""
         return self._lease
 
-    def lapse(self) -> None:
-        """Note that nothing beats any more, since its guard has ended."""
+    def lapse(self, why: str = "") -> None:
+        """Note that no beat is answered any more.
+
+        Args:
+            why: the reason, for errors; empty: the controller does not answer.
+        """
         if self._heartbeat is not None:
             self.end(Ending.LAPSED)
             self._lease = -math.inf
+            self._unbeaten = why
 
     def hang(self) -> None:
         """Note that the program hangs, or stood still: no permit is given until `rearm`."""
@@ -298,7 +306,7 @@ class Gate:
         what = (
             "the event loop hung; call robot.rearm_heartbeat() to go on"
             if self.hung
-            else "the controller does not answer it; it is tried on"
+            else self._unbeaten or "the controller does not answer it; it is tried on"
         )
         return HeartbeatLost(f"{name} was not sent, since the heartbeat does not beat: {what}")
 

@@ -277,8 +277,8 @@ class Claim:
         if not self._set_moves(True):
             raise GuardLost(
                 f"{name} was not sent: the guard is gone or does not read, and would not stop the "
-                "arm if this program died. Another guard is being started; try again, or connect "
-                "without a guard"
+                "arm if this program died. If it is gone, another guard is being started: try "
+                "again, or connect without a guard"
             )
 
     def drop(self) -> None:

@@ -11,6 +11,7 @@ Guarantees:
 from __future__ import annotations
 
 import math
+import random
 import time
 from collections import deque
 from functools import partial
@@ -55,7 +56,7 @@ from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatSt
 from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
 from aioduco.supervision.motion_sources import Claim
 from aioduco.supervision.permits import Permits
-from aioduco.supervision.retry import RetryingReads
+from aioduco.supervision.retry import Backoff, RetryingReads
 from aioduco.supervision.state_feed import StateFeed
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import ExitStop, StopCoordinator
@@ -81,6 +82,8 @@ _SIGN_EVERY = 0.1
 _GRACE = 1.0
 #: seconds between two checks whether a heartbeat was answered
 _LOOK_EVERY = 0.002
+#: why nothing beats until another guard does
+_GUARD_GONE = "the guard's process is gone; another is being started"
 #: closing is never skipped; each of its parts has a limit of its own
 _NO_LIMIT = math.inf
 
@@ -207,6 +210,7 @@ class Supervisor:
             self._background,
             settings,
         )
+        self._replacing_guard = False
         self._exit_stop: ExitStop | None = None
         self._watchdog: LoopWatchdog | None = None
         self._watched: WatchedLoop | None = None
@@ -535,7 +539,10 @@ class Supervisor:
         """Stop the arm, and start another guard, since the guard and its heartbeat have ended."""
         if self._closed or self.guard is None or not self._opened:
             return
-        self.gate.lapse()
+        if self._replacing_guard or self.guard.alive:
+            return  # another is being started, or is there: this call was on its way meanwhile
+        self._replacing_guard = True
+        self.gate.lapse(_GUARD_GONE)
         self._background.start(self._new_guard(self.guard), "aioduco new guard")
         _log.critical(
             "the guard of %s:%d is gone: the arm is stopped, and another guard is started",
@@ -544,16 +551,25 @@ class Supervisor:
         )
 
     async def _new_guard(self, guard: GuardClient) -> None:
-        if self.stop_coordinator.moving:
+        backoff = Backoff(random.Random())
+        failed = ""
+        while not guard.alive:
+            why = f" (the last attempt failed: {failed})" if failed else ""
+            self.gate.lapse(f"{_GUARD_GONE}{why}")
+            if self.stop_coordinator.moving:
+                try:
+                    await self.stop_coordinator.halt()
+                except StopUnconfirmed as exc:
+                    _log.critical("the guard is gone, and %s", exc)
+            await guard.release()
             try:
-                await self.stop_coordinator.halt()
-            except StopUnconfirmed as exc:
-                _log.critical("the guard is gone, and %s", exc)
-        await guard.release()
-        try:
-            await self._start_guard()
-        except DucoError as exc:
-            _log.critical("no other guard could be started: %s", exc)
+                await self._start_guard()
+            except (DucoError, MemoryError) as exc:
+                if failed != (failed := str(exc) or type(exc).__name__):
+                    _log.critical("no other guard could be started yet: %s", failed)
+                await anyio.sleep(backoff.next())
+        self._replacing_guard = False
+        _log.warning("another guard supervises %s:%d", self.host, self.port)
 
     async def _live(self, due: float) -> None:
         """Give signs of life of the event loop, first at `due`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import os
 import signal
@@ -9,13 +10,14 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import pytest
 
 import aioduco
 from aioduco import HeartbeatState
 from aioduco.supervision.concurrency import DaemonThread
+from aioduco.supervision.guard import client
 from aioduco.supervision.guard.messages import (
     Alive,
     Beat,
@@ -35,6 +37,7 @@ from client.bench import HOME
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from aioduco.supervision.guard.client import GuardLink
     from aioduco.supervision.guard.guarded import GuardClient
     from client.bench import Bench
 
@@ -173,6 +176,75 @@ async def test_the_guards_death_stops_the_arm_and_another_takes_over(
     assert seat(robot).pid != first
     bench.motion_time = 0.1
     await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+@pytest.mark.parametrize("heartbeat", [0.3, None], ids=["heartbeat", "none"])
+async def test_another_guard_is_tried_until_it_can_be_started(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, heartbeat: float | None
+) -> None:
+    """Each error meanwhile says that, and why there is none yet."""
+    async with aioduco.connect(
+        bench.host, bench.port, guard="process", heartbeat=heartbeat
+    ) as robot:
+        tries = kill_guard_for_good(robot, monkeypatch)
+        await eventually_async(lambda: len(tries) >= 3)
+        with pytest.raises(aioduco.DucoError, match=r"nother (guard )?is being started"):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        if robot.heartbeat is not None:
+            with pytest.raises(aioduco.HeartbeatLost, match=r"failed: .* EAGAIN"):
+                await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert not bench.received("movej2")
+        monkeypatch.undo()
+        await eventually_async(lambda: seat(robot).alive)
+        if robot.heartbeat is not None:
+            await eventually_async(lambda: state(robot) is HeartbeatState.BEATING)
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+async def test_a_robot_that_is_closed_tries_no_other_guard(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with aioduco.connect(bench.host, bench.port, guard="process") as robot:
+        tries = kill_guard_for_good(robot, monkeypatch)
+        await eventually_async(lambda: len(tries) >= 2)
+    assert not seat(robot).alive
+    assert not any("guard" in task.get_name() for task in asyncio.all_tasks())
+
+
+async def test_a_guard_that_dies_while_it_takes_over_is_replaced_once_more(
+    bench: Bench, robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guards: list[GuardLink] = []
+    acquire = client.shared.acquire
+
+    def killed_at_once() -> GuardLink:
+        link = acquire()
+        guards.append(link)
+        if len(guards) <= 2:
+            os.kill(link.pid, signal.SIGKILL)
+        return link
+
+    monkeypatch.setattr(client.shared, "acquire", killed_at_once)
+    first = seat(robot).pid
+    assert first is not None
+    os.kill(first, signal.SIGKILL)
+    await eventually_async(lambda: len(guards) == 3 and state(robot) is HeartbeatState.BEATING)
+    await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+def kill_guard_for_good(robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch) -> list[None]:
+    """Kill the guard; no other can be started. Returns a list that grows with each attempt."""
+    tries: list[None] = []
+
+    def refuse() -> NoReturn:
+        tries.append(None)
+        raise aioduco.GuardLost("the guard's process could not be started: EAGAIN")
+
+    monkeypatch.setattr(client.shared, "acquire", refuse)
+    pid = seat(robot).pid
+    assert pid is not None
+    os.kill(pid, signal.SIGKILL)
+    return tries
 
 
 async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Robot) -> None:
