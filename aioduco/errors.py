@@ -29,6 +29,7 @@ __all__ = [
     "GripperTimeout",
     "GuardLost",
     "HeartbeatLost",
+    "HoldUnknown",
     "LaneFailed",
     "MissingExtra",
     "ModbusError",
@@ -338,6 +339,13 @@ class GripperTimeout(GripperError, TimeoutError):
 
 class ObjectLost(GripperError):
     """The gripper does not hold what it gripped, or has gripped nothing."""
+
+
+class HoldUnknown(GripperError):
+    """The gripper does not report any more whether it holds what it gripped.
+
+    It does not answer, has a fault, or was without power. Look at it before the arm moves on.
+    """
 
 
 class TrackPoolFull(Refused):

@@ -75,8 +75,12 @@ def driver(robot: Robot, name: str) -> PolledGripper:
     if name.startswith("dh"):
         return DhGripper.at_tool(robot, name, answer_timeout=30.0, timeout=60.0)
     if name == "vacuum":
-        return VacuumGripper(robot, 1, vacuum=1, blow_off=2, build_up=20.0, timeout=60.0)
-    return DigitalGripper(robot, 1, holds=1, opened=2, shut=3, travel_time=20.0, timeout=60.0)
+        return VacuumGripper(
+            robot, 1, vacuum=1, blow_off=2, build_up=20.0, timeout=60.0, max_age=60.0
+        )
+    return DigitalGripper(
+        robot, 1, holds=1, opened=2, shut=3, travel_time=20.0, timeout=60.0, max_age=60.0
+    )
 
 
 async def carry(

@@ -42,6 +42,7 @@ class DhGripper(ModbusGripper):
         model: "dh_ag95", "dh_pge", or a `GripperModel`; None for the first.
         poll: seconds between two polls of the gripper's state.
         timeout: seconds within which a movement must have ended.
+        max_age: seconds without a new state after which `carrying` stops the arm.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -57,8 +58,9 @@ class DhGripper(ModbusGripper):
         *,
         poll: float = 0.05,
         timeout: float = 10.0,
+        max_age: float = 1.0,
     ) -> None:
-        super().__init__(modbus, model, poll=poll, timeout=timeout)
+        super().__init__(modbus, model, poll=poll, timeout=timeout, max_age=max_age)
         self._seen_moving = True
         self._sent_at = 0.0
 

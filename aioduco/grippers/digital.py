@@ -26,8 +26,16 @@ class OutputGripper(PolledGripper):
     A signal is a number from 1 to 16 for the cabinet, or "tool 1" or "tool 2".
     """
 
-    def __init__(self, robot: Robot, model: GripperModel, *, poll: float, timeout: float) -> None:
-        super().__init__(model, poll=poll, timeout=timeout)
+    def __init__(
+        self,
+        robot: Robot,
+        model: GripperModel,
+        *,
+        poll: float,
+        timeout: float,
+        max_age: float = 1.0,
+    ) -> None:
+        super().__init__(model, poll=poll, timeout=timeout, max_age=max_age)
         self._robot = robot
 
     async def _set(self, output: int | str, value: bool) -> None:
@@ -59,6 +67,7 @@ class DigitalGripper(OutputGripper):
         model: "parallel", or a `GripperModel`.
         poll: seconds between two polls of the gripper's state.
         timeout: seconds within which the input `opened` must switch on.
+        max_age: seconds without a new sample of the inputs after which `carrying` stops the arm.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -77,9 +86,10 @@ class DigitalGripper(OutputGripper):
         model: str | GripperModel = "parallel",
         poll: float = 0.02,
         timeout: float = 5.0,
+        max_age: float = 1.0,
     ) -> None:
         known = gripper_model(model) if isinstance(model, str) else model
-        super().__init__(robot, known, poll=poll, timeout=timeout)
+        super().__init__(robot, known, poll=poll, timeout=timeout, max_age=max_age)
         for name, value in (
             ("close", close), ("open", open), ("holds", holds), ("shut", shut), ("opened", opened),
         ):  # fmt: skip
@@ -92,11 +102,11 @@ class DigitalGripper(OutputGripper):
         self._sent_at = 0.0
 
     async def _read(self) -> GripperState:
-        at = time.monotonic()
         io = await self._inputs()
+        at = io.received_at
         on = {name: of(io, name) for name in (self._holds, self._shut, self._opened) if name}
         # Samples come at intervals: one that is older than the output's change says nothing.
-        fresh = io.received_at > self._sent_at
+        fresh = at > self._sent_at
         waited = at >= self._sent_at + self._travel_time
         holding = self._holding(on, waited=waited)
         if self._closed is None:

@@ -3,6 +3,9 @@
 Guarantees:
 - `state` takes no time: it is the state that was read last, with its age. A separate task polls
   the gripper, over connections that no motion uses.
+- What fails in a driver while it reads does not end the polling.
+- `carrying` ends also when it is not known any more whether the part is held: the state is older
+  than `max_age`, or says nothing of it. Time in which the event loop stood still does not count.
 - If a movement is cancelled, or takes too long, the gripper is halted, but keeps holding a held
   object.
 - Nothing is sent if an argument is out of range.
@@ -17,7 +20,14 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import anyio
 
-from aioduco.errors import DucoError, GripperError, GripperTimeout, ObjectLost, ParameterError
+from aioduco.errors import (
+    DucoError,
+    GripperError,
+    GripperTimeout,
+    HoldUnknown,
+    ObjectLost,
+    ParameterError,
+)
 from aioduco.models import ranges
 from aioduco.models.rules import Number
 from aioduco.reporting import BackgroundLogger
@@ -37,6 +47,16 @@ _log = BackgroundLogger(__name__)
 
 #: seconds within which the gripper must answer the command to halt
 _HALTING = 2.0
+#: seconds by which the event loop may be late between two polls; more counts as a standstill of it
+_LATE = 0.05
+
+#: what became of the arm when a part was lost
+_NOTHING = "nothing was done to the arm"
+_CANCELLED = (
+    "the await in carrying() was cancelled: a motion that it awaited was stopped, or what its "
+    "on_cancel says; any other motion goes on"
+)
+_ENDED = "the block of carrying() had ended by then: nothing was done to the arm"
 
 
 class GripperState(NamedTuple):
@@ -46,7 +66,7 @@ class GripperState(NamedTuple):
         width: opening between the fingers [m]; None if the gripper does not report it.
         holding: whether it holds something; None if it cannot detect that.
         moving: whether its fingers move, or its vacuum builds up.
-        read_at: time of the read [s of `time.monotonic`].
+        read_at: when the gripper reported it [s of `time.monotonic`].
     """
 
     width: float | None
@@ -56,7 +76,7 @@ class GripperState(NamedTuple):
 
     @property
     def age(self) -> float:
-        """Time since the read [s]."""
+        """Time since then [s]."""
         return time.monotonic() - self.read_at
 
 
@@ -102,11 +122,11 @@ class Gripper(Protocol):
         ...
 
     def check_held(self) -> None:
-        """Raise `ObjectLost` unless the gripped object is still held."""
+        """Raise `ObjectLost` or `HoldUnknown` unless the gripped object is still held."""
         ...
 
     def carrying(self) -> AbstractAsyncContextManager[None]:
-        """Cancel the awaits in the block, and raise `ObjectLost`, when the part is lost."""
+        """Cancel the await in the block, and raise, when the part is lost, or that is not known."""
         ...
 
 
@@ -120,15 +140,25 @@ class PolledGripper(ABC):
         model: stroke, forces and speeds of the gripper.
         poll: seconds between two polls of the gripper's state.
         timeout: seconds within which a movement must have ended.
+        max_age: seconds without a new state after which it is not known whether a part is held:
+            `carrying` then stops the arm.
 
     Raises:
         ParameterError: a time is out of range.
     """
 
-    def __init__(self, model: GripperModel, *, poll: float = 0.05, timeout: float = 10.0) -> None:
+    def __init__(
+        self,
+        model: GripperModel,
+        *,
+        poll: float = 0.05,
+        timeout: float = 10.0,
+        max_age: float = 1.0,
+    ) -> None:
         self._model = model
         self._poll = ranges.TIMEOUT("poll", poll)
         self._timeout = ranges.TIMEOUT("timeout", timeout)
+        self._max_age = ranges.TIMEOUT("max_age", max_age)
         self._width = Number(0.0, model.stroke, "m", source=model.source)
         self._force = Number(*model.force, "N", source=model.source)
         self._speed = None if model.speed is None else Number(
@@ -137,7 +167,9 @@ class PolledGripper(ABC):
         self._state: GripperState | None = None
         self._lock = anyio.Lock()
         self._background = BackgroundTasks(self._poll_failed)
-        self._held = self._lost = self._going = False
+        self._held = self._lost = self._going = self._silent = False
+        #: why the last poll failed; None if it did not
+        self._failure: Exception | None = None
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._model.title}>"
@@ -173,7 +205,9 @@ class PolledGripper(ABC):
             ModbusError: the gripper does not answer as it should.
         """
         await self.read()
-        self._background.start(self._watch(), f"aioduco gripper {self._model.name}")
+        name = f"aioduco gripper {self._model.name}"
+        self._background.start(self._watch(), name)
+        self._background.start(self._watch_age(), f"{name} age")
         return self
 
     async def aclose(self) -> None:
@@ -192,18 +226,30 @@ class PolledGripper(ABC):
         await self.aclose()
 
     async def _watch(self) -> None:
-        silent = False
         async for _ in every(self._poll):
             try:
                 await self.read()
-            except DucoError as error:
-                if not silent:
-                    _log.warning("%r was not read: %s", self, error)
-                silent = True
+            except Exception as error:
+                if self._failure is None:
+                    trace = None if isinstance(error, DucoError) else error
+                    _log.warning("%r was not read: %r", self, error, exc_info=trace)
+                self._failure = error
             else:
-                silent = False
+                self._failure = None
+
+    async def _watch_age(self) -> None:
+        """Note whether no new state comes; apart from the polls, since one of them may hang."""
+        read_at, age, before = self.state.read_at, 0.0, time.monotonic()
+        async for _ in every(self._poll):
+            now = time.monotonic()
+            age += min(now - before, self._poll + _LATE)
+            before = now
+            if self.state.read_at != read_at:
+                read_at, age = self.state.read_at, 0.0
+            self._silent = age > self._max_age
 
     def _poll_failed(self, error: BaseException) -> None:
+        self._silent = True
         _log.error("%r is not read any more: %r", self, error)
 
     # -- interface for programs -----------------------------------------------------------------
@@ -339,11 +385,31 @@ class PolledGripper(ABC):
 
         Raises:
             ObjectLost: it does not, or it gripped nothing.
+            HoldUnknown: the state is older than `max_age`, or says nothing of it any more.
         """
+        self._check(_NOTHING)
+
+    def _check(self, arm: str) -> None:
+        """As `check_held`; the error ends with what was done to the arm."""
         if self._lost:
-            raise ObjectLost(f"{self!r} lost what it held: look where it lies. The arm goes on")
+            raise ObjectLost(f"{self!r} lost what it held: look where it lies; {arm}")
+        if why := self._unknown:
+            raise HoldUnknown(
+                f"it is not known whether {self!r} still holds its part: {why}. Look at it; {arm}"
+            ) from self._failure
         if self.state.holding is False:
-            raise ObjectLost(f"{self!r} holds nothing: what it was to grip was not there")
+            raise ObjectLost(f"{self!r} holds nothing: what it was to grip was not there; {arm}")
+
+    @property
+    def _unknown(self) -> str:
+        """Why it is not known whether the part is held; empty if it is known."""
+        state = self.state
+        if self._silent or (not self._background and state.age > self._max_age):
+            failure = "" if self._failure is None else f" ({self._failure})"
+            return f"it reported nothing for {state.age:.2g} s{failure}"
+        if self._held and state.holding is None:
+            return "it does not report it any more; its power may have been off"
+        return ""
 
     @asynccontextmanager
     async def carrying(self) -> AsyncIterator[None]:
@@ -352,11 +418,19 @@ class PolledGripper(ABC):
             async with gripper.carrying():
                 await robot.motion.movel(there, v=0.2, a=0.5)
 
+        The same happens when it is not known any more whether the object is held: no new state came
+        for `max_age`, or the state says nothing of it.
+
         Raises:
-            ObjectLost: the object was lost, or nothing is held; the block's awaits were cancelled.
+            ObjectLost: the object was lost, or nothing is held; the block's await was cancelled.
+            HoldUnknown: it is not known whether it is held; the block's await was cancelled.
+            GripperError: the gripper is not polled; the block was not entered.
         """
-        self.check_held()
+        if not self._background:
+            raise GripperError(f"{self!r} is not polled: write `async with` it; {_NOTHING}")
+        self._check(_NOTHING)
         error: Exception | None = None
+        cancelled = False
         async with anyio.create_task_group() as watching:
             watching.start_soon(self._cancel_when_lost, watching.cancel_scope)
             # Kept and raised outside of the task group, which would wrap the error in a group.
@@ -364,14 +438,17 @@ class PolledGripper(ABC):
                 yield
             except Exception as raised:
                 error = raised
+            except anyio.get_cancelled_exc_class():
+                cancelled = True
+                raise
             watching.cancel_scope.cancel()
         if error is not None:
             raise error
-        if self._lost:
-            self.check_held()
+        if self._lost or self._unknown:
+            self._check(_CANCELLED if cancelled else _ENDED)
 
     async def _cancel_when_lost(self, scope: anyio.CancelScope) -> None:
         async for _ in every(self._poll):
-            if self._lost:
+            if self._lost or self._unknown:
                 scope.cancel()
                 return

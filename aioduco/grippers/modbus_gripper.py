@@ -28,6 +28,7 @@ class ModbusGripper(PolledGripper):
         model: name of a model, or a `GripperModel`; None for the usual one.
         poll: seconds between two polls of the gripper's state.
         timeout: seconds within which a movement must have ended.
+        max_age: seconds without a new state after which `carrying` stops the arm.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -43,10 +44,11 @@ class ModbusGripper(PolledGripper):
         *,
         poll: float = 0.05,
         timeout: float = 10.0,
+        max_age: float = 1.0,
     ) -> None:
         wanted = self.usual_model if model is None else model
         known = gripper_model(wanted) if isinstance(wanted, str) else wanted
-        super().__init__(known, poll=poll, timeout=timeout)
+        super().__init__(known, poll=poll, timeout=timeout, max_age=max_age)
         self._modbus = modbus
 
     @classmethod
@@ -58,6 +60,7 @@ class ModbusGripper(PolledGripper):
         unit: int | None = None,
         answer_timeout: float = 0.5,
         timeout: float = 10.0,
+        max_age: float | None = None,
     ) -> Self:
         """Make the driver of the gripper at the tool's RS-485 port of a robot.
 
@@ -67,10 +70,13 @@ class ModbusGripper(PolledGripper):
             unit: number of the device; None for the factory setting.
             answer_timeout: seconds within which it must answer a request.
             timeout: seconds within which a movement must have ended.
+            max_age: seconds without a new state after which `carrying` stops the arm; None for
+                twice `answer_timeout`.
 
         Raises:
             ParameterError: an argument is out of range.
         """
         number = cls.usual_unit if unit is None else unit
         modbus = ModbusRtu(Port.tool(robot.bus), number, timeout=answer_timeout)
-        return cls(modbus, model, timeout=timeout)
+        limit = 2 * answer_timeout if max_age is None else max_age
+        return cls(modbus, model, timeout=timeout, max_age=limit)

@@ -50,6 +50,7 @@ class Robotiq(ModbusGripper):
             manufacturer.
         poll: seconds between two polls of the gripper's state.
         timeout: seconds within which a movement must have ended.
+        max_age: seconds without a new state after which `carrying` stops the arm.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -66,8 +67,9 @@ class Robotiq(ModbusGripper):
         counts: tuple[int, int] = (3, 230),
         poll: float = 0.05,
         timeout: float = 10.0,
+        max_age: float = 1.0,
     ) -> None:
-        super().__init__(modbus, model, poll=poll, timeout=timeout)
+        super().__init__(modbus, model, poll=poll, timeout=timeout, max_age=max_age)
         if not 0 <= counts[0] < counts[1] <= 0xFF:
             raise ParameterError("counts", counts, "open below closed, each 0 to 255")
         self._counts = counts

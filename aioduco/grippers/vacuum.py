@@ -38,6 +38,7 @@ class VacuumGripper(OutputGripper):
         model: "vacuum", or a `GripperModel`.
         poll: seconds between two polls of the gripper's state.
         timeout: seconds within which the sensor must report that the part is gone.
+        max_age: seconds without a new sample of the inputs after which `carrying` stops the arm.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -55,9 +56,10 @@ class VacuumGripper(OutputGripper):
         model: str | GripperModel = "vacuum",
         poll: float = 0.02,
         timeout: float = 5.0,
+        max_age: float = 1.0,
     ) -> None:
         known = gripper_model(model) if isinstance(model, str) else model
-        super().__init__(robot, known, poll=poll, timeout=timeout)
+        super().__init__(robot, known, poll=poll, timeout=timeout, max_age=max_age)
         for name, value in (("suction", suction), ("vacuum", vacuum), ("blow_off", blow_off)):
             if value is not None:
                 signal(name, value)
@@ -113,10 +115,10 @@ class VacuumGripper(OutputGripper):
                     await self._set(self._blow_off, value=False)
 
     async def _read(self) -> GripperState:
-        at = time.monotonic()
         io = await self._inputs()
+        at = io.received_at
         vacuum = None if self._sensor is None else of(io, self._sensor)
-        fresh = io.received_at > self._sent_at
+        fresh = at > self._sent_at
         if self._sucking is None:
             return GripperState(None, vacuum, False, at)
         if self._sucking:

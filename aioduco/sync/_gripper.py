@@ -111,5 +111,5 @@ class Gripper:
         self._runner.call(self._gripper.halt())
 
     def check_held(self) -> None:
-        """Raise `ObjectLost` unless the gripped object is still held."""
+        """Raise `ObjectLost` or `HoldUnknown` unless the gripped object is still held."""
         self._gripper.check_held()

@@ -127,7 +127,13 @@ async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None
     """
     if stage.simulated:
         gripper = DigitalGripper(
-            robot, GRIPPER, holds=_HOLDS, opened=_OPENED, travel_time=_BUSY, timeout=PATIENCE
+            robot,
+            GRIPPER,
+            holds=_HOLDS,
+            opened=_OPENED,
+            travel_time=_BUSY,
+            timeout=PATIENCE,
+            max_age=PATIENCE,
         )
     else:
         gripper = DigitalGripper(robot, GRIPPER, timeout=PATIENCE)
