@@ -20,6 +20,15 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any, Final
 
+try:
+    import fcntl
+    import termios
+except ImportError:  # not on Windows
+    _ioctl: Any = None
+else:
+    _ioctl = fcntl.ioctl
+    _UNSENT: Final = termios.TIOCOUTQ
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
@@ -108,13 +117,9 @@ def unacknowledged(sock: socket.socket) -> int:
     0 where the system does not report it. An unanswered call is then treated as delivered: its
     answer is waited for, up to a time limit.
     """
-    try:
-        import fcntl  # noqa: PLC0415 - not on Windows
-        import termios  # noqa: PLC0415
-
-        return int(struct.unpack("i", fcntl.ioctl(sock, termios.TIOCOUTQ, bytes(4)))[0])
-    except ImportError:
+    if _ioctl is None:
         return 0
+    return int(struct.unpack("i", _ioctl(sock, _UNSENT, bytes(4)))[0])
 
 
 def hands_over_by_number() -> bool:

@@ -6,7 +6,7 @@ with its time, its place and its thread, and one daemon thread of the process pa
 `logging`.
 
 Guarantees:
-- Reporting never raises, and never waits for code of the program.
+- Reporting never raises, also without memory, and never waits for code of the program.
 - The program gets messages and events in the order in which they were reported. If a handler is
   too slow and the queue is full, messages are dropped and counted, and their number is logged.
 - An exception of a handler is printed to stderr, as `logging` does; the next message follows.
@@ -85,9 +85,17 @@ class Reporter:
         if self._queue.qsize() >= _MOST:
             self._dropped += 1
             return
-        context = copy_context()
-        self._queue.put(lambda: context.run(work))
+        try:
+            context = copy_context()
+            self._queue.put(lambda: context.run(work))
+        except MemoryError:
+            self._dropped += 1
+            return
         self._begin()
+
+    def drop(self) -> None:
+        """Count a message that could not be made, since there was no memory for it."""
+        self._dropped += 1
 
     def written(self, callback: Callable[[], object]) -> bool:
         """Have a function called when everything reported so far has been written.
@@ -122,12 +130,12 @@ class Reporter:
                 return
             if sys.is_finalizing():
                 return  # a new thread would never run, and `start` would wait for it
-            if not self._at_exit:
-                self._at_exit = True
-                atexit.register(self.flush)
-            thread = threading.Thread(target=self._run, name="aioduco-reports", daemon=True)
-            # If the system has no more threads, the next message tries again.
-            with contextlib.suppress(RuntimeError):
+            # If the system has no more threads or memory, the next message tries again.
+            with contextlib.suppress(RuntimeError, MemoryError):
+                if not self._at_exit:
+                    atexit.register(self.flush)
+                    self._at_exit = True
+                thread = threading.Thread(target=self._run, name="aioduco-reports", daemon=True)
                 thread.start()
                 self._thread = thread
 
@@ -164,7 +172,8 @@ class Reporter:
     def _say_dropped(self) -> None:
         dropped, self._dropped = self._dropped, 0
         logging.getLogger("aioduco").error(
-            "%d messages and trace events were dropped: a log handler or a trace hook is too slow",
+            "%d messages and trace events were dropped: a log handler or a trace hook is too slow, "
+            "or there was no memory",
             dropped,
         )
 
@@ -230,20 +239,34 @@ class BackgroundLogger:
         if logger.manager.disable >= level or logger.getEffectiveLevel() > level:
             return
         try:
-            text = message % args if args else message
-        except Exception as exc:  # an argument's own representation failed
-            text = f"{message} (its values cannot be shown: {type(exc).__name__})"
-        code, line = _place()
-        info = None if error is None else (type(error), error, error.__traceback__)
-        made = logging.LogRecord(
-            logger.name, level, code.co_filename, line, text, (), info, code.co_name
-        )
+            made = _record(logger, level, message, args, error)
+        except MemoryError:
+            reporter.drop()
+            return
         reporter.put(lambda: _write(logger, made))
+
+
+def _record(
+    logger: logging.Logger,
+    level: int,
+    message: str,
+    args: tuple[object, ...],
+    error: BaseException | None,
+) -> logging.LogRecord:
+    try:
+        text = message % args if args else message
+    except Exception as exc:  # an argument's own representation failed
+        text = f"{message} (its values cannot be shown: {type(exc).__name__})"
+    code, line = _place()
+    info = None if error is None else (type(error), error, error.__traceback__)
+    return logging.LogRecord(
+        logger.name, level, code.co_filename, line, text, (), info, code.co_name
+    )
 
 
 def _place() -> tuple[CodeType, int]:
     """Return the code and the line that called the logger's method."""
-    frame = sys._getframe(3)
+    frame = sys._getframe(4)
     return frame.f_code, frame.f_lineno
 
 

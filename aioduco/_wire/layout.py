@@ -8,6 +8,7 @@ If all its values are numbers, one format of `struct` reads them at once.
 
 from __future__ import annotations
 
+import contextlib
 import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -85,15 +86,21 @@ class Layouts:
         return None
 
     def store(self, struct: bytes | bytearray) -> None:
-        """Store the layout of a struct that was measured: it is complete and fits the IDL."""
+        """Store the layout of a struct that was measured: it is complete and fits the IDL.
+
+        Without memory it is not stored: a layout saves time, and an answer must not be lost for it.
+        """
+        if len(struct) <= _LONGEST and len(struct) not in self._kept and len(self._kept) < _MOST:
+            with contextlib.suppress(MemoryError):
+                self._kept[len(struct)] = self._layout(struct)
+
+    def _layout(self, struct: bytes | bytearray) -> Layout:
         size = len(struct)
-        if size > _LONGEST or size in self._kept or len(self._kept) >= _MOST:
-            return
         mask = bytearray(b"\xff" * size)
         _clear_values(struct, 0, mask)
         number = int.from_bytes(mask, "big")
         fixed_bits = int.from_bytes(struct, "big") & number
-        self._kept[size] = Layout(number, fixed_bits, _reader(self._spec, struct))
+        return Layout(number, fixed_bits, _reader(self._spec, struct))
 
 
 def _reader(

@@ -97,8 +97,8 @@ class Modes:
         for name, args in modes.items():
             try:
                 await self._channel.leave(name, args, _LEAVE_LIMIT)
-            except DucoError as exc:
-                _log.warning("%s after a stop was not carried out: %s", name, exc)
+            except (DucoError, MemoryError) as exc:
+                _log.warning("%s after a stop was not carried out: %r", name, exc)
 
     async def leave_at_standstill(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]
@@ -125,8 +125,8 @@ class Modes:
                     await follow(name, answer, timeout)
                 elif answer != TaskState.FINISHED:
                     raise Refused(name, answer, "no reason is given")
-            except DucoError as exc:
-                _log.warning("%s was not carried out: the mode may still be on: %s", name, exc)
+            except (DucoError, MemoryError) as exc:
+                _log.warning("%s was not carried out: the mode may still be on: %r", name, exc)
 
 
 _LOOK = 0.001  # seconds between two checks whether a lane is quiet

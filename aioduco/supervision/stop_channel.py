@@ -5,6 +5,7 @@ Guarantees:
   pause, resume and abort use a second one.
 - An unanswered stop is repeated over a fresh connection until its deadline: it is the only
   command that is safe to repeat. If no answer comes by the deadline, `StopUnconfirmed` is raised.
+- An attempt for which there was no memory counts as unanswered, and is repeated like one.
 - If a stop is requested while a motion is on its way, the controller may serve the stop first.
   The sender of the motion detects this by its permit, and stops once more.
 """
@@ -64,7 +65,7 @@ class _BegunStop:
         self.at: float = at
         self.by_guard: ByGuard | None = by_guard
         self.call: BegunCall | None = None
-        self.error: DucoError | None = None
+        self.error: Exception | None = None
 
 
 class StopChannel:
@@ -110,7 +111,7 @@ class StopChannel:
             self.attempts += 1
             try:
                 begun.call = self._stop.begin("stop", (False,), min(FIRST_ATTEMPT, timeout))
-            except DucoError as exc:
+            except (DucoError, MemoryError) as exc:
                 begun.error = exc
         self._begun = begun
         return begun
@@ -152,7 +153,7 @@ class StopChannel:
                     self.stops += 1
                     return
                 error = Refused("stop", answer, "no reason is given")
-            except DucoError as exc:
+            except (DucoError, MemoryError) as exc:
                 error = exc
             call = None
             attempt += 1
@@ -185,7 +186,7 @@ class StopChannel:
                     self.stops += 1
                     return
                 error = Refused("stop", answer, "no reason is given")
-            except DucoError as exc:
+            except (DucoError, MemoryError) as exc:
                 error = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
@@ -252,14 +253,14 @@ class StopChannel:
             until: deadline for the standstill [s of `time.monotonic`].
         """
         still = 0
-        error: DucoError | None = None
+        error: Exception | None = None
         async for _ in every(STANDSTILL_EVERY):
             left = until - time.monotonic()
             limit = min(_ASK_LIMIT, left) if left > 0 else _LAST_LIMIT
             error = None
             try:
                 moving: bool = await self._watch.call("robotmoving", (), limit)
-            except DucoError as exc:
+            except (DucoError, MemoryError) as exc:
                 error, still = exc, 0
             else:
                 still = 0 if moving else still + 1
@@ -308,7 +309,7 @@ class StopChannel:
 
 
 def _unconfirmed(what: str, error: BaseException | None) -> StopUnconfirmed:
-    why = f" (the last answer: {error})" if error is not None else ""
+    why = f" (the last answer: {str(error) or repr(error)})" if error is not None else ""
     return StopUnconfirmed(
         f"{what}{why}: the arm may be moving. Press the emergency stop if it does"
     )

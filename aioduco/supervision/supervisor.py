@@ -25,6 +25,7 @@ from aioduco._wire.connection import Connection
 from aioduco._wire.handoff import OwnerLoop, loop_callback
 from aioduco._wire.lane import WireLane
 from aioduco._wire.resource_errors import resource_error
+from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import (
     ConnectError,
     ConnectionLost,
@@ -363,6 +364,7 @@ class Supervisor:
                 "executable is no Python interpreter; connect without a guard, and open streams "
                 'with lane="thread"'
             )
+        prepare(WAY_OUT)
         # Before the first beat, which uses it to judge whether the event loop hangs.
         self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         try:

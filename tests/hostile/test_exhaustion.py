@@ -1,24 +1,37 @@
-"""With no thread and no descriptor to be had, a robot is stopped and left as ever."""
+"""With no thread, no descriptor and no memory to be had, a robot is stopped and left as ever."""
 
 from __future__ import annotations
 
 import asyncio
+import builtins
+import contextlib
 import errno
+import logging
 import os
 import socket
+import sys
 import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import anyio
 import pytest
+from api.desk import Desk
 from client.bench import HOME, Bench
 
 import aioduco
+import aioduco.sync
+from aioduco._wire import codec, idl, layout
+from aioduco.reporting import BackgroundLogger, reporter
+from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.shared.state import StreamState
+from aioduco.streaming.speed import Speed
+from aioduco.supervision.guard.messages import Watch
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 
 GUARDS = pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
 
@@ -129,6 +142,257 @@ async def test_leaving_that_is_cancelled_again_and_again_needs_no_new_thread(
         with pytest.raises(asyncio.CancelledError):
             await leaving
     assert not bench.moving()
+
+
+# -- memory: what stopping and leaving need is made while the robot is opened ---------------------
+
+
+def no_memory(*_: Any, **__: Any) -> NoReturn:
+    """As Python says it when it gets no memory."""
+    raise MemoryError
+
+
+class NoModules:
+    """Finds no module: in this program, a module that is not loaded yet gets no memory."""
+
+    @staticmethod
+    def find_spec(*_: Any) -> None:
+        if of_program():
+            no_memory()
+
+
+def of_program() -> bool:
+    """Whether the present thread is not one of the controller, which runs in the same process."""
+    return not threading.current_thread().name.startswith("sim-")
+
+
+def unless_served(make: Callable[..., Any]) -> Callable[..., Any]:
+    """The same function, but for the controller's threads only."""
+
+    def made(*args: Any, **options: Any) -> Any:
+        return no_memory() if of_program() else make(*args, **options)
+
+    return made
+
+
+@pytest.fixture
+def unmade(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No function of the wire has been used yet, as in a program that has just begun."""
+    monkeypatch.setattr(idl.functions(), "_made", {})
+
+
+@contextmanager
+def no_memory_to_make_anything(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """From here on nothing is compiled, and no module is loaded; what was made works as ever."""
+    with monkeypatch.context() as patch:
+        patch.setattr(idl.Function, "__init__", unless_served(idl.Function.__init__))
+        patch.setattr(layout, "_reader", unless_served(layout._reader))
+        patch.setattr(logging, "LogRecord", unless_served(logging.LogRecord))
+        patch.setattr(builtins, "exec", unless_served(exec))
+        patch.setattr(builtins, "eval", unless_served(eval))
+        patch.setattr(sys, "meta_path", [NoModules, *sys.meta_path])
+        yield
+
+
+async def move(robot: aioduco.Robot) -> None:
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+
+
+async def guide(robot: aioduco.Robot) -> None:
+    await robot.motion.teach_mode().start()
+
+
+async def turn(robot: aioduco.Robot) -> None:
+    await robot.motion.speedj([0.1] * 6, a=1.0, time=None).start()
+
+
+async def jog(robot: aioduco.Robot) -> None:
+    await robot.motion.move_jog(aioduco.Jog.joint(2, 1, 10)).start()
+
+
+async def press(robot: aioduco.Robot) -> None:
+    await robot.force.fc_start()
+
+
+async def follow(robot: aioduco.Robot) -> None:
+    await robot.realtime.start_realtime_mode(aioduco.RealtimeMode.JOINT_POSITION)
+
+
+MOVES = pytest.mark.parametrize(
+    ("begin", "ending"),
+    [
+        (move, "stop"),
+        (guide, "end_teach_mode"),
+        (turn, "stop"),
+        (jog, "stop"),
+        (press, "fc_stop"),
+        (follow, "end_realtime_mode"),
+    ],
+)
+
+
+@pytest.fixture
+async def desk() -> AsyncIterator[Desk]:
+    """A controller with motions and modes that go on."""
+    async with no_leaks():
+        with Desk() as desk:
+            desk.motion_time = 60.0
+            for name in ("fc_start", "fc_stop"):
+                desk.begins(name)
+            for name in ("start_realtime_mode", "end_realtime_mode"):
+                desk.answer(name, 4)
+            yield desk
+
+
+@GUARDS
+@MOVES
+@pytest.mark.usefixtures("unmade")
+async def test_leaving_makes_nothing_that_needs_memory(
+    desk: Desk,
+    monkeypatch: pytest.MonkeyPatch,
+    begin: Callable[[aioduco.Robot], Awaitable[None]],
+    ending: str,
+    guard: Any,
+) -> None:
+    robot = aioduco.connect(desk.host, desk.port, guard=guard)
+    await robot.open()
+    await begin(robot)
+    with no_memory_to_make_anything(monkeypatch):
+        await robot.aclose()
+    assert not desk.moving()
+    assert desk.received(ending)
+
+
+@pytest.mark.parametrize("way", ["stop", "stop_now", "abort", "pause", "cancel", "forget"])
+@pytest.mark.usefixtures("unmade")
+async def test_stopping_makes_nothing_that_needs_memory(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        with no_memory_to_make_anything(monkeypatch):
+            match way:
+                case "cancel":
+                    with anyio.move_on_after(0.05):
+                        await task
+                case "forget":
+                    robot._supervisor.forget()
+                case "stop_now":
+                    robot.stop_now()
+                case _:
+                    await getattr(robot, way)()
+        assert bench.received(way if way in ("abort", "pause") else "stop")
+        await eventually_async(lambda: not bench.moving())
+
+
+@pytest.mark.parametrize(
+    ("begin", "end"), [(turn, "speed_stop"), (jog, "stop_manual_move"), (guide, "end_teach_mode")]
+)
+@pytest.mark.usefixtures("unmade")
+async def test_ending_a_held_motion_makes_nothing_that_needs_memory(
+    desk: Desk,
+    monkeypatch: pytest.MonkeyPatch,
+    begin: Callable[[aioduco.Robot], Awaitable[None]],
+    end: str,
+) -> None:
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        await begin(robot)
+        with no_memory_to_make_anything(monkeypatch):
+            await getattr(robot.motion, end)()
+        assert not desk.moving()
+        assert desk.received(end)
+
+
+@pytest.mark.usefixtures("unmade")
+async def test_the_end_of_a_stream_makes_nothing_that_needs_memory(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a thread here: a process of its own has a memory of its own."""
+    bench.answer("speedj", 4)
+    bench.answer("speed_stop", 4)
+    speed = Speed(StreamEndpoint(bench.host, bench.port, stall_limit=60.0))
+    options = LaneOptions(lane="thread", timeout=20.0)
+    stream = speed.joints(a=5.0, rate=50, hold=0.1, options=options)
+
+    async def starve() -> None:
+        async with stream:
+            await stream.send([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])
+            await eventually_async(lambda: len(bench.received("speedj")) > 0)
+            with no_memory_to_make_anything(monkeypatch):
+                await eventually_async(lambda: stream.state is StreamState.ENDED)
+            await stream.send([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+    with pytest.raises(aioduco.StreamStarved):
+        await starve()
+    assert bench.received("speed_stop")
+    assert bench.received("stop")
+
+
+@pytest.mark.linux("the guard's process")
+@pytest.mark.usefixtures("unmade")
+async def test_a_guard_makes_nothing_that_needs_memory(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its part for one robot, in this process."""
+    from aioduco.supervision.guard.process import Guard, GuardedRobot  # noqa: PLC0415  # Linux only
+
+    program, _ = pair = socket.socketpair()
+    guarded = GuardedRobot(Watch(1, 1, bench.host, bench.port, None, 1.0, 3.0, 2.0), Guard(program))
+    await guarded.open()
+    guarded.life.moves = True
+    with no_memory_to_make_anything(monkeypatch):
+        await guarded.halt(gone=True)
+    assert bench.received("stop")
+    await guarded.aclose()
+    for end in pair:
+        end.close()
+
+
+@pytest.mark.usefixtures("unmade")
+def test_a_program_that_waits_is_left_without_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    with Bench() as bench, contextlib.ExitStack() as ways_out:
+        bench.motion_time = 60.0
+        robot = aioduco.sync.connect(bench.host, bench.port)
+        with robot:
+            robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+            ways_out.enter_context(no_memory_to_make_anything(monkeypatch))
+        assert not bench.moving()
+
+
+def test_a_message_for_which_there_is_no_memory_is_counted(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    log = BackgroundLogger("aioduco.tests")
+    log.warning("with it, those that were dropped before are counted")
+    assert reporter.flush(30.0)
+    caplog.clear()
+    with no_memory_to_make_anything(monkeypatch):
+        log.warning("the arm %s", "stands")
+    log.warning("there is memory again")
+    assert reporter.flush(30.0)
+    said = [record.getMessage() for record in caplog.records]
+    assert [text for text in said if "were dropped" in text and text.startswith("1 ")]
+    assert "there is memory again" in said
+    assert "the arm stands" not in said
+
+
+async def test_a_stop_for_which_there_is_no_memory_is_tried_again(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        encode, failed = codec.encode, {"stop": 0, "robotmoving": 0}
+
+        def twice_without_memory(function: idl.Function, args: tuple[Any, ...]) -> bytes:
+            if failed.get(function.name, 2) < 2:
+                failed[function.name] += 1
+                no_memory()
+            return encode(function, args)
+
+        monkeypatch.setattr(codec, "encode", twice_without_memory)
+        await robot.stop()
+        assert not bench.moving()
+        assert failed == {"stop": 2, "robotmoving": 2}
 
 
 def alive(process: int) -> bool:

@@ -29,6 +29,7 @@ from aioduco._platform import (
     set_affinity,
     set_realtime_priority,
 )
+from aioduco._wire import way_out
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
@@ -105,6 +106,8 @@ class StreamWorker:
         block.status[StatusWord.UNMET] = prepare(self._config.options)
         block.status[StatusWord.PRIORITY] = realtime_priority()
         try:
+            sent = self._config.sent
+            way_out.prepare((*way_out.STANDSTILL, *(call[0] for call in sent.leave), sent.ending))
             connection.open()
             self._driver = self._make_driver(connection)
             block.status[StatusWord.READY] = 1

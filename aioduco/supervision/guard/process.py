@@ -33,6 +33,7 @@ from aioduco._platform import handed_socket, set_realtime_priority
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import WireLane
 from aioduco._wire.unanswered import UnansweredMotion
+from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError
 from aioduco.reporting import BackgroundLogger
 from aioduco.scheduling import shorten_slice
@@ -111,6 +112,7 @@ class GuardedRobot:
         Raises:
             DucoError: the controller does not answer.
         """
+        prepare(WAY_OUT)
         try:
             for lane in self._lanes:
                 await lane.open()
