@@ -31,8 +31,8 @@ COMMAND_LINE = (
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
 #: s that a sample may be old by default, and the first one may take
 SAMPLE_PATIENCE = 10.0
-#: s that a stream's controller may take for an answer by default
-ANSWER_PATIENCE = 10.0
+#: s that a stream's controller may take for an answer by default, and its worker may not run
+STREAM_PATIENCE = {"timeout": 10.0, "away_limit": 15.0}
 #: how streams through the realtime queue are opened then, which else may run dry for 20 ms only
 PATIENT_QUEUE = {"com_lost_time": 10.0, "depth": 100}
 #: s for which a program may send a stream nothing, at the least
@@ -63,7 +63,7 @@ def be_patient() -> None:
     for connect in (aioduco.connect, aioduco.sync.connect):
         connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **PATIENCE}
     options = aioduco.LaneOptions.__init__
-    options.__kwdefaults__ = {**(options.__kwdefaults__ or {}), "timeout": ANSWER_PATIENCE}
+    options.__kwdefaults__ = {**(options.__kwdefaults__ or {}), **STREAM_PATIENCE}
     for latest in (StateFeed.latest, aioduco.sync.Feed.latest):
         latest.__kwdefaults__ = {"max_age": SAMPLE_PATIENCE}
 

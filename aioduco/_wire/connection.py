@@ -66,15 +66,23 @@ class Connection:
             together. The resolution of the name is not limited: its time depends on the system.
         keeps_overdue: whether the connection stays open for `late_answer` if a command was
             delivered completely, but its answer is late. It carries no other call in either case.
+        waiting: called every tenth of a second while a call waits for its answer.
     """
 
     def __init__(
-        self, host: str, port: int, *, connect_timeout: float = 3.0, keeps_overdue: bool = False
+        self,
+        host: str,
+        port: int,
+        *,
+        connect_timeout: float = 3.0,
+        keeps_overdue: bool = False,
+        waiting: Callable[[], object] | None = None,
     ) -> None:
         self.host = host
         self.port = port
         self.connect_timeout = connect_timeout
         self._keeps_overdue = keeps_overdue
+        self._waiting = waiting
         self._life = Lifecycle()
         # Reentrant: a signal handler may abandon the connection while the interrupted code of the
         # same thread changes its state. The lock protects the state and the closing of the socket:
@@ -169,7 +177,7 @@ class Connection:
             if self.state is not ConnectionState.NEW or time.monotonic() >= deadline:
                 break
             try:
-                stream = DeadlineSocket(family, type_, protocol)
+                stream = DeadlineSocket(family, type_, protocol, self._waiting)
                 with self._guard:
                     # An `abandon` before this line found no stream to shut down; the state below
                     # shows it. A later `abandon` ends the handshake.
@@ -205,7 +213,13 @@ class Connection:
         """The functions of the wire, each with a time limit of two seconds."""
         return RpcClient(lambda name, args: self.call(name, args, _CALL_TIMEOUT))
 
-    def call(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
+    def call(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | None,
+        permit: Callable[[], object] | None = None,
+    ) -> Any:
         """Call a function of the wire and wait for its answer; only on the owner's thread.
 
         Args:
@@ -213,6 +227,7 @@ class Connection:
             args: one value per parameter.
             timeout: seconds within which the whole call must end, even if bytes arrive slowly;
                 None: no limit.
+            permit: as for `exchange`.
 
         Returns:
             The result; None for a function without one.
@@ -227,7 +242,7 @@ class Connection:
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         function = idl.functions()[name]
-        return self.exchange(function, codec.encode(function, args), deadline)
+        return self.exchange(function, codec.encode(function, args), deadline, permit=permit)
 
     def hand_over(self) -> None:
         """Make the calling thread the owner; no call may be under way or start meanwhile."""

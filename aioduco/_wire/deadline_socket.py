@@ -9,10 +9,13 @@ import socket
 import struct
 import threading
 import time
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._platform import CONNECTING, limits_sockets, readiness, unacknowledged
 from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: If the peer disappears without a FIN, the connection ends after about eight seconds, both when
 #: it is idle (probes from the fifth second on) and when sent bytes are not acknowledged.
@@ -31,6 +34,8 @@ _SLACK: Final = 0.02
 #: that arrives just before a wait begins does not end the wait. Its handler, which may stop the
 #: arm, would otherwise run only when the controller answers.
 WAKE_EVERY: Final = 0.2
+#: the same for a caller that is told of each wait
+WAITING_EVERY: Final = 0.1
 
 _CHUNK: Final = 16384
 
@@ -60,11 +65,24 @@ class DeadlineSocket:
 
     Guarantees: after `shutdown`, `discard`, or the end of the process, the system delivers no more
     of the sent bytes. Only `close` ends the connection in the ordinary way.
+
+    Args:
+        family: as for `socket.socket`.
+        type_: as for `socket.socket`.
+        protocol: as for `socket.socket`.
+        waiting: called every tenth of a second while a read waits.
     """
 
-    __slots__ = ("_ahead", "_limit", "_readable", "_shut", "_socket")
+    __slots__ = ("_ahead", "_limit", "_readable", "_shut", "_socket", "_waiting")
 
-    def __init__(self, family: int, type_: int, protocol: int) -> None:
+    def __init__(
+        self,
+        family: int,
+        type_: int,
+        protocol: int,
+        waiting: Callable[[], object] | None = None,
+    ) -> None:
+        self._waiting = waiting
         self._socket = socket.socket(family, type_, protocol)
         self._readable = readiness(self._socket)
         #: where Python keeps the time: the same descriptor, for sends that do not wait
@@ -191,11 +209,11 @@ class DeadlineSocket:
             self._limit_to(deadline)
             try:
                 data = self._socket.recv(_CHUNK)
-            except BlockingIOError:
-                continue
-            except TimeoutError as exc:
-                if exc.errno is not None:
+            except (BlockingIOError, TimeoutError) as exc:
+                if isinstance(exc, TimeoutError) and exc.errno is not None:
                     raise
+                if self._waiting is not None:
+                    self._waiting()
                 continue
             if not data:
                 raise Ended
@@ -235,13 +253,17 @@ class DeadlineSocket:
 
     def _limit_to(self, deadline: float | None) -> None:
         limit: float | None = None
-        wakes = threading.current_thread() is threading.main_thread()
-        if deadline is not None or wakes:
-            left = WAKE_EVERY if deadline is None else deadline - time.monotonic()
+        wake: float | None = None
+        if self._waiting is not None:
+            wake = WAITING_EVERY
+        elif threading.current_thread() is threading.main_thread():
+            wake = WAKE_EVERY
+        if deadline is not None or wake is not None:
+            left = math.inf if deadline is None else deadline - time.monotonic()
             if left <= 0:
                 raise DeadlinePassed
-            if wakes:
-                left = min(left, WAKE_EVERY)
+            if wake is not None:
+                left = min(left, wake)
             slack = min(_SLACK, left / 8)
             if self._limit is not None and left <= self._limit <= left + slack:
                 return

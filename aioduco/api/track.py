@@ -10,6 +10,7 @@ from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPool
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
 from aioduco.streaming.track import TrackStreams
+from aioduco.supervision.motion_sources import TRACK_POOL
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -45,13 +46,18 @@ class Track(Section, TrackStreams):
 
     The manual asks for at least 10 points: when the pool is empty, the arm slows down and stands.
     Points that arrive after that may set it moving again.
+
+    A stop leaves points in the pool, and the next motion through it would follow them first. So a
+    stop by this program empties a pool into which it has put points. After any other stop, such as
+    that of a lost heartbeat, the pool is emptied before this program's next motion or points.
     """
 
     def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:
         Section.__init__(self, supervisor)
         TrackStreams.__init__(self, endpoint)
+        self._modes = supervisor.stop_coordinator.modes
         #: kind of the points that this program put in since the pool was last empty; None: unknown
-        self._kind: _Kind | None = None
+        self._last_kind: _Kind | None = None
         #: whether this program made the arm follow the pool: new points may then move the arm
         self._followed = False
 
@@ -108,7 +114,7 @@ class Track(Section, TrackStreams):
         Manual section 1.3.12.
         """
         check_finished("trackClearQueue", await self._rpc.trackClearQueue())
-        self._kind = None
+        self._modes.over(TRACK_POOL)
 
     async def getQueueSize(self) -> int:  # noqa: N802  # as above
         """Read the number of points that are left in the pool (轨迹池大小).
@@ -117,7 +123,7 @@ class Track(Section, TrackStreams):
         """
         size = await self._rpc.getQueueSize()
         if size == 0:
-            self._kind = None
+            self._modes.over(TRACK_POOL)
         return size
 
     def trackJointMotion(self, speed: float, acc: float) -> MotionCommand:  # noqa: N802  # as above
@@ -180,22 +186,29 @@ class Track(Section, TrackStreams):
 
     async def _put(self, kind: _Kind | None, call: Call) -> None:
         """Put points into the pool, by a call of the wire."""
-        held = self._kind
         function, _ = capture_call(call)
+        await self._modes.settle(function)
+        held = self._kind
         if kind is not None and held is not None and held is not kind:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
-        self._kind = kind or held
+        self._last_kind = kind or held
+        self._modes.enter(TRACK_POOL)  # before the call is sent, since its answer may be lost
         try:
             # The arm may follow the pool, without a task that reports the motion.
             _taken(function, await (self._feed(call) if self._followed else call(self._rpc)))
         except (OutcomeUnknown, TrackPoolFull):
             raise  # some may be in the pool
         except DucoError:
-            self._kind = held
+            self._last_kind = held
             raise
+
+    @property
+    def _kind(self) -> _Kind | None:
+        """Kind of the points that this program has put into the pool; None: unknown."""
+        return self._last_kind if TRACK_POOL in self._modes else None
 
     def _follows(self, function: str, kind: _Kind) -> None:
         """Check the kind of the points, before the arm follows the pool."""

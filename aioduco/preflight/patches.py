@@ -58,7 +58,7 @@ _BETWEEN = frozenset(
 BLOCKED = 1.0
 #: least time-outs of a robot and of a stream here [s]: a busy computer is not the program's fault
 _PATIENCE = {"call_timeout": 15.0, "connect_timeout": 15.0, "loop_stall_limit": 20.0}
-_STREAM_PATIENCE = {"timeout": 15.0, "connect_timeout": 15.0}
+_STREAM_PATIENCE = {"timeout": 15.0, "connect_timeout": 15.0, "away_limit": 20.0}
 _HEARTBEAT = 30.0
 #: time between two checks of a wait with a time-out, by the wall clock [s]
 _LOOK = 0.01

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RATES", "Examination", "examine"]
 
+#: how both lanes run; nothing moves, so a lane that stood still need not end
+_OPTIONS = LaneOptions(watch=0, away_limit=60.0)
 #: common rates of streams [Hz]
 RATES = (1000.0, 500.0, 250.0, 125.0, 60.0, 30.0)
 
@@ -130,8 +132,8 @@ async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> 
         StreamLost: there is no controller, or it does not answer.
     """
     endpoint = StreamEndpoint(host, port)
-    plain = await _measure(endpoint, LaneOptions(watch=0, priority=0), seconds)
-    urgent = await _measure(endpoint, LaneOptions(watch=0, priority=50), seconds)
+    plain = await _measure(endpoint, replace(_OPTIONS, priority=0), seconds)
+    urgent = await _measure(endpoint, replace(_OPTIONS, priority=50), seconds)
     allowed = None if "priority" in urgent.unmet else urgent
     return Examination(
         plain=plain,

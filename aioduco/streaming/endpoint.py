@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.config import CallDrive, EnvelopeSettings
-from aioduco.supervision.heartbeat import HeartbeatState
 from aioduco.supervision.motion_sources import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.streaming.shared.config import StreamSpec
+    from aioduco.supervision.gate import Gate, Permit
+    from aioduco.supervision.motion_sources import Modes
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["StreamEndpoint"]
@@ -28,14 +29,15 @@ class StreamEndpoint:
         stop: stops the robot on another connection, for a worker that cannot do it any more; its
             argument is the function of the wire that ends the stream's mode, or "".
         streams: the open streams of the robot.
-        admit: raises if the robot cannot accept a stream now; its argument is the stream's name.
+        admit: returns the permit of a stream, or raises if the robot cannot accept one now; its
+            argument is the stream's name.
+        gate: decides until when the permit is valid; None: there is no robot that ends it.
+        modes: the modes of the robot.
         guarded: whether a guard stops the robot when the program dies.
         stall_limit: time after which a program whose event loop does not run counts as hung; the
-            worker then brings the arm to rest, even if set-points are queued [s].
+            worker then stops the arm, even if set-points are queued [s].
         unanswered_timeout: longest wait for an unanswered set-point, with the arm stopped: it may
             reach the controller late [s].
-        heartbeat_ok: returns whether the robot's heartbeat beats; without it the controller stops
-            the arm, and the stream must not start it again.
         envelope: returns the envelope for the checks of set-points; its argument is what the stream
             sends.
     """
@@ -44,20 +46,18 @@ class StreamEndpoint:
     port: int
     stop: Callable[[str], Awaitable[object]] | None = None
     streams: Streams = field(default_factory=Streams)
-    admit: Callable[[str], Awaitable[object]] | None = None
+    admit: Callable[[str], Awaitable[Permit]] | None = None
+    gate: Gate | None = None
+    modes: Modes | None = None
     guarded: bool = False
     stall_limit: float = 1.0
     unanswered_timeout: float = 60.0
-    heartbeat_ok: Callable[[], bool] | None = None
     envelope: Callable[[StreamSpec], Awaitable[EnvelopeSettings | None]] | None = None
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> StreamEndpoint:
         """The endpoint for the robot of a supervisor."""
-
-        def heartbeat_ok() -> bool:
-            heart = supervisor.heartbeat
-            return heart is None or heart.state is HeartbeatState.BEATING
+        coordinator = supervisor.stop_coordinator
 
         async def envelope(sent: StreamSpec) -> EnvelopeSettings | None:
             tool, wobj = _frames(sent)
@@ -71,13 +71,14 @@ class StreamEndpoint:
         return cls(
             supervisor.host,
             supervisor.port,
-            stop=supervisor.stop_coordinator.stop_stream,
-            streams=supervisor.stop_coordinator.streams,
+            stop=coordinator.stop_stream,
+            streams=coordinator.streams,
             admit=supervisor.admit_stream,
+            gate=coordinator.gate,
+            modes=coordinator.modes,
             guarded=supervisor.guard is not None,
             stall_limit=supervisor.settings.loop_stall_limit,
             unanswered_timeout=supervisor.settings.unanswered_timeout,
-            heartbeat_ok=heartbeat_ok,
             envelope=envelope,
         )
 

@@ -26,8 +26,19 @@ _STARVED = (
     "stopped. Send more often, or open the stream with a longer hold"
 )
 _HUNG = (
-    "the program's event loop did not run, or the robot's heartbeat did not beat, for longer than "
-    "the robot's loop_stall_limit: the arm was brought to rest, and the robot stopped"
+    "the program's event loop did not run for longer than the robot's loop_stall_limit: no further "
+    "set-point was sent, and the robot was stopped. Call robot.rearm_heartbeat() or "
+    "robot.recover(), and open a new stream"
+)
+_LAPSED = (
+    "the robot's heartbeat was lost, and its controller may have stopped the arm by itself: no "
+    "further set-point was sent, and the robot was stopped. Open a new stream when the heartbeat "
+    "beats again"
+)
+_AWAY = (
+    "the stream's lane did not run for longer than its away_limit: its process was frozen, or the "
+    "computer slept or was too busy. No further set-point was sent, and the robot was stopped. See "
+    "where the arm is, and open a new stream"
 )
 _ALONE = "the lane lost sight of the program: the arm was brought to rest, and the robot stopped"
 _STOPPED = "the robot was stopped, and nothing more is sent. Open a new stream to go on"
@@ -64,6 +75,8 @@ _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
     Reason.CONNECTION: (StreamLost, _CONNECTION),
     Reason.FAILED: (LaneFailed, _FAILED),
     Reason.LANE_DIED: (LaneFailed, _DIED),
+    Reason.AWAY: (LaneFailed, _AWAY),
+    Reason.LAPSED: (StreamStarved, _LAPSED),
 }
 
 

@@ -42,6 +42,7 @@ _RATE = Number(0.0, _FASTEST, "Hz", open_low=True, source=_SOURCE)
 _HOLD = Number(0.0, 60.0, "s", open_low=True, source=_SOURCE)
 _AHEAD = Integer(1, MOST_POINTS, "targets", source=_SOURCE)
 _TIME = Number(0.0, 3600.0, "s", source=_SOURCE)
+_AWAY = Number(0.2, 60.0, "s", source=_SOURCE)
 _PRIORITY = Integer(0, 99, source=_SOURCE)
 _LATEST_ONLY = Flag(source=_SOURCE)
 _CHUNKS = Flag(source=_SOURCE)
@@ -67,6 +68,9 @@ class LaneOptions(WorkerSettings):
             a full realtime queue for so long counts as stuck.
         connect_timeout: time-out of the connection, and of the worker's start [s].
         watch: time between two polls whether the controller still follows [s]; 0: never.
+        away_limit: time for which the worker may not run, 0.2 to 60 [s]. After a longer one, in
+            which it was frozen, the computer slept or was too busy, it sends no set-point any more,
+            but stops the arm. The time for which it waits for an answer does not count.
     """
 
     def __post_init__(self) -> None:
@@ -76,6 +80,7 @@ class LaneOptions(WorkerSettings):
             _PRIORITY("priority", self.priority)
         for name in ("spin", "timeout", "connect_timeout", "watch"):
             _TIME(name, getattr(self, name))
+        _AWAY("away_limit", self.away_limit)
 
 
 class FeedingOptions(TypedDict, total=False):

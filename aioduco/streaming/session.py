@@ -4,18 +4,23 @@ Guarantees:
 - `Session.close` returns only when the worker can send nothing any more, and the arm was observed
   at rest or a stop was sent. Cancelling the caller, once or more, does not cut this short.
 - If the worker ends without giving a reason, or does not end in time, the session stops the robot
-  on another connection. It does the same if the program cannot supervise the worker any more.
+  on another connection. It does the same if the program cannot supervise the worker any more, or if
+  the worker could not end the mode of the stream.
+- From the moment at which the stream is admitted, the end of its permit reaches the worker, also if
+  that does not exist yet. The robot knows the mode of the stream from then on, until the worker has
+  seen it end.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._platform import clock_step
+from aioduco._platform import boot_time, clock_step
 from aioduco._wire.handoff import OwnerLoop
 from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import DucoError, LaneFailed, StreamClosed
@@ -26,12 +31,14 @@ from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
+from aioduco.supervision.gate import Ending
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.shared.config import WorkerConfig
+    from aioduco.supervision.gate import Permit
 
 __all__ = ["Session"]
 
@@ -39,6 +46,8 @@ _HALTED = 2.0  # seconds within which a halted worker must end
 _KILLED = 1.0  # seconds within which a killed process must end
 _SIGNS = 10  # signs of life of the event loop per stall limit
 _SIGN_EVERY = 0.1  # longest time between two signs of life [s]
+#: why a stream ends whose permit has ended; FAILED for others
+_REASONS = {Ending.LAPSED: Reason.LAPSED, Ending.HUNG: Reason.HUNG}
 
 
 class Session:
@@ -59,7 +68,11 @@ class Session:
         self._rescue = BackgroundTasks(self._rescue_failed)
         self._fault = ""
         self._supervised = anyio.Event()
-        self._halted = False
+        self._permit: Permit | None = None
+        #: commands that were given, for a worker that does not exist yet
+        self._commands: dict[StreamCommand, int] = {}
+        #: whether its mode was on before; None: the robot does not know the mode from this stream
+        self._mode_was_on: bool | None = None
         self._final: StreamStatistics | None = None
         self._commanded: tuple[float, ...] | None = None
         self._taken = 0
@@ -169,9 +182,11 @@ class Session:
             if envelope is not None:
                 self._config = replace(self._config, envelope=envelope)
         if self._endpoint.admit is not None:
-            await self._endpoint.admit(self.name)
+            self._permit = await self._endpoint.admit(self.name)
         # Nothing may be awaited here; otherwise a motion could be sent in between.
         self._endpoint.streams.add(self)
+        if self._endpoint.modes is not None and self._config.sent.ending:
+            self._mode_was_on = self._endpoint.modes.enter(self._config.sent.ending)
         try:
             await self._start()
         except BaseException:
@@ -189,17 +204,23 @@ class Session:
         try:
             host = WorkerHandle(self._config, run_in_thread)
             host.touch()
+            host.renew(self._lease)
             host.start()
         except (OSError, RuntimeError) as exc:
             why = resource_error(exc) or exc
             raise LaneFailed(f"no lane could be started: {why}. Nothing was sent") from exc
         self.host = host
+        # What ended before the line above is told now, and what ends after it at once.
+        if self._permit is not None and self._endpoint.gate is not None:
+            ending = self._endpoint.gate.ending(self._permit)
+            if ending is not None:
+                self.halt() if ending.stops else self.withdraw(ending)
+        for command, value in dict(self._commands).items():
+            host.command(command, value)
         self._background.start(self._supervise(host), f"aioduco {self.name}", self._supervised.set)
         self._background.start(self._send_signs_of_life(host), f"aioduco {self.name} sign of life")
         await host.until_ready(self._options.connect_timeout)
-        if self._halted:
-            # The robot was stopped before the worker existed, so the command is sent now.
-            host.command(StreamCommand.HALT)
+        if self._commands:
             await host.until_gone()
         if host.gone:
             self.check_end()
@@ -243,6 +264,7 @@ class Session:
                     await host.until_gone()
             _ = self.commanded, self.taken
             self._final = StreamStatistics.of(host)
+            self._note_mode()
             if host.gone:
                 host.release()
         if host is not None and host.gone:
@@ -252,7 +274,19 @@ class Session:
             await self._rescue.ended()
         await self._rescue.aclose()
         await self._background.aclose()
+        self._note_mode()
         self._endpoint.streams.remove(self)
+
+    def _note_mode(self) -> None:
+        """Note that the mode of the stream is over, or may be on although its worker has ended."""
+        modes, ending = self._endpoint.modes, self._config.sent.ending
+        was_on, self._mode_was_on = self._mode_was_on, None
+        if modes is None or was_on is None:
+            return
+        if self.host is not None and self.host.mode_on:
+            modes.overdue(ending)
+        elif not was_on:
+            modes.over(ending)
 
     async def _supervise(self, host: WorkerHandle) -> None:
         """Listen to the worker until it ends; stop the robot if it gave no reason."""
@@ -262,15 +296,19 @@ class Session:
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
-        if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
+        lost = host.reason is Reason.LANE_DIED or host.mode_on
+        if lost and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 
     async def _send_signs_of_life(self, host: WorkerHandle) -> None:
-        """Give the worker signs of life: the event loop runs and the heartbeat beats."""
+        """Give the worker signs of life of the event loop; none counts once the gate is closed."""
         every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
         due = anyio.current_time()
+        gate = self._endpoint.gate
         while not host.gone:
-            host.touch(self._endpoint.heartbeat_ok is None or self._endpoint.heartbeat_ok())
+            if gate is None or gate.alive(boot_time()):
+                host.touch()
+            host.renew(self._lease)
             due = max(due + every, anyio.current_time())
             await anyio.sleep_until(due)
 
@@ -323,14 +361,30 @@ class Session:
 
     def halt(self) -> None:
         """Send nothing more, from now on; may be called from any thread or signal handler."""
-        self._halted = True
-        if self.host is not None:
-            self.host.command(StreamCommand.HALT)
+        self._command(StreamCommand.HALT)
 
-    def withdraw(self) -> None:
-        """Send nothing more and stop the arm; may be called from any thread or signal handler."""
+    def withdraw(self, ending: Ending) -> None:
+        """Send nothing more and stop the arm; may be called from any thread or signal handler.
+
+        Args:
+            ending: why the permit has ended.
+        """
+        self._command(StreamCommand.WITHDRAW, _REASONS.get(ending, Reason.FAILED))
+
+    def _command(self, command: StreamCommand, value: int = 1) -> None:
+        self._commands[command] = value
         if self.host is not None:
-            self.host.touch(False)
+            self.host.command(command, value)
+
+    def renew(self, lease: float) -> None:
+        """Pass on until when the controller does not stop the arm; from any thread."""
+        if self.host is not None:
+            self.host.renew(lease)
+
+    @property
+    def _lease(self) -> float:
+        gate = self._endpoint.gate
+        return math.inf if gate is None else gate.lease
 
     def kill(self) -> None:
         """Kill a worker's process that does not end by itself; a thread cannot be killed."""
@@ -341,3 +395,5 @@ class Session:
         """Wait until the stream has ended, for any reason, and its worker has ended."""
         if self.host is not None and self._final is None:
             await self.host.until_gone()
+            if self._final is None:
+                self._note_mode()

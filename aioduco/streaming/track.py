@@ -13,6 +13,7 @@ from aioduco.streaming.shared.config import PoolDrive, StreamSpec
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.encoding import element_tail
+from aioduco.supervision.motion_sources import TRACK_POOL
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
@@ -188,6 +189,7 @@ class TrackStreams:
             in_joints=joints,
             limits=Limits((speed_,), (acc_,)),
             drive=pool,
+            ending=TRACK_POOL,
             read=["get_actual_joints_position"] if joints else ["get_tcp_pose_coord", *frames],
         )
         check = ranges.JOINTS if joints else ranges.POSE

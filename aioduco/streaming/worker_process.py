@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import signal
 import socket
 import threading
-import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import anyio.lowlevel
 
+from aioduco._platform import boot_time
 from aioduco._spawn import Process, Unstartable
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import LaneFailed
@@ -28,6 +29,7 @@ __all__ = ["WorkerHandle"]
 _LOOK = 0.25  # seconds between two checks whether the worker's process hangs
 _LOOK_EVERY = 0.005  # seconds between two checks whether a worker has ended
 _EXIT = 5.0  # seconds within which a worker's process must exit after it has closed its socket
+_FOR_EVER = 2**64 - 1  # ns
 
 
 class WorkerHandle:
@@ -104,20 +106,33 @@ class WorkerHandle:
             return f"its process ended with code {code}: {self._process.stderr_tail}".strip(": ")
         return self.block.text
 
-    def command(self, command: StreamCommand) -> None:
+    # Of these, some are called on any thread, and the block may be released at any moment: the
+    # worker has then ended.
+
+    def command(self, command: StreamCommand, value: int = 1) -> None:
         """Send a command to the worker; may be called from any thread or signal handler.
 
         A command never cancels a stronger one.
         """
-        # Another thread may release the block at any moment; the worker has then ended.
         with contextlib.suppress(ValueError):
             if command is StreamCommand.HALT and not self.reason:
                 self._halted = True
-            self.block.control[command] = 1
+            self.block.control[command] = value
 
-    def touch(self, alive: bool = True) -> None:
-        """Give the worker a sign of life, or make it brake at once if `alive` is False."""
-        self.block.control[ControlWord.ALIVE] = time.monotonic_ns() if alive else 0
+    def touch(self) -> None:
+        """Give the worker a sign of life of the event loop."""
+        with contextlib.suppress(ValueError):
+            self.block.control[ControlWord.ALIVE] = round(boot_time() * 1e9)
+
+    def renew(self, lease: float) -> None:
+        """Tell the worker until when the controller does not stop the arm; from any thread.
+
+        Args:
+            lease: that time [s of `boot_time`]; inf: for ever.
+        """
+        nanoseconds = round(max(lease, 0.0) * 1e9) if math.isfinite(lease) else 0
+        with contextlib.suppress(ValueError):
+            self.block.control[ControlWord.LEASE] = _FOR_EVER if lease == math.inf else nanoseconds
 
     @property
     def silent(self) -> bool:
@@ -126,6 +141,11 @@ class WorkerHandle:
             return self._gone or self.block.status[StatusWord.STATE] == StreamState.ENDED
         except ValueError:
             return True
+
+    @property
+    def mode_on(self) -> bool:
+        """Whether the mode of the stream may be on, or its points in the track pool."""
+        return bool(self.block.status[StatusWord.MODE])
 
     @property
     def unanswered(self) -> bool:
@@ -283,7 +303,9 @@ class WorkerHandle:
             control[ControlWord.WAKE_BELOW] = max(1, level)
             await self._until(lambda: self.block.ring.level <= level)
         finally:
-            control[ControlWord.WAKE_BELOW] = 0
+            # Another task may have left the stream meanwhile: its block is then released.
+            if not self._gone:
+                control[ControlWord.WAKE_BELOW] = 0
 
     async def _until(self, reached: Any) -> None:
         # The caller may call this in a loop, so the event loop runs even if it is reached already.

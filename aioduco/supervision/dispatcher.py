@@ -99,11 +99,14 @@ class Dispatcher:
             if stands and not coordinator.moving and not self._order.statistics().locked:
                 coordinator.claim.drop()
 
-    async def admit_stream(self, name: str) -> None:
+    async def admit_stream(self, name: str) -> Permit:
         """Check that a stream of set-points may begin.
 
         Args:
             name: name of the stream, for messages.
+
+        Returns:
+            The permit of its set-points.
 
         Raises:
             RobotStateError: the robot is not open, or something moves the arm.
@@ -112,15 +115,17 @@ class Dispatcher:
         command = Command(name, ())
         permit = self._asked(command)
         async with self._order:
-            await self._permits.after_stops(permit)
-            self._admit(command, permit)
             coordinator = self._coordinator
+            await self._permits.after_stops(permit)
+            await coordinator.modes.settle(name)
+            self._admit(command, permit)
             tasks = [task for task in coordinator.follower.tasks if task.motion]
             if tasks or coordinator.modes.moving or coordinator.pending:
                 moved = ", ".join(map(repr, tasks)) or "a mode in which the arm moves"
                 raise RobotStateError(
                     f"{name} was not opened: {moved} is under way, and the arm can follow only one"
                 )
+            return permit
 
     async def perform(self, name: str, args: tuple[Any, ...], timeout: float) -> Outcome:
         """Send a command that moves nothing, and wait for its end.
@@ -158,6 +163,7 @@ class Dispatcher:
     async def _prepared(self, command: Command, permit: Permit, aim: Aim | None = None) -> Command:
         """Wait for stops, then convert a motion into the wire's frame, and check it."""
         await self._permits.after_stops(permit)
+        await self._coordinator.modes.settle(command.name)
         if aim is not None:
             command = replace(command, args=await aim.arguments(command))
         return command if self.check is None else await self.check(command)
@@ -268,6 +274,7 @@ class Dispatcher:
         """
         permit = self._asked(command)
         await self._permits.after_stops(permit)
+        await self._coordinator.modes.settle(command.name)
         self._admit(command, permit)
         self._gate.resume()
         answer: int = await lane.call(

@@ -5,6 +5,10 @@ mode the arm yields or follows: these modes count as motion, and are left along 
 control only changes how motions are carried out: it stays on during a stop, and is left when the
 robot is closed, while the arm stands (manual 1.3.10).
 
+A stop leaves points in the track pool, and the next motion through it would follow them first
+(manual 1.3.12). So points of this program are treated like a mode that a stop ends, by emptying the
+pool; they move nothing by themselves.
+
 The guard, and the heartbeat's thread, stop the arm of a program that has exited or hangs. If a
 program dies that only observed the arm, they must not stop the motions of another program. So a
 program makes a claim before it sends anything that may move the arm, and drops the claim when the
@@ -25,21 +29,24 @@ from typing import TYPE_CHECKING, Protocol
 
 import anyio
 
-from aioduco.errors import DucoError, GuardLost, Refused, RobotStateError
+from aioduco.errors import ControllerError, DucoError, GuardLost, Refused, RobotStateError
 from aioduco.models.enums import TaskState
 from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
+    from aioduco.supervision.gate import Ending
     from aioduco.supervision.stop_channel import StopChannel
 
-__all__ = ["Claim", "Modes", "OpenStream", "Streams"]
+__all__ = ["TRACK_POOL", "Claim", "Modes", "OpenStream", "Streams"]
 
 _log = BackgroundLogger(__name__)
 
 #: seconds within which a mode must be left after a stop
 _LEAVE_LIMIT = 0.5
+#: ends the "mode" in which points of this program are in the track pool
+TRACK_POOL = "trackClearQueue"
 
 
 class Modes:
@@ -54,24 +61,32 @@ class Modes:
 
     def __init__(self, channel: StopChannel) -> None:
         self._channel = channel
-        self._moving: dict[str, tuple[bool, ...]] = {}
+        self._on: dict[str, tuple[bool, ...]] = {}
+        #: of these, those that should be off by now
+        self._overdue: set[str] = set()
+        self._leaving = anyio.Lock()
         self.left_at_standstill: set[str] = set()
 
     def __repr__(self) -> str:
-        return f"<Modes {sorted(self._moving)}, while standing {sorted(self.left_at_standstill)}>"
+        return f"<Modes {sorted(self._on)}, while standing {sorted(self.left_at_standstill)}>"
 
     def __contains__(self, ending: str) -> bool:
-        return ending in self._moving
+        return ending in self._on
 
     @property
     def moving(self) -> bool:
         """Whether the arm may move because of a mode, without a task that is followed."""
-        return bool(self._moving)
+        return any(name != TRACK_POOL for name in self._on)
 
     @property
     def any(self) -> bool:
         """Whether a mode of either kind is on."""
-        return bool(self._moving or self.left_at_standstill)
+        return self.moving or bool(self.left_at_standstill)
+
+    @property
+    def stoppable(self) -> bool:
+        """Whether `leave` has anything to do."""
+        return bool(self._on)
 
     def enter(self, ending: str, args: tuple[bool, ...] = ()) -> bool:
         """Note a mode in which the arm yields or follows, before it is entered.
@@ -83,22 +98,60 @@ class Modes:
         Returns:
             Whether it was on before.
         """
-        was_on = ending in self._moving
-        self._moving[ending] = args
+        was_on = ending in self._on
+        self._on[ending] = args
+        self._overdue.discard(ending)
         return was_on
 
     def over(self, ending: str) -> None:
         """Note that a mode in which the arm yields or follows is off."""
-        self._moving.pop(ending, None)
+        self._on.pop(ending, None)
+        self._overdue.discard(ending)
+
+    def overdue(self, ending: str) -> None:
+        """Note that a mode should be off, and may be on: `settle` leaves it. From any thread."""
+        if ending in self._on:
+            self._overdue.add(ending)
 
     async def leave(self) -> None:
-        """Leave the modes in which the arm yields or follows; failures are logged."""
-        modes, self._moving = self._moving, {}
-        for name, args in modes.items():
-            try:
-                await self._channel.leave(name, args, _LEAVE_LIMIT)
-            except (DucoError, MemoryError) as exc:
-                _log.warning("%s after a stop was not carried out: %r", name, exc)
+        """Leave the modes in which the arm yields or follows, and empty the track pool.
+
+        Failures are logged. A mode of which it is not known whether it was left is overdue.
+        """
+        await self._leave(tuple(self._on))
+
+    async def settle(self, name: str) -> None:
+        """Leave the modes that should be off by now, before something that moves the arm is sent.
+
+        Args:
+            name: what is to be sent.
+
+        Raises:
+            RobotStateError: one may still be on; `name` was not sent.
+        """
+        if self._overdue:
+            await self._leave(tuple(self._overdue))
+        for ending in self._overdue:
+            raise RobotStateError(
+                f"{name} was not sent: {ending} was not answered, so the mode that it ends may be "
+                "on; call robot.stop()"
+            )
+
+    async def _leave(self, modes: tuple[str, ...]) -> None:
+        async with self._leaving:
+            for name in modes:
+                args = self._on.pop(name, None)
+                if args is None:
+                    continue  # it was left meanwhile
+                try:
+                    await self._channel.leave(name, args, _LEAVE_LIMIT)
+                except (DucoError, MemoryError) as exc:
+                    _log.warning("%s after a stop was not carried out: %r", name, exc)
+                    if not isinstance(exc, Refused | ControllerError):
+                        self._on.setdefault(name, args)
+                        self._overdue.add(name)
+                        continue
+                self._overdue.discard(name)
 
     async def leave_at_standstill(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]
@@ -148,8 +201,11 @@ class OpenStream(Protocol):
     def halt(self) -> None:
         """Stop sending at once: the arm is being stopped; from any thread or signal handler."""
 
-    def withdraw(self) -> None:
+    def withdraw(self, ending: Ending) -> None:
         """Stop sending at once, and stop the arm; from any thread or signal handler."""
+
+    def renew(self, lease: float) -> None:
+        """Note until when the controller does not stop the arm by itself; from any thread."""
 
     def kill(self) -> None:
         """End a lane that does not end by itself."""
@@ -202,10 +258,23 @@ class Streams:
             stream.halt()
         return bool(streams)
 
-    def withdraw(self) -> None:
-        """Stop all streams from sending; each stops the arm. From any thread or signal handler."""
+    def withdraw(self, ending: Ending) -> None:
+        """Stop all streams from sending; each stops the arm. From any thread or signal handler.
+
+        Args:
+            ending: why their permits have ended.
+        """
         for stream in tuple(self._open):
-            stream.withdraw()
+            stream.withdraw(ending)
+
+    def renew(self, lease: float) -> None:
+        """Tell all streams until when the controller does not stop the arm; from any thread.
+
+        Args:
+            lease: that time [s of `boot_time`]; inf: for ever.
+        """
+        for stream in tuple(self._open):
+            stream.renew(lease)
 
     async def settled(self, timeout: float) -> bool:
         """Wait until no lane can send anything more; a lane that takes longer is killed.

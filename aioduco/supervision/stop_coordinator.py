@@ -32,7 +32,7 @@ from aioduco.errors import (
 from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import Ending
-from aioduco.supervision.motion_sources import Modes, Streams
+from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import PendingCommand, PendingCommands, stop_until_certain
 
@@ -138,10 +138,12 @@ class StopCoordinator:
         Args:
             ending: why the permits have ended.
         """
+        if ending is not Ending.PAUSED:
+            self.modes.overdue(TRACK_POOL)
         if ending.stops:
             self.streams.halt()
             return
-        self.streams.withdraw()
+        self.streams.withdraw(ending)
         why = HeartbeatLost(ending.value)
         if ending is Ending.HUNG:
             why = HeartbeatLost(
@@ -182,7 +184,7 @@ class StopCoordinator:
             StopUnconfirmed: it accepted none in time.
         """
         streaming = self.streams.halt()
-        if self.modes.moving or streaming:
+        if self.modes.stoppable or streaming:
             try:
                 await self._channel.stop(timeout)
             finally:

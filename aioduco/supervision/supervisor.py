@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco._wire.lane import LaneStatistics
+    from aioduco.supervision.gate import Permit
     from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
@@ -232,6 +233,7 @@ class Supervisor:
         self._stalls = stalls
         if sent:
             self.gate.beaten(sent)
+            self.stop_coordinator.streams.renew(self.gate.lease)
 
     def _heartbeat_state(self) -> HeartbeatState:
         return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
@@ -322,18 +324,10 @@ class Supervisor:
         follower.observers = [*follower.observers, tasks]
         return end
 
-    async def admit_stream(self, name: str) -> None:
-        """Check that a stream of set-points may begin.
-
-        Args:
-            name: name of the stream, for messages.
-
-        Raises:
-            RobotStateError: the robot is not open, or something moves the arm.
-            HeartbeatLost: the heartbeat is not running.
-        """
+    async def admit_stream(self, name: str) -> Permit:
+        """Check that a stream of set-points may begin; `Dispatcher.admit_stream` describes it."""
         self.check_open(name)
-        await self.dispatcher.admit_stream(name)
+        return await self.dispatcher.admit_stream(name)
 
     def statistics(self) -> SupervisorStatistics:
         """Return statistics since the robot was opened."""

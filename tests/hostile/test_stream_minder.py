@@ -48,10 +48,10 @@ class Failing:
                 return heard[0]
             raise Fault("the minder")
 
-        def failing_touch(host: WorkerHandle, alive: bool = True) -> None:
+        def failing_touch(host: WorkerHandle) -> None:
             if self.now.is_set():
                 raise Fault("the sign of life")
-            touch(host, alive)
+            touch(host)
 
         if parts in ("minder", "both"):
             monkeypatch.setattr(WorkerHandle, "_receive", staticmethod(failing_hear))

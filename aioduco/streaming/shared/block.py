@@ -44,17 +44,22 @@ class StreamCommand(IntEnum):
     CLOSE = 0
     #: come to rest at once, then end
     ABORT = 1
-    #: send nothing more, from now on: the robot was stopped
+    #: send nothing more, from now on: another one stops the robot
     HALT = 2
+    #: send nothing more, from now on, and stop the robot: the permit has ended, and nobody else
+    #: stops it for certain; the value is the `Reason`
+    WITHDRAW = 3
 
 
 class ControlWord(IntEnum):
     """Words that the program writes, after those of `StreamCommand`."""
 
     #: wake the program when no more than this many set-points are in the ring; 0: do not
-    WAKE_BELOW = 3
-    #: monotonic time of the program's last sign of life [ns]; 0: the heartbeat does not beat
-    ALIVE = 4
+    WAKE_BELOW = 4
+    #: when the program's event loop last gave a sign of life [ns of `boot_time`]
+    ALIVE = 5
+    #: until then the controller does not stop the arm for want of a heartbeat [ns of `boot_time`]
+    LEASE = 6
 
 
 class StatusWord(IntEnum):
@@ -95,6 +100,8 @@ class StatusWord(IntEnum):
     EXHAUSTED = 21
     #: the worker's real-time priority
     PRIORITY = 22
+    #: whether the controller's mode of the stream may be on, or its points in the track pool
+    MODE = 23
 
 
 class Unmet(IntFlag):

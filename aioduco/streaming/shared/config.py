@@ -56,6 +56,7 @@ class WorkerSettings:
     timeout: float = 1.0
     connect_timeout: float = 10.0
     watch: float = 0.1
+    away_limit: float = 0.25
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +184,8 @@ class StreamSpec:
         meaning: what a set-point is.
         read: function of the wire that reads the arm's position, and its arguments.
         leave: calls at the end of the stream, each a function and its arguments.
-        ending: function of the wire that ends the controller's mode during the stream.
+        ending: function of the wire that ends the controller's mode during the stream, or empties
+            the track pool; it has no arguments.
         turning: how directions are rotated into the frame of the wire; None: they are in it.
     """
 

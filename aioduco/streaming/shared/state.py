@@ -41,7 +41,11 @@ class Reason(IntEnum):
     FAILED = 9
     #: the worker ended without giving a reason
     LANE_DIED = 10
-    #: the program's event loop hung, or the robot's heartbeat was lost
+    #: the program's event loop hung
     HUNG = 11
     #: a set-point would have crossed a limit of the robot's envelope
     ENVELOPE = 12
+    #: the worker did not run for too long: it was frozen, or the computer slept
+    AWAY = 13
+    #: the robot's heartbeat was lost
+    LAPSED = 14

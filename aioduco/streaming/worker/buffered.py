@@ -20,11 +20,14 @@ from aioduco.streaming.worker.setpoints import SetpointFeed, within
 from aioduco.streaming.worker.watch import ControllerWatch, ended, newest_error, refused
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.config import PoolDrive, QueueDrive
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.worker.checked import CheckedPath
+    from aioduco.streaming.worker.permit import WorkerPermit
 
 __all__ = ["Depth", "PoolAction", "PoolStates", "RealtimeQueueDriver", "TrackPoolDriver"]
 
@@ -215,10 +218,13 @@ class RealtimeQueueDriver:
     each tick it polls how many points are left and fills the queue to its depth.
     """
 
-    def __init__(self, queue: QueueDrive, connection: Connection, block: Block) -> None:
+    def __init__(
+        self, queue: QueueDrive, connection: Connection, block: Block, permit: WorkerPermit
+    ) -> None:
         options = block.config.options
-        self._feed = SetpointFeed(connection, block)
+        self._feed = SetpointFeed(connection, block, permit)
         self._connection = connection
+        self._permit = permit.require
         self._timeout = options.timeout
         self._block = block
         self._queue = queue
@@ -230,7 +236,9 @@ class RealtimeQueueDriver:
             setattr(data, queue.field, values)
             return data
 
-        self._batch = Batch(connection, "realtime_data_enqueue", element, (True,), self._timeout)
+        self._batch = Batch(
+            connection, "realtime_data_enqueue", element, (True,), self._timeout, self._permit
+        )
         self._watch = ControllerWatch(connection, options.watch, self._timeout)
         self._round_trip = block.histograms["round_trip"].record
         self._depths = block.histograms["depth"].record
@@ -276,7 +284,9 @@ class RealtimeQueueDriver:
         rest = self._batch.element(self._directions.turned(self._feed.resting()))
         if not self._enqueue([rest] * self._queue.depth):
             return False
-        self._running = self._accepted("start_realtime_mode", tuple(self._queue.mode))
+        self._block.status[StatusWord.MODE] = 1  # before the call, since its answer may be lost
+        self._running = self._accepted("start_realtime_mode", tuple(self._queue.mode), self._permit)
+        self._block.status[StatusWord.MODE] = self._running
         return self._running
 
     def _fill(self) -> bool:
@@ -289,7 +299,7 @@ class RealtimeQueueDriver:
             return False
         self._round_trip(time.monotonic_ns() - start)
         if self._depth.at_rest:
-            return self._stop()
+            return self._over()
         if self._depth.stuck:
             error = newest_error(self._connection, self._timeout) or "none"
             return self._refuse(
@@ -317,19 +327,19 @@ class RealtimeQueueDriver:
         self._sent += len(elements)
         return not refused(answer) or self._refuse(f"realtime_data_enqueue answered {answer}")
 
-    def _accepted(self, name: str, args: tuple[Any, ...]) -> bool:
-        answer = self._connection.call(name, args, self._timeout)
+    def _accepted(
+        self, name: str, args: tuple[Any, ...], permit: Callable[[], object] | None = None
+    ) -> bool:
+        answer = self._connection.call(name, args, self._timeout, permit)
         return not refused(answer) or self._refuse(f"{name} answered {answer}")
 
     def _refuse(self, text: str) -> bool:
         self._feed.source.end(Reason.REFUSED, text)
-        if self._running:
-            self._stop()
-        return False
+        return self._over()
 
-    def _stop(self) -> bool:
+    def _over(self) -> bool:
+        """Add no more points; the worker then ends the mode."""
         self._running = False
-        self._connection.call("end_realtime_mode", (), self._timeout)
         return False
 
     def close(self) -> None:
@@ -341,10 +351,9 @@ class RealtimeQueueDriver:
         self._feed.source.brake(reason, text)
 
     def end(self, reason: Reason, text: str = "") -> None:
-        """Send nothing more, and leave realtime mode: the robot was stopped."""
+        """Send nothing more."""
         self._feed.source.end(reason, text)
-        if self._running:
-            self._stop()
+        self._over()
 
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""
@@ -360,18 +369,19 @@ class TrackPoolDriver:
     pool is empty, so the worker neither interpolates nor limits.
     """
 
-    def __init__(self, pool: PoolDrive, connection: Connection, block: Block) -> None:
+    def __init__(
+        self, pool: PoolDrive, connection: Connection, block: Block, permit: WorkerPermit
+    ) -> None:
         options = block.config.options
         self._connection = connection
+        self._permit = permit
         self._block = block
         self._sent_as = block.config.sent
         self._timeout = options.timeout
         self._pool = pool
         self._states = PoolStates(pool.low, pool.high, block.config.feeding.hold)
-        if pool.extra:
-            self._batch = Batch(connection, "trackEnqueueOp", _plain, (True,), self._timeout)
-        else:
-            self._batch = Batch(connection, "trackEnqueue", list, (True,), self._timeout)
+        name, element = ("trackEnqueueOp", _plain) if pool.extra else ("trackEnqueue", list)
+        self._batch = Batch(connection, name, element, (True,), self._timeout, permit.require)
         self._watch = ControllerWatch(connection, options.watch, self._timeout)
         self._round_trip = block.histograms["round_trip"].record
         self._depths = block.histograms["depth"].record
@@ -426,8 +436,10 @@ class TrackPoolDriver:
             from aioduco.streaming.worker.checked import CheckedPath  # noqa: PLC0415
 
             self._checked = CheckedPath(self._block.config, self._connection, actual)
+        self._permit.begin()
         if refused(self._connection.call("trackClearQueue", (), self._timeout)):
             return self._finish(Reason.REFUSED, "trackClearQueue was refused")
+        self._block.status[StatusWord.MODE] = 1  # before the points, since an answer may be lost
         return self._add(self._pool.high, first) >= 0 and self._go()
 
     def _serve(self) -> bool:
@@ -441,7 +453,7 @@ class TrackPoolDriver:
         self._round_trip(time.monotonic_ns() - start)
         match self._states.look(left, added, start * 1e-9):
             case PoolAction.FINISH:
-                return self._task_runs() or self._finish(Reason.CLOSED, "")
+                return self._task_runs() or self._all_followed()
             case PoolAction.RESUME:
                 if not self._resume():
                     return False
@@ -456,7 +468,7 @@ class TrackPoolDriver:
     def _go(self) -> bool:
         """Start the controller's motion through the pool."""
         name, args = self._pool.function, tuple(self._pool.arguments)
-        self._task = self._connection.call(name, args, self._timeout)
+        self._task = self._connection.call(name, args, self._timeout, self._permit.require)
         if refused(self._task):
             return self._finish(Reason.REFUSED, f"{name} answered {self._task}")
         self._states.begin()
@@ -502,8 +514,14 @@ class TrackPoolDriver:
             self._sent += len(batch)
         return len(elements)
 
+    def _all_followed(self) -> bool:
+        self._block.status[StatusWord.MODE] = 0
+        return self._finish(Reason.CLOSED, "")
+
     def _empty(self) -> None:
-        self._connection.call("trackClearQueue", (), self._timeout)
+        """Empty the pool, so that the controller comes to rest; again at the end, if refused."""
+        if not refused(self._connection.call("trackClearQueue", (), self._timeout)):
+            self._block.status[StatusWord.MODE] = 0
 
     def _task_runs(self) -> bool:
         return bool(self._task) and self._state() in _RUNNING

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.config import CallDrive
+    from aioduco.streaming.worker.permit import WorkerPermit
 
 __all__ = ["CallDriver", "Driver", "ProbeDriver"]
 
@@ -63,8 +64,10 @@ class Driver(Protocol):
 class CallDriver:
     """One call per tick: servoj, servoj_pose, servo_tcp, servol, speedj, speedl."""
 
-    def __init__(self, calls: CallDrive, connection: Connection, block: Block) -> None:
-        self._feed = SetpointFeed(connection, block)
+    def __init__(
+        self, calls: CallDrive, connection: Connection, block: Block, permit: WorkerPermit
+    ) -> None:
+        self._feed = SetpointFeed(connection, block, permit)
         self._block = block
         options, sent = block.config.options, block.config.sent
 
@@ -75,7 +78,7 @@ class CallDriver:
         # Steps are rotated once, where they are added up; each velocity when it is sent.
         turning = None if sent.meaning == "step" else sent.turning
         self._directions = Directions(connection, turning, options.timeout)
-        self._point = Point(connection, self._name, args, options.timeout)
+        self._point = Point(connection, self._name, args, options.timeout, permit.require)
         self._watch = ControllerWatch(connection, options.watch, options.timeout)
         self._round_trip = block.histograms["round_trip"].record
         self._ahead: tuple[float, ...] | None = None

@@ -34,9 +34,10 @@ class Point:
         name: the function of the wire.
         args: makes the arguments from the six numbers of a set-point.
         timeout: time-out of each call [s].
+        permit: called last before the set-point is sent; it raises if that is not allowed.
     """
 
-    __slots__ = ("_connection", "_function", "_head", "_pack", "_tail", "_timeout")
+    __slots__ = ("_connection", "_function", "_head", "_pack", "_permit", "_tail", "_timeout")
 
     def __init__(
         self,
@@ -44,8 +45,10 @@ class Point:
         name: str,
         args: Callable[[list[float]], tuple[Any, ...]],
         timeout: float,
+        permit: Callable[[], object] | None = None,
     ) -> None:
         self._connection = connection
+        self._permit = permit
         self._timeout = timeout
         self._function = idl.functions()[name]
         self._head, self._tail = _around(codec.encode(self._function, args(list(_MARKS))))
@@ -64,7 +67,9 @@ class Point:
         """
         arguments = self._pack(self._head, *values, self._tail)
         deadline = time.monotonic() + self._timeout
-        answer: int = self._connection.exchange(self._function, arguments, deadline, meanwhile)
+        answer: int = self._connection.exchange(
+            self._function, arguments, deadline, meanwhile, permit=self._permit
+        )
         return answer
 
 
@@ -77,9 +82,19 @@ class Batch:
         element: makes an element of the list from the six numbers of a set-point.
         others: the arguments after the list.
         timeout: time-out of each call [s].
+        permit: called last before set-points are sent; it raises if that is not allowed.
     """
 
-    __slots__ = ("_connection", "_function", "_kind", "_rest", "_timeout", "head", "tail")
+    __slots__ = (
+        "_connection",
+        "_function",
+        "_kind",
+        "_permit",
+        "_rest",
+        "_timeout",
+        "head",
+        "tail",
+    )
 
     def __init__(
         self,
@@ -88,8 +103,10 @@ class Batch:
         element: Callable[[list[float]], Any],
         others: tuple[Any, ...],
         timeout: float,
+        permit: Callable[[], object] | None = None,
     ) -> None:
         self._connection = connection
+        self._permit = permit
         self._timeout = timeout
         self._function = idl.functions()[name]
         self._kind, encoded, self._rest = _parts(self._function, element, others)
@@ -109,7 +126,9 @@ class Batch:
     def send(self, elements: Sequence[bytes]) -> int:
         """Send set-points and return the controller's answer."""
         deadline = time.monotonic() + self._timeout
-        answer: int = self._connection.exchange(self._function, self.encode(elements), deadline)
+        answer: int = self._connection.exchange(
+            self._function, self.encode(elements), deadline, permit=self._permit
+        )
         return answer
 
 

@@ -4,7 +4,9 @@ The same code runs in a separate process, which gets the shared block and a sock
 or in a thread. The socket carries no data: the worker writes a byte when there is news in the
 block, and the end of the data (EOF) from one side tells the other side that it has ended.
 
-When the program dies, the worker brings the arm to rest, stops the robot, and ends.
+When the program dies, the worker brings the arm to rest, stops the robot, and ends. When its permit
+has ended, it sends no set-point any more, not even to brake: it ends the controller's mode, stops
+the robot unless another one does, and waits until the arm stands.
 """
 
 from __future__ import annotations
@@ -41,6 +43,7 @@ from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriv
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
 from aioduco.streaming.worker.outlast import outlast
+from aioduco.streaming.worker.permit import PermitEnded, WorkerPermit
 
 if TYPE_CHECKING:
     import socket
@@ -58,6 +61,8 @@ _STOPS = (
     Reason.CONNECTION,
     Reason.FAILED,
     Reason.ENVELOPE,
+    Reason.AWAY,
+    Reason.LAPSED,
 )
 _ANSWER = 50_000  # ns: no controller answers sooner
 _SLICE = 100_000  # ns: the shortest time slice that the system allows
@@ -83,7 +88,7 @@ class StreamWorker:
         self._block = block
         self._config: WorkerConfig = block.config
         self._timeout = block.config.options.timeout
-        self._stall_limit = int(block.config.stall_limit * 1e9)
+        self._permit = WorkerPermit(block)
         self._link = link
         self._link.setblocking(False)
         self._readable = readiness(link)
@@ -148,39 +153,57 @@ class StreamWorker:
         config = self._config
         timeout = config.options.connect_timeout
         return Connection(
-            config.host, config.port, connect_timeout=timeout, keeps_overdue=keeps_overdue
+            config.host,
+            config.port,
+            connect_timeout=timeout,
+            keeps_overdue=keeps_overdue,
+            waiting=self._permit.look,
         )
 
     def _make_driver(self, connection: Connection) -> Driver:
         match self._config.sent.drive:
             case CallDrive() as calls:
-                return CallDriver(calls, connection, self._block)
+                return CallDriver(calls, connection, self._block, self._permit)
             case QueueDrive() as queue:
-                return RealtimeQueueDriver(queue, connection, self._block)
+                return RealtimeQueueDriver(queue, connection, self._block, self._permit)
             case PoolDrive() as pool:
-                return TrackPoolDriver(pool, connection, self._block)
+                return TrackPoolDriver(pool, connection, self._block, self._permit)
             case None:
                 return ProbeDriver(connection, self._block)
 
     def _end_on_controller(self, connection: Connection, reason: Reason) -> None:
         """End the stream's mode or motion on the controller's side, too."""
+        status, sent = self._block.status, self._config.sent
         if self._unanswered:
             self._outlast(connection)
-        elif self._block.status[StatusWord.SENT] == 0:
+        elif status[StatusWord.SENT] == 0 and not status[StatusWord.MODE]:
             return
-        if reason is Reason.STOPPED:
-            return
-        calls = [tuple(call) for call in self._config.sent.leave]
-        if reason in _STOPS:
+        # Of a program that died, nobody stops the arm for certain.
+        halted = reason is Reason.STOPPED and not self._gone()
+        lost = self._permit.reason not in (Reason.NONE, Reason.STOPPED)
+        calls = [] if halted else [tuple(call) for call in sent.leave]
+        if status[StatusWord.MODE]:
+            calls.append((sent.ending,))
+        if reason in _STOPS or lost or (reason is Reason.STOPPED and not halted):
             calls.append(("stop", True))
-        if calls and connection.state is not ConnectionState.IDLE:
-            connection.close()
-            connection = self._connection()
-            connection.open()
+        error: DucoError | None = None
         try:
             for name, *args in calls:
-                connection.call(name, tuple(args), self._timeout)
-            self._wait_for_standstill(connection)
+                if connection.state is not ConnectionState.IDLE:
+                    connection.close()
+                    connection = self._connection()
+                    connection.open()
+                try:
+                    answer = connection.call(name, tuple(args), self._timeout)
+                except DucoError as exc:
+                    error = exc  # the next call is still tried
+                    continue
+                if name == sent.ending and answer >= 0:
+                    status[StatusWord.MODE] = 0
+            if error is not None:
+                raise error
+            if not halted:
+                self._wait_for_standstill(connection)
         finally:
             connection.close()
 
@@ -223,6 +246,7 @@ class StreamWorker:
         status = block.status
         schedule = Schedule(int(config.period * 1e9), clock())
         before = now = clock()
+        self._permit.begin()
         late = min(schedule.period // 4, _LATE)
         may_go_first = self._process and config.options.priority is None
         while True:
@@ -236,8 +260,13 @@ class StreamWorker:
             lateness(now - due)
             interval(now - before)
             before = now
-            self._apply_commands(driver, now)
-            more = driver.tick(now + _ANSWER >= due + schedule.period)
+            try:
+                self._permit.require(due)
+                self._apply_commands(driver, now)
+                more = driver.tick(now + _ANSWER >= due + schedule.period)
+            except PermitEnded:
+                driver.end(self._permit.reason, self._permit.text)
+                more = False
             status[StatusWord.TICKS] += 1
             status[StatusWord.BEAT] = now
             self._publish(driver, now)
@@ -265,9 +294,7 @@ class StreamWorker:
     def _apply_commands(self, driver: Driver, now: int) -> None:
         """Apply the program's commands, and check whether the program is alive."""
         control = self._block.control
-        if control[StreamCommand.HALT]:
-            driver.end(Reason.STOPPED)
-        elif control[StreamCommand.ABORT]:
+        if control[StreamCommand.ABORT]:
             driver.brake(Reason.ABORTED)
         elif control[StreamCommand.CLOSE]:
             driver.close()
@@ -281,10 +308,6 @@ class StreamWorker:
             self._block.status[StatusWord.PRIORITY] = 0
         if self._terminated:
             driver.brake(Reason.FAILED, "the lane's process was told to end by a signal")
-        # The controller stops the arm of a hung program because the heartbeat is missing; queued
-        # set-points would start the arm again.
-        if now - control[ControlWord.ALIVE] > self._stall_limit:
-            driver.brake(Reason.HUNG)
         if self._gone():
             dead = self._process and os.getppid() != self._parent
             # If a guard stops the robot at once, more set-points would only start it again.

@@ -1,0 +1,152 @@
+"""Whether a stream's worker may send a set-point.
+
+`StreamPermit` decides it, without clock and I/O; `WorkerPermit` gives it the time and the block.
+
+What the program asked for before its permit ended must not move the arm afterwards, however long
+the bytes waited. The worker cannot ask the program at each set-point, so the permit is in the
+shared block: the program's commands, its last sign of life, and the time until which the controller
+does not stop the arm for want of a heartbeat. The program's gate writes the latter, on the thread
+on which a beat was answered.
+
+The worker checks the permit before each tick, and once more as the last thing before the bytes of
+each call that can move the arm. It sends nothing if
+
+- the program has halted it or withdrawn the permit,
+- the worker itself did not run for too long: it was frozen, or the computer slept. What it knows is
+  old then, and the set-point was meant for another time,
+- the controller may have stopped the arm by itself, since the heartbeat was lost,
+- the program's event loop gave no sign of life for too long.
+
+The first reason stays: a permit that has ended never becomes valid again.
+
+Two clocks are needed. Ticks are due by the monotonic clock, which on Linux stands still while the
+computer sleeps; the other one, of `boot_time`, goes on.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from aioduco._platform import boot_time
+from aioduco.streaming.shared.block import ControlWord, StreamCommand
+from aioduco.streaming.shared.state import Reason
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.streaming.shared.block import Block
+
+__all__ = ["PermitEnded", "StreamPermit", "WorkerPermit"]
+
+
+class PermitEnded(Exception):
+    """A set-point was not sent, since the permit has ended."""
+
+
+class StreamPermit:
+    """The permit of one worker; all times are in ns.
+
+    Args:
+        stall_limit: time without a sign of life after which the program's event loop hangs.
+        away_limit: time for which the worker may not run.
+        now: the monotonic time.
+        boot: the time that goes on while the computer sleeps.
+
+    Attributes:
+        reason: why it has ended; NONE while it is valid.
+        text: more about the reason.
+    """
+
+    __slots__ = ("_ahead", "_away_limit", "_seen", "_stall_limit", "reason", "text")
+
+    def __init__(self, stall_limit: int, away_limit: int, now: int, boot: int) -> None:
+        self._stall_limit = stall_limit
+        self._away_limit = away_limit
+        self.reason: Reason = Reason.NONE
+        self.text: str = ""
+        self.begin(now, boot)
+
+    def begin(self, now: int, boot: int) -> None:
+        """Begin to check whether the worker runs; the time before does not count."""
+        #: when the worker was last seen to run, and by how much that clock was ahead of the other
+        self._seen = boot
+        self._ahead = boot - now
+
+    def look(self, now: int, boot: int, control: Sequence[int], due: int = 0) -> Reason:
+        """Check the permit.
+
+        Args:
+            now: the monotonic time.
+            boot: the time that goes on while the computer sleeps.
+            control: words of `StreamCommand` and `ControlWord`.
+            due: monotonic time until which the worker meant to sleep, if it has slept.
+
+        Returns:
+            Why the permit has ended; NONE if a set-point may be sent.
+        """
+        if self.reason:
+            return self.reason
+        away = boot - max(self._seen, due + self._ahead)
+        self.begin(now, boot)
+        silent = boot - control[ControlWord.ALIVE]
+        if control[StreamCommand.WITHDRAW]:
+            self.reason = Reason(control[StreamCommand.WITHDRAW])
+        elif control[StreamCommand.HALT]:
+            self.reason = Reason.STOPPED
+        elif away > self._away_limit:
+            self._end(Reason.AWAY, f"it did not run for {away * 1e-9:.2f} s")
+        elif boot >= control[ControlWord.LEASE]:
+            self._end(Reason.LAPSED, "no beat was answered in time")
+        elif silent > self._stall_limit:
+            self._end(Reason.HUNG, f"no sign of life for {silent * 1e-9:.2f} s")
+        return self.reason
+
+    def _end(self, reason: Reason, text: str) -> None:
+        self.reason, self.text = reason, text
+
+
+class WorkerPermit:
+    """The permit of this worker, by the clocks and the shared block.
+
+    Args:
+        block: the shared block, with the configuration.
+    """
+
+    def __init__(self, block: Block) -> None:
+        self._control = block.control
+        config = block.config
+        away_limit = int(config.options.away_limit * 1e9)
+        self._permit = StreamPermit(int(config.stall_limit * 1e9), away_limit, *_times())
+
+    @property
+    def reason(self) -> Reason:
+        """Why it has ended; NONE while it is valid."""
+        return self._permit.reason
+
+    @property
+    def text(self) -> str:
+        """More about the reason."""
+        return self._permit.text
+
+    def begin(self) -> None:
+        """Do not count the time until now: nothing was sent, and the set-up may take long."""
+        self._permit.begin(*_times())
+
+    def look(self, due: int = 0) -> Reason:
+        """Check it; `due` as for `StreamPermit.look`. Returns why it has ended."""
+        return self._permit.look(*_times(), self._control, due)
+
+    def require(self, due: int = 0) -> None:
+        """Check it: before a tick, and as the last thing before bytes that can move the arm.
+
+        Raises:
+            PermitEnded: it has ended.
+        """
+        if self.look(due):
+            raise PermitEnded
+
+
+def _times() -> tuple[int, int]:
+    """The monotonic time, and the one that goes on while the computer sleeps [ns]."""
+    return time.monotonic_ns(), int(boot_time() * 1e9)
