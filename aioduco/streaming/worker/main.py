@@ -31,6 +31,7 @@ from aioduco._platform import (
 )
 from aioduco._wire import way_out
 from aioduco._wire.connection import Connection
+from aioduco._wire.host import Route
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.scheduling import shorten_slice
@@ -82,6 +83,7 @@ class StreamWorker:
     def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
         self._block = block
         self._config: WorkerConfig = block.config
+        self._route = Route()
         self._timeout = block.config.options.timeout
         self._stall_limit = int(block.config.stall_limit * 1e9)
         self._link = link
@@ -148,7 +150,11 @@ class StreamWorker:
         config = self._config
         timeout = config.options.connect_timeout
         return Connection(
-            config.host, config.port, connect_timeout=timeout, keeps_overdue=keeps_overdue
+            config.host,
+            config.port,
+            connect_timeout=timeout,
+            keeps_overdue=keeps_overdue,
+            route=self._route,
         )
 
     def _make_driver(self, connection: Connection) -> Driver:
