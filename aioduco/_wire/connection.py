@@ -13,7 +13,7 @@ from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlinePassed, DeadlineSocket, Ended
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
-from aioduco._wire.host import HOST_RULE, is_host
+from aioduco._wire.host import HOST_RULE, Route, is_host
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.resource_errors import resource_error
@@ -62,11 +62,12 @@ class Connection:
     Args:
         host: name or address of the controller.
         port: its TCP port.
-        connect_timeout: seconds within which `open` must connect, for all addresses of the host
-            together. The resolution of the name is not limited: its time depends on the system.
+        connect_timeout: seconds within which `open` must connect. The addresses of the host share
+            them. The resolution of the name is not limited: its time depends on the system.
         keeps_overdue: whether the connection stays open for `late_answer` if a command was
             delivered completely, but its answer is late. It carries no other call in either case.
         waiting: called every tenth of a second while a call waits for its answer.
+        route: which address of the host to try first; share it with other connections to the host.
     """
 
     def __init__(
@@ -77,12 +78,14 @@ class Connection:
         connect_timeout: float = 3.0,
         keeps_overdue: bool = False,
         waiting: Callable[[], object] | None = None,
+        route: Route | None = None,
     ) -> None:
         self.host = host
         self.port = port
         self.connect_timeout = connect_timeout
         self._keeps_overdue = keeps_overdue
         self._waiting = waiting
+        self._route = Route() if route is None else route
         self._life = Lifecycle()
         # Reentrant: a signal handler may abandon the connection while the interrupted code of the
         # same thread changes its state. The lock protects the state and the closing of the socket:
@@ -173,8 +176,8 @@ class Connection:
             reason = resource_error(exc) or f"unknown host ({exc})"
             raise ConnectError(self.host, self.port, reason) from exc
         error: OSError = TimeoutError("no time left after the name was resolved")
-        for family, type_, protocol, _, address in found:
-            if self.state is not ConnectionState.NEW or time.monotonic() >= deadline:
+        for (family, type_, protocol, _, address), until in self._route.tries(found, deadline):
+            if self.state is not ConnectionState.NEW:
                 break
             try:
                 stream = DeadlineSocket(family, type_, protocol, self._waiting)
@@ -184,13 +187,14 @@ class Connection:
                     self._stream = stream
                     if self._life.state is not ConnectionState.NEW:
                         break
-                stream.connect(address, deadline)
+                stream.connect(address, until)
             except OSError as exc:
                 error = exc
                 self._drop()
                 continue
             except Ended:
                 break
+            self._route.address = address
             break
         with self._guard:
             if self._stream is not None and self._life.opened():

@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco._wire.connection import Connection
+from aioduco._wire.host import Route
 from aioduco._wire.worker import Worker
 from aioduco.trace import ConnectionEnded, ConnectionOpened, emit
 
@@ -21,13 +22,20 @@ class ConnectionFactory:
     """
 
     def __init__(
-        self, lane: str, host: str, port: int, connect_timeout: float, trace: Trace | None
+        self,
+        lane: str,
+        host: str,
+        port: int,
+        connect_timeout: float,
+        trace: Trace | None,
+        route: Route | None = None,
     ) -> None:
         self.lane = lane
         self.host = host
         self.port = port
         self.connect_timeout = connect_timeout
         self.trace = trace
+        self.route = Route() if route is None else route
         self.count = 0
         self._workers = 0
 
@@ -38,7 +46,9 @@ class ConnectionFactory:
 
     def make(self) -> Connection:
         """Make a connection that is not open yet."""
-        return Connection(self.host, self.port, connect_timeout=self.connect_timeout)
+        return Connection(
+            self.host, self.port, connect_timeout=self.connect_timeout, route=self.route
+        )
 
     def opened(self, connection: Connection, duration: float) -> None:
         """Record that a connection was opened, within `duration` [s]; on the worker's thread."""

@@ -31,6 +31,7 @@ from aioduco.trace import CallFinished, emit, tell
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
+    from aioduco._wire.host import Route
     from aioduco.trace import Trace
 
 #: seconds that `aclose` waits for threads; each ends at once unless it hangs in the system
@@ -102,6 +103,7 @@ class WireLane:
         owner_loop: owner loop that the lane shares with other lanes. By default the lane has its
             own: the loop on which it is opened, or, after that was closed, the next loop that
             uses the lane.
+        route: the way to the host, which the lane shares with others; by default it has its own.
 
     Attributes:
         version: version of the controller's software, for errors; empty while it is unknown.
@@ -120,6 +122,7 @@ class WireLane:
         call_timeout: float = 2.0,
         trace: Trace | None = None,
         owner_loop: OwnerLoop | None = None,
+        route: Route | None = None,
     ) -> None:
         self.name = name
         self.host = host
@@ -131,7 +134,7 @@ class WireLane:
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
-        self._connections = ConnectionFactory(name, host, port, connect_timeout, trace)
+        self._connections = ConnectionFactory(name, host, port, connect_timeout, trace, route)
         self._pool: WorkerPool[Worker, AwaitedCall] = WorkerPool(size, self._connections.worker)
         self._blocking = BlockingCalls(self._pool, self._connections)
         self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop

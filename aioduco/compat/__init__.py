@@ -28,6 +28,7 @@ from aioduco._version import __version__
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY
 from aioduco._wire.forks import fork_hooks
+from aioduco._wire.host import Route
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco._wire.rpc import (
@@ -167,6 +168,7 @@ class DucoCobot(ManualFunctions):
         self.timeout = timeout
         self.op_: Op = Op(trig_io_1=1, trig_io_2=1, trig_io_3=1)
         self.last_error: DucoError | None = None
+        self._route = Route()
         self._connection: Connection | None = None
         # Held during a call. It is reentrant: a signal handler in the middle of a call of its own
         # thread gets it too, and does not wait for itself.
@@ -216,7 +218,7 @@ class DucoCobot(ManualFunctions):
                     return 0
                 connection.close()
             self.last_error = None
-            connection = Connection(self.ip, self.port)
+            connection = Connection(self.ip, self.port, route=self._route)
             try:
                 connection.open()
             except (ConnectError, ConnectionLost) as exc:
@@ -303,7 +305,7 @@ class DucoCobot(ManualFunctions):
 
     def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:
         """Call on a new connection, while another call is in progress on the object's own one."""
-        connection = Connection(self.ip, self.port)
+        connection = Connection(self.ip, self.port, route=self._route)
         try:
             connection.open()
             return connection.call(name, args, self.timeout)

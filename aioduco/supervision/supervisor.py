@@ -23,6 +23,7 @@ from aioduco._platform import boot_time
 from aioduco._spawn import started_in_place_of
 from aioduco._wire.connection import Connection
 from aioduco._wire.handoff import OwnerLoop, loop_callback
+from aioduco._wire.host import Route
 from aioduco._wire.lane import WireLane
 from aioduco._wire.resource_errors import resource_error
 from aioduco._wire.way_out import WAY_OUT, prepare
@@ -149,6 +150,8 @@ class Supervisor:
         self.version: ControllerVersion = ControllerVersion("")
         #: the event loop on which it is opened; it can be used only there
         self.owner_loop: OwnerLoop = OwnerLoop("the robot", moves=False)
+        #: the way to the host, for all its connections
+        self._route = Route()
         self.samples: Samples = Samples()
         self.calls: WireLane = self._lane("call", size=settings.pool_size)
         self.retrying: RetryingReads = RetryingReads(self.calls)
@@ -166,7 +169,13 @@ class Supervisor:
             self.stop_channel = StopChannel(self._stop_lane, self._control_lane, self.poll)
             if settings.heartbeat is not None:
                 self.heartbeat = Heartbeat(
-                    partial(Connection, host, port, connect_timeout=settings.connect_timeout),
+                    partial(
+                        Connection,
+                        host,
+                        port,
+                        connect_timeout=settings.connect_timeout,
+                        route=self._route,
+                    ),
                     settings.heartbeat,
                     self._life,
                     settings.loop_stall_limit,
@@ -248,6 +257,7 @@ class Supervisor:
             call_timeout=self.settings.call_timeout,
             trace=self.settings.trace,
             owner_loop=self.owner_loop,
+            route=self._route,
         )
 
     @property

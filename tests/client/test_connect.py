@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from wire.servers import black_hole
 
 import aioduco
+from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco.testing import RecordingServer, eventually_async
 from client.bench import HOME
 
@@ -63,6 +65,28 @@ async def refused(port: int, host: str = "127.0.0.1") -> aioduco.ConnectError:
 async def test_an_unknown_host() -> None:
     error = await refused(7003, "no-such-controller.invalid")
     assert "no-such-controller.invalid:7003: unknown host" in str(error)
+
+
+async def test_an_address_that_leads_nowhere_is_tried_once(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All connections of a robot begin with the address that connected before."""
+    with black_hole() as dead:
+        kind = (socket.AF_INET, socket.SOCK_STREAM, 6, "")
+        addresses = [(*kind, dead), (*kind, (bench.host, bench.port))]
+        monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: addresses)
+        tried: list[object] = []
+        connect = DeadlineSocket.connect
+
+        def noted(stream: DeadlineSocket, address: object, deadline: float) -> None:
+            tried.append(address)
+            connect(stream, address, deadline)
+
+        monkeypatch.setattr(DeadlineSocket, "connect", noted)
+        async with aioduco.connect("arm.example", 7003, connect_timeout=2.0) as robot:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert tried.count(dead) == 1
+        assert len(tried) > 6
 
 
 async def test_a_port_on_which_nobody_listens() -> None:

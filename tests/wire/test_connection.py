@@ -16,6 +16,7 @@ from aioduco._wire import codec, deadline_socket, idl, rpc
 from aioduco._wire.connection import Connection, ConnectionStatistics
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.framing import MAX_REPLY
+from aioduco._wire.host import Route
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco.errors import (
     CallTimeout,
@@ -208,6 +209,37 @@ def test_all_addresses_of_a_host_are_tried(monkeypatch: pytest.MonkeyPatch) -> N
         connection.open()
         assert connection.rpc.stop(True) == 0
         connection.close()
+
+
+def test_an_address_that_does_not_answer_leaves_time_for_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And the connections that share its route begin with the one that connected."""
+    with black_hole() as dead, ScriptedServer() as server:
+        kind = (socket.AF_INET, socket.SOCK_STREAM, 6, "")
+        addresses = [(*kind, dead), (*kind, (server.host, server.port))]
+        monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: addresses)
+        route = Route()
+        for patience in (2.0, 100 * PATIENCE):
+            connection = Connection("arm.example", 7003, connect_timeout=patience, route=route)
+            connection.open()
+            assert connection.rpc.stop(True) == 0
+            connection.close()
+
+
+def test_each_address_gets_a_fair_share_of_the_time() -> None:
+    one, two, three = [(2, 1, 6, "", (f"10.0.0.{number}", 7003)) for number in (1, 2, 3)]
+    route = Route()
+    deadline = time.monotonic() + 9e5
+    tries = list(route.tries([one, two, two, three], deadline))
+    assert [each for each, _ in tries] == [one, two, three]
+    shares = [until - deadline + 9e5 for _, until in tries]  # nothing of the time was used
+    assert shares == pytest.approx([3e5, 4.5e5, 9e5], rel=1e-3)
+    route.address = three[-1]
+    assert [each for each, _ in route.tries([one, two, three], deadline)] == [three, one, two]
+    route.address = ("10.0.0.9", 7003)  # the host has moved since
+    assert [each for each, _ in route.tries([one, two], deadline)] == [one, two]
+    assert not list(route.tries([one, two], time.monotonic()))
 
 
 def test_a_connection_is_opened_once() -> None:

@@ -33,6 +33,7 @@ from aioduco._platform import (
 )
 from aioduco._wire import way_out
 from aioduco._wire.connection import Connection
+from aioduco._wire.host import Route
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.scheduling import shorten_slice
@@ -87,6 +88,7 @@ class StreamWorker:
     def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
         self._block = block
         self._config: WorkerConfig = block.config
+        self._route = Route()
         self._timeout = block.config.options.timeout
         self._permit = WorkerPermit(block)
         self._link = link
@@ -158,6 +160,7 @@ class StreamWorker:
             connect_timeout=timeout,
             keeps_overdue=keeps_overdue,
             waiting=self._permit.look,
+            route=self._route,
         )
 
     def _make_driver(self, connection: Connection) -> Driver:

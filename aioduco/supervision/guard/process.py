@@ -31,6 +31,7 @@ from anyio.lowlevel import checkpoint
 
 from aioduco._platform import handed_socket, set_realtime_priority
 from aioduco._wire.connection import Connection
+from aioduco._wire.host import Route
 from aioduco._wire.lane import WireLane
 from aioduco._wire.unanswered import UnansweredMotion
 from aioduco._wire.way_out import WAY_OUT, prepare
@@ -89,6 +90,7 @@ class GuardedRobot:
         self.robot: int = watch.robot
         self._watch = watch
         self._guard = guard
+        route = self._route = Route()
         lanes = [
             WireLane(
                 name,
@@ -96,6 +98,7 @@ class GuardedRobot:
                 watch.port,
                 connect_timeout=watch.connect_timeout,
                 call_timeout=watch.call_timeout,
+                route=route,
             )
             for name in ("guard-stop", "guard-spare")
         ]
@@ -126,6 +129,7 @@ class GuardedRobot:
                     self._watch.host,
                     self._watch.port,
                     connect_timeout=self._watch.connect_timeout,
+                    route=self._route,
                 ),
                 self._watch.heartbeat,
                 self.life,
