@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.streams.buffered import BufferedByteReceiveStream
 
-from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models.status_frame import FRAME_SIZE, PORT, RATE, StatusFrame
 
 if TYPE_CHECKING:
@@ -37,11 +37,14 @@ class StatusPort:
         host: address of the controller.
         port: its status port.
         timeout: the longest wait for the connection, and for each frame [s].
+
+    Raises:
+        ParameterError: the time is shorter than that between two frames.
     """
 
     def __init__(self, host: str, port: int = PORT, *, timeout: float = 3.0) -> None:
         if not timeout > 1.0 / RATE:
-            raise ValueError(f"timeout is {timeout} s, but a frame comes every {1.0 / RATE} s")
+            raise ParameterError("timeout", timeout, f"above {1.0 / RATE} s: frames come as often")
         self.host = host
         self.port = port
         self.timeout = timeout

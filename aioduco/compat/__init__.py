@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 import threading
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -46,7 +47,7 @@ from aioduco._wire.rpc import (
 from aioduco._wire.vendor_arguments import wire_arguments
 from aioduco.compat._foreign import ENUMS, as_thrift
 from aioduco.compat._generated import KEYWORDS, ManualFunctions
-from aioduco.errors import ConnectError, ConnectionLost, DucoError
+from aioduco.errors import ConnectError, ConnectionLost, DucoError, ParameterError
 from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
@@ -152,6 +153,9 @@ class DucoCobot(ManualFunctions):
             behaviour, to wait while the connection is open. A call that takes longer raises an
             error and closes the connection, but the arm continues.
 
+    Raises:
+        ParameterError: the time is not above 0.
+
     Attributes:
         ip: name or address of the controller.
         port: its TCP port.
@@ -163,6 +167,8 @@ class DucoCobot(ManualFunctions):
     """
 
     def __init__(self, ip: str, port: int = 7003, timeout: float | None = None) -> None:
+        if timeout is not None and not 0.0 < timeout < math.inf:
+            raise ParameterError("timeout", timeout, "a number above 0 s, or None")
         self.ip = ip
         self.port = port
         self.timeout = timeout

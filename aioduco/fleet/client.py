@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import anyio
 
+from aioduco.errors import ParameterError
 from aioduco.fleet.link import FleetLink
 from aioduco.fleet.reports import GatewayReport, MessageRefused, StopReport, StopRequest
 
@@ -125,7 +127,11 @@ class FleetClient:
 
         Args:
             timeout: time after which gateways without a report are missing [s].
+
+        Raises:
+            ParameterError: the time is not above 0.
         """
+        _require_time(timeout)
         await self._until(lambda: not self._missing(self._reports), timeout)
         return self.view
 
@@ -143,7 +149,11 @@ class FleetClient:
         Args:
             arms: names of the arms; None for all.
             timeout: time after which gateways without an answer are missing [s].
+
+        Raises:
+            ParameterError: the time is not above 0; nothing was sent.
         """
+        _require_time(timeout)
         names = None if arms is None else frozenset(arms)
         request = StopRequest(names).encode()
         answers: dict[str, StopReport] = {}
@@ -183,3 +193,8 @@ class FleetClient:
                 limit = enough if done and self._present else begin + timeout
                 with anyio.CancelScope(deadline=limit):
                     await changed.wait()
+
+
+def _require_time(timeout: float) -> None:
+    if not 0.0 < timeout < math.inf:
+        raise ParameterError("timeout", timeout, "a number above 0 s")

@@ -60,6 +60,10 @@ TASK_ID = Integer(0, 2**31 - 1, source="1.3.8")
 
 #: time limit for an answer, in this program
 TIMEOUT = Number(0.0, unit="s", open_low=True, source="this package")
+#: time to wait, in this program; 0 not to wait
+WAIT = Number(0.0, unit="s", source="this package")
+#: samples of the state per second
+STATE_RATE = Number(0.0, 1000.0, "Hz", open_low=True, source="this package")
 
 # -- 1.3.1 connection --------------------------------------------------------------------------
 

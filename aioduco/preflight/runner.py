@@ -19,6 +19,7 @@ from aioduco._linked_process import LinkedProcess
 from aioduco._spawn import Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.ranges import TIMEOUT
 from aioduco.preflight.borders import address_of
 from aioduco.preflight.findings import PreflightFinding, findings
 from aioduco.preflight.margins import Margin, margins, near_singularities
@@ -64,6 +65,9 @@ class PreflightSettings:
         timeout: time of the wall clock after which the program is ended [s].
         vary: quantities that a seed varies: "start", "latency", "faults", "payload".
         seed: seed of the variation.
+
+    Raises:
+        ParameterError: a time is not above 0.
     """
 
     model: str = "gcr5_910"
@@ -81,6 +85,10 @@ class PreflightSettings:
     timeout: float = 600.0
     vary: tuple[str, ...] = ()
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("patience", "timeout"):
+            TIMEOUT(name, getattr(self, name))
 
     def plain(self) -> dict[str, Any]:
         """The settings as values for JSON, with scenes as text."""

@@ -403,11 +403,14 @@ class Simulator:
 
         Args:
             predicate: the condition, such as `lambda: not sim.moving`.
-            timeout: the longest wait, in simulated time [s].
+            timeout: the longest wait, in simulated time [s]; `math.inf` for no limit.
 
         Raises:
+            ValueError: The time is negative.
             TimeoutError: The condition did not hold in time.
         """
+        if not timeout >= 0.0:
+            raise ValueError(f"timeout is {timeout}, but must be from 0 s")
         if not self._running().runtime.wait_until(predicate, timeout):
             raise TimeoutError(f"it did not come to hold within {timeout} s of simulated time")
 

@@ -129,8 +129,10 @@ async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> 
         The result of the measurement.
 
     Raises:
+        ParameterError: the time is not above 0.
         StreamLost: there is no controller, or it does not answer.
     """
+    seconds = ranges.TIMEOUT("seconds", seconds)
     endpoint = StreamEndpoint(host, port)
     plain = await _measure(endpoint, replace(_OPTIONS, priority=0), seconds)
     urgent = await _measure(endpoint, replace(_OPTIONS, priority=50), seconds)

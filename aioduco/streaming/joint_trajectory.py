@@ -29,11 +29,17 @@ class Tolerances:
         path: distance of each joint from the path during the motion [rad]; 0: not checked.
         goal: distance of each joint from the last point at the end [rad].
         goal_time: time after the trajectory's end within which the goal must be reached [s].
+
+    Raises:
+        ParameterError: the time is below 0.
     """
 
     path: float | tuple[float, ...] = 0.1
     goal: float | tuple[float, ...] = 0.01
     goal_time: float = 1.0
+
+    def __post_init__(self) -> None:
+        ranges.WAIT("goal_time", self.goal_time)
 
 
 class Feedback(NamedTuple):

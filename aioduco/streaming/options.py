@@ -38,11 +38,12 @@ __all__ = [
 _FASTEST = 100_000.0
 
 _SOURCE = "this package"
-_RATE = Number(0.0, _FASTEST, "Hz", open_low=True, source=_SOURCE)
+RATE = Number(0.0, _FASTEST, "Hz", open_low=True, source=_SOURCE)
 _HOLD = Number(0.0, 60.0, "s", open_low=True, source=_SOURCE)
 _AHEAD = Integer(1, MOST_POINTS, "targets", source=_SOURCE)
 _TIME = Number(0.0, 3600.0, "s", source=_SOURCE)
 _AWAY = Number(0.2, 60.0, "s", source=_SOURCE)
+_ANSWER = Number(0.0, 3600.0, "s", open_low=True, source=_SOURCE)
 _PRIORITY = Integer(0, 99, source=_SOURCE)
 _LATEST_ONLY = Flag(source=_SOURCE)
 _CHUNKS = Flag(source=_SOURCE)
@@ -78,9 +79,11 @@ class LaneOptions(WorkerSettings):
             raise ParameterError("lane", self.lane, '"process" or "thread"')
         if self.priority is not None:
             _PRIORITY("priority", self.priority)
-        for name in ("spin", "timeout", "connect_timeout", "watch"):
+        for name in ("spin", "watch"):
             _TIME(name, getattr(self, name))
         _AWAY("away_limit", self.away_limit)
+        for name in ("timeout", "connect_timeout"):
+            _ANSWER(name, getattr(self, name))
 
 
 class FeedingOptions(TypedDict, total=False):
@@ -127,9 +130,9 @@ class Feeding(FeedingSettings):
     """
 
     def __post_init__(self) -> None:
-        _RATE("rate", self.rate)
+        RATE("rate", self.rate)
         _LATEST_ONLY("latest", self.latest)
-        if self.source_rate is not None and _RATE("source_rate", self.source_rate) > self.rate:
+        if self.source_rate is not None and RATE("source_rate", self.source_rate) > self.rate:
             raise ParameterError(
                 "source_rate",
                 self.source_rate,

@@ -9,7 +9,7 @@ import anyio.lowlevel
 
 from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.models.rules import Number
-from aioduco.streaming.options import checked
+from aioduco.streaming.options import RATE, checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.action import MOST_ACTIONS, ActionTag
@@ -343,13 +343,16 @@ class Stream:
         Ticks for which the program is not ready in time are skipped, never made up for.
 
         Args:
-            rate: ticks per second [Hz]; None: the rate at which the stream takes set-points.
+            rate: ticks per second, above 0 to 100,000 [Hz]; None: the rate at which the stream
+                takes set-points.
 
         Raises:
+            ParameterError: the rate is out of range.
             StreamError: the stream has ended; the error says why.
         """
-        period = 1 / (rate or self._feeding.source_rate or self._feeding.rate)
-        return Ticks(period, self._session.alive)
+        if rate is None:
+            rate = self._feeding.source_rate or self._feeding.rate
+        return Ticks(1 / RATE("rate", rate), self._session.alive)
 
     async def _feed(
         self, points: Iterable[tuple[float, ...]], ahead: int, extra: bytes = b""

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
+from aioduco.models.ranges import TIMEOUT
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Self
@@ -39,10 +41,13 @@ class Ticks:
     Args:
         period: time between two ticks [s].
         check: function called before each tick; it raises to end the ticks.
+
+    Raises:
+        ParameterError: the period is not above 0.
     """
 
     def __init__(self, period: float, check: Callable[[], object]) -> None:
-        self._period = period
+        self._period = TIMEOUT("period", period)
         self._check = check
         self._start: float | None = None
         self._before = 0.0

@@ -55,17 +55,23 @@ class TrackStream(Stream):
     async def play(self, trajectory: Any, times: Any = None) -> None:
         """Send a whole path, and wait until the worker has taken it.
 
+        The last points are then in the controller's pool, and the arm is on its way to them;
+        leaving the stream's block waits until it stands. A path of fewer points than `low` begins
+        at once, since no more of it come.
+
         Args:
             trajectory: the points. Shape (n, 6).
             times: not accepted: the controller plans the times, from speed and acceleration.
 
         Raises:
             ParameterError: the path is not allowed, or times were given; nothing was sent.
+            SetPointTooFar: two successive points are too far apart; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
         if times is not None:
             raise ParameterError("times", times, "left out: the controller plans the times")
         await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
+        await self._taken()
 
     async def _begin(self, host: WorkerHandle) -> None:
         """Do not wait: the worker takes the first points only when there are enough of them."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from aioduco.controller_clock import Clock, WallClock
 from aioduco.errors import ParameterError
-from aioduco.models.ranges import TIMEOUT
+from aioduco.models.ranges import STATE_RATE, TIMEOUT
 from aioduco.models.rules import Integer, Number
 from aioduco.supervision.task import OnCancel
 
@@ -24,7 +24,6 @@ GuardKind: TypeAlias = Literal["process"]
 _GRACE = 1.0
 
 _SOURCE = "this package"
-_STATE_RATE = Number(0.0, 1000.0, "Hz", open_low=True, source=_SOURCE)
 _POOL_SIZE = Integer(1, 64, source=_SOURCE)
 _HEARTBEAT = Number(0.2, 60.0, "s", source="1.3.1")
 _HEARTBEAT.expected += ", or None for no heartbeat"
@@ -103,7 +102,7 @@ class RobotSettings:
         ):
             TIMEOUT(name, getattr(self, name))
         TIMEOUT("loop_stall_limit", self.loop_stall_limit)
-        _STATE_RATE("state_rate", self.state_rate)
+        STATE_RATE("state_rate", self.state_rate)
         if self.lag_limit is not None:
             TIMEOUT("lag_limit", self.lag_limit)
         if self.heartbeat is not None:

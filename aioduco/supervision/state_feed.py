@@ -25,6 +25,7 @@ from aioduco.errors import (
     RobotStateError,
     StaleState,
 )
+from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.supervision.concurrency import every, on_grid
@@ -254,8 +255,7 @@ class StateFeed:
         self._begun = time.monotonic()
         self._count = 0
         self._failures = 0
-        #: requested samples per second [Hz]
-        self.rate = rate
+        self._rate = rate
         #: whether samples have forces, too: two more reads from the controller for each
         self.forces = False
         #: number of recordings and publications that want forces, whatever the program wants
@@ -264,6 +264,19 @@ class StateFeed:
     def __repr__(self) -> str:
         figures = self.statistics()
         return f"<StateFeed {figures.rate:g} Hz, {figures.measured_rate:.1f} Hz measured>"
+
+    @property
+    def rate(self) -> float:
+        """Requested samples per second, above 0 to 1000 [Hz]; may be set at any time.
+
+        Raises:
+            ParameterError: the rate is out of range; the former one stays.
+        """
+        return self._rate
+
+    @rate.setter
+    def rate(self, rate: float) -> None:
+        self._rate = STATE_RATE("rate", rate)
 
     @property
     def error(self) -> DucoError | None:
@@ -293,8 +306,10 @@ class StateFeed:
             max_age: maximum age of the sample [s].
 
         Raises:
+            ParameterError: the age is not above 0.
             StaleState: it is older, because the controller does not answer.
         """
+        max_age = SECONDS("max_age", max_age)
         self._begin()
         for _ in range(2):
             if self._fresh(max_age):

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import anyio
 
+from aioduco.models.ranges import TIMEOUT
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
@@ -52,9 +54,12 @@ class Subscription(Generic[T]):
             timeout: seconds for which to wait; None for no limit.
 
         Raises:
+            ParameterError: the time is not above 0.
             TimeoutError: none came in time.
             RobotStateError: the robot was closed.
         """
+        if timeout is not None:
+            timeout = TIMEOUT("timeout", timeout)
         return self._runner.call(self._next(timeout))
 
     async def _next(self, timeout: float | None) -> T:
@@ -119,6 +124,7 @@ class Feed:
             max_age: largest age of the sample [s].
 
         Raises:
+            ParameterError: the age is not above 0.
             StaleState: the sample is older, since the controller does not answer.
         """
         return self._runner.call(self._feed.latest(max_age=max_age))
@@ -152,6 +158,7 @@ class Feed:
             timeout: seconds for which to wait; None for no limit.
 
         Raises:
+            ParameterError: the time is not above 0.
             TimeoutError: none came in time.
         """
         return self._runner.call(self._feed.wait_for(predicate, timeout=timeout))

@@ -313,8 +313,11 @@ class Robot(Sections):
 
         Args:
             seconds: duration of the wait [s].
+
+        Raises:
+            ParameterError: the duration is below 0.
         """
-        self._runner.sleep(seconds)
+        self._runner.sleep(ranges.WAIT("seconds", seconds))
 
     def permit(self, name: str = "block") -> AbstractContextManager[None]:
         """Tie all that moves the arm in a block together: after a stop, nothing of it is sent.

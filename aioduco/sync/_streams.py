@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from aioduco.errors import StreamError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import AsyncIterator, Iterable, Iterator
     from types import TracebackType
     from typing import Self
 
@@ -227,13 +227,16 @@ class Stream:
         Ticks for which the program is not ready in time are skipped, and not made up for.
 
         Args:
-            rate: ticks per second [Hz]; None: the rate at which the stream takes set-points.
+            rate: ticks per second, above 0 to 100,000 [Hz]; None: the rate at which the stream
+                takes set-points.
 
         Raises:
+            ParameterError: the rate is out of range.
             StreamError: the stream has ended; the error says why.
         """
-        ticks = self._stream.ticks(rate)
+        return self._paced(self._stream.ticks(rate))
 
+    def _paced(self, ticks: AsyncIterator[Tick]) -> Iterator[Tick]:
         async def following() -> Tick:
             return await anext(ticks)
 
@@ -251,7 +254,8 @@ class OffsetStream(Stream):
 class TrackStream(Stream):
     """A stream into the track pool: points of a path, optionally with outputs to set.
 
-    `play` takes no times: the controller plans them from speed and acceleration.
+    `play` takes no times: the controller plans them from speed and acceleration. It returns when
+    the last points are in the controller's pool.
     """
 
     def __init__(self, runner: Runner, stream: aio_track.TrackStream) -> None:

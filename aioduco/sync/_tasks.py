@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec
 import anyio
 
 from aioduco.errors import TaskError
+from aioduco.models import ranges
 from aioduco.supervision.command import check_motions, shown
 
 if TYPE_CHECKING:
@@ -145,17 +146,19 @@ class Task:
         An interrupt (Ctrl-C) stops the arm, or does what `on_cancel` says, before it is raised.
 
         Args:
-            timeout: seconds for which to wait; None for no limit.
+            timeout: seconds for which to wait; 0 to only look; None for no limit.
 
         Returns:
             How it ended: finished or blended.
 
         Raises:
+            ParameterError: the time is below 0.
             TaskError: it ended otherwise: one of the subclasses.
             TimeoutError: it has not ended in time; it continues.
         """
+        limit = None if timeout is None else ranges.WAIT("timeout", timeout)
         self._runner.holds(self._task)
-        return self._noting(lambda: self._runner.call(self._wait(timeout)))
+        return self._noting(lambda: self._runner.call(self._wait(limit)))
 
     async def _wait(self, timeout: float | None) -> Outcome:
         if timeout is None:

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from aioduco.models.ranges import TIMEOUT
+from aioduco.models.rules import Number
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -16,6 +19,7 @@ __all__ = ["JointTarget"]
 
 _MOVED = 1.5  # multiple of the lead from which on the arm was moved by something else
 _Vector = NDArray[np.float64]
+_ABOVE = Number(0.0, open_low=True, source="this package")
 
 
 class JointTarget:
@@ -29,15 +33,18 @@ class JointTarget:
         fastest: largest speed of a joint [rad/s].
         lead: largest distance of the target ahead of the measured joint angles [rad].
         damping: damping factor; a larger factor takes effect further from a singularity.
+
+    Raises:
+        ParameterError: a number is out of range.
     """
 
     def __init__(
         self, arm: Arm, *, fastest: float = 0.5, lead: float = 0.15, damping: float = 0.03
     ) -> None:
         self._arm = arm
-        self._fastest = fastest
-        self._lead = lead
-        self._damping = damping
+        self._fastest = _ABOVE("fastest", fastest)
+        self._lead = _ABOVE("lead", lead)
+        self._damping = _ABOVE("damping", damping)
         self._target: _Vector | None = None
 
     def rest(self, seen: Sequence[float]) -> _Vector:
@@ -64,6 +71,9 @@ class JointTarget:
 
         Returns:
             The joint angles to go to [rad]. Shape (6,).
+
+        Raises:
+            ParameterError: the duration is not above 0.
         """
         target = self.rest(seen)
         wanted = np.array(twist, dtype=float)
@@ -86,7 +96,11 @@ class JointTarget:
 
         Returns:
             The joint angles to go to [rad]. Shape (6,).
+
+        Raises:
+            ParameterError: the duration is not above 0.
         """
+        period = TIMEOUT("period", period)
         target, found = self.rest(seen), np.array(speeds, dtype=float)
         most = float(np.abs(found).max())
         if most > self._fastest:

@@ -8,6 +8,7 @@ client must distinguish "nothing was done" from "it may have been done".
 from __future__ import annotations
 
 import enum
+import math
 import random
 import threading
 from collections import deque
@@ -15,6 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from aioduco.errors import ParameterError
 from aioduco.testing.message_parser import Message, MessageType, application_error
 
 __all__ = [
@@ -92,6 +94,10 @@ class Throttle:
 
     rate: float
 
+    def __post_init__(self) -> None:
+        if not 0.0 < self.rate < math.inf:
+            raise ParameterError("rate", self.rate, "a number of bytes per second above 0")
+
 
 @dataclass(frozen=True, slots=True)
 class DropRequest:
@@ -121,6 +127,10 @@ class HalfOpen:
     """
 
     seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.seconds is not None and not 0.0 <= self.seconds < math.inf:
+            raise ParameterError("seconds", self.seconds, "a number from 0 s, or None")
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,7 +62,7 @@ def _pauses(
     pause = _FIRST
     while not condition():
         left = deadline - time.monotonic()
-        if left <= 0:
+        if not left > 0:
             said = what if isinstance(what, str) else what()
             said = said or getattr(condition, "__qualname__", repr(condition))
             raise AssertionError(f"not so after {timeout:g} s: {said}")

@@ -68,16 +68,23 @@ def following() -> PoolStates:
 
 
 @pytest.mark.parametrize(
-    ("waiting", "capacity", "closing", "begins"),
-    [(9, 256, False, False), (10, 256, False, True), (5, 5, False, True), (1, 256, True, True)],
+    ("waiting", "capacity", "closing", "awaited", "begins"),
+    [
+        (9, 256, False, False, False),
+        (10, 256, False, False, True),
+        (5, 5, False, False, True),
+        (1, 256, True, False, True),
+        (1, 256, False, True, True),
+        (0, 256, False, True, False),
+    ],
 )
 def test_a_pool_begins_with_enough_points_or_all_of_them(
-    waiting: int, capacity: int, closing: bool, begins: bool
+    waiting: int, capacity: int, closing: bool, awaited: bool, begins: bool
 ) -> None:
     pool = PoolStates(10, 50, hold=1.0)
     if closing:
         pool.close()
-    assert pool.may_begin(waiting, capacity) is begins
+    assert pool.may_begin(waiting, capacity, awaited=awaited) is begins
 
 
 def test_a_pool_closed_before_anything_came_ends() -> None:

@@ -331,6 +331,42 @@ async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
     assert controller.server.received("trackJointMotion")[0].args == (0.5, 1.0, False)
 
 
+@lanes
+@pytest.mark.parametrize("count", [1, 20, 120])
+async def test_a_path_that_is_played_is_in_the_pool_when_play_returns(
+    controller: Controller, options: LaneOptions, count: int
+) -> None:
+    """Also one that has too few points to begin with: no more of it come."""
+    pool = PoolDrive(controller, per_look=5)
+    path = [near(1e-4 * n) for n in range(count)]
+    opened = TrackStreams(controller.endpoint).stream(
+        "joints", speed=0.5, acc=1.0, low=50, high=60, hold=60.0, options=options
+    )
+    async with opened as stream:
+        await stream.play(path)
+        assert stream.taken == count
+        await eventually_async(lambda: pool.points == path)
+        assert pool.starts >= 1
+        await stream.play(path)  # and it goes on
+        assert stream.taken == 2 * count
+    assert pool.points == path * 2
+
+
+async def test_a_path_that_begins_elsewhere_is_refused_by_play(controller: Controller) -> None:
+    PoolDrive(controller, per_look=5)
+    opened = TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
+    passed: list[str] = []
+
+    async def program() -> None:
+        async with opened as stream:
+            await stream.play([near(0.2)])
+            passed.append("play")
+
+    with pytest.raises(FirstPointTooFar):
+        await program()
+    assert passed == []
+
+
 async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=5)
     start = [0.5, 0.1, 0.4, 3.0, 0.0, 1.0]

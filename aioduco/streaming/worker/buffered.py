@@ -12,7 +12,7 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
-from aioduco.streaming.shared.block import StatusWord
+from aioduco.streaming.shared.block import ControlWord, StatusWord
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Batch
@@ -136,7 +136,7 @@ class PoolStates:
         self.drained: int = 0
         self.starved: int = 0
 
-    def may_begin(self, waiting: int, capacity: int) -> bool:
+    def may_begin(self, waiting: int, capacity: int, *, awaited: bool = False) -> bool:
         """Whether there are enough points to begin.
 
         The controller follows best with enough points in its pool, so the worker waits for them.
@@ -144,10 +144,12 @@ class PoolStates:
         Args:
             waiting: points that the program has sent.
             capacity: number of points that fit into the ring.
+            awaited: whether the program sends no more until these are taken.
         """
         if self._closing and not waiting:
             self.end(Reason.CLOSED)
-        return waiting > 0 and (self._closing or waiting >= min(self._low, capacity))
+        enough = waiting >= min(self._low, capacity)
+        return waiting > 0 and (enough or awaited or self._closing)
 
     def begin(self) -> None:
         """Note that the controller follows the pool."""
@@ -420,7 +422,8 @@ class TrackPoolDriver:
 
     def _start(self) -> bool:
         ring = self._block.ring
-        if not self._states.may_begin(ring.level, ring.capacity):
+        awaited = bool(self._block.control[ControlWord.WAKE_BELOW])
+        if not self._states.may_begin(ring.level, ring.capacity, awaited=awaited):
             return self.state < StreamState.ENDED
         first = ring.take()
         if first is None:

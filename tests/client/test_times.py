@@ -1,0 +1,172 @@
+"""Rates and times out of range are refused wherever they are given, and nothing is sent."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+
+import aioduco
+import aioduco.sync
+from aioduco import LaneOptions, ParameterError, Tolerances
+from aioduco.bus import ModbusRtu, Port
+from aioduco.compat import DucoCobot
+from aioduco.fleet import FleetClient, FleetSettings
+from aioduco.grippers import DigitalGripper, Robotiq, VacuumGripper
+from aioduco.preflight import PreflightSettings
+from aioduco.sim import Simulator
+from aioduco.status_port import StatusPort
+from aioduco.streaming.doctor import examine
+from aioduco.streaming.ticks import Ticks
+from aioduco.supervision.settings import ExitLadder
+from aioduco.teleoperation import JointTarget
+from aioduco.testing import HalfOpen, Throttle
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from client.bench import Bench
+
+#: values that are no rate and no time
+NEVER = (-1.0, math.nan, -math.inf)
+LANE = LaneOptions(lane="thread")
+
+
+async def nothing(*_: Any) -> Any:
+    """A port to which nothing is connected."""
+
+
+def set_rate(robot: Any, rate: float) -> None:
+    robot.feed.rate = rate
+
+
+def device() -> ModbusRtu:
+    return ModbusRtu(Port(nothing, nothing), 1)
+
+
+#: what takes a rate or a time above 0, by name: called with an open robot and the value
+ABOVE: dict[str, Callable[[Any, float], Any]] = {
+    "ticks of a stream": lambda r, x: r.speed.joints(a=1.0).ticks(x),
+    "ticks": lambda _, x: Ticks(x, lambda: None),
+    "age of a sample": lambda r, x: r.feed.latest(max_age=x),
+    "rate of the feed": set_rate,
+    "wait for a sample": lambda r, x: r.feed.wait_for(bool, timeout=x),
+    "wait for a state": lambda r, x: r.wait_for(bool, timeout=x),
+    "deadline of a motion": lambda r, x: r.motion.movej2(HOME, 1.0, 1.0).start(deadline=x),
+    "stop_now": lambda r, x: r.stop_now(x),
+    "rearm_heartbeat": lambda r, x: r.rearm_heartbeat(timeout=x),
+    "bring_up": lambda r, x: r.bring_up(timeout=x),
+    "recover": lambda r, x: r.recover(timeout=x),
+    "power_on": lambda r, x: r.system.power_on(timeout=x),
+    "rate of a servo stream": lambda r, x: r.servo.joints(v=1.0, a=1.0, rate=x),
+    "its source": lambda r, x: r.servo.joints(v=1.0, a=1.0, source_rate=x),
+    "its hold": lambda r, x: r.servo.joints(v=1.0, a=1.0, hold=x),
+    "rate of a speed stream": lambda r, x: r.speed.joints(a=1.0, rate=x),
+    "its dead man": lambda r, x: r.speed.joints(a=1.0, dead_man=x),
+    "period of a queue": lambda r, x: r.realtime.stream("twist", v=(1, 1), a=(1, 1), period=x),
+    "period of a pool": lambda r, x: r.track.stream("joints", speed=1.0, acc=1.0, period=x),
+    "hold of a pool": lambda r, x: r.track.stream("joints", speed=1.0, acc=1.0, hold=x),
+    "answer of a lane": lambda _, x: LaneOptions(timeout=x),
+    "start of a lane": lambda _, x: LaneOptions(connect_timeout=x),
+    "exit ladder": lambda _, x: ExitLadder(stop=x),
+    "call_timeout": lambda _, x: aioduco.connect("arm", call_timeout=x),
+    "connect_timeout": lambda _, x: aioduco.connect("arm", connect_timeout=x),
+    "state_rate": lambda _, x: aioduco.connect("arm", state_rate=x),
+    "lag_limit": lambda _, x: aioduco.connect("arm", lag_limit=x),
+    "heartbeat": lambda _, x: aioduco.connect("arm", heartbeat=x),
+    "hold_limit": lambda _, x: aioduco.sync.connect("arm", hold_limit=x),
+    "program_limit": lambda _, x: aioduco.sync.connect("arm", program_limit=x),
+    "answer on the bus": lambda _, x: ModbusRtu(Port(nothing, nothing), 1, timeout=x),
+    "poll of the bus": lambda _, x: ModbusRtu(Port(nothing, nothing), 1, poll=x),
+    "poll of a gripper": lambda _, x: Robotiq(device(), poll=x),
+    "end of its movement": lambda _, x: Robotiq(device(), timeout=x),
+    "age of its state": lambda _, x: Robotiq(device(), max_age=x),
+    "travel of a valve": lambda r, x: DigitalGripper(r, 1, travel_time=x),
+    "vacuum": lambda r, x: VacuumGripper(r, 1, build_up=x),
+    "the stream doctor": lambda _, x: examine("arm", seconds=x),
+    "status port": lambda _, x: StatusPort("arm", timeout=x),
+    "the vendor's class": lambda _, x: DucoCobot("arm", timeout=x),
+    "end of a preflight": lambda _, x: PreflightSettings(timeout=x),
+    "its patience": lambda _, x: PreflightSettings(patience=x),
+    "step of a joint target": lambda _, x: JointTarget(None).by_joints(HOME, x, HOME),  # type: ignore[arg-type]  # no arm is needed
+    "state of a fleet": lambda _, x: FleetClient(FleetSettings("cell")).status(x),
+    "stop of a fleet": lambda _, x: FleetClient(FleetSettings("cell")).stop(timeout=x),
+    "throttle": lambda _, x: Throttle(x),
+}
+#: what takes a time from 0
+FROM_ZERO: dict[str, Callable[[Any, float], Any]] = {
+    "spin of a lane": lambda _, x: LaneOptions(spin=x),
+    "watch of a lane": lambda _, x: LaneOptions(watch=x),
+    "time for a goal": lambda _, x: Tolerances(goal_time=x),
+    "wait in a simulator": lambda _, x: Simulator().wait_until(bool, timeout=x),
+    "slack of a heartbeat": lambda _, x: Simulator(heartbeat_slack=x),
+    "half open": lambda _, x: HalfOpen(x),
+}
+#: the same for programs that wait
+BLOCKING_ABOVE: dict[str, Callable[[Any, float], Any]] = {
+    "ticks of a stream": lambda r, x: r.speed.joints(a=1.0).ticks(x),
+    "age of a sample": lambda r, x: r.feed.latest(max_age=x),
+    "wait for a sample": lambda r, x: r.feed.wait_for(bool, timeout=x),
+    "deadline of a motion": lambda r, x: r.motion.movej2.prepare(HOME, 1.0, 1.0).start(deadline=x),
+}
+
+
+async def carried_out(work: Callable[[Any, float], Any], robot: Any, value: float) -> None:
+    """Call it, and await what it returns."""
+    made = work(robot, value)
+    if inspect.isawaitable(made):
+        await made
+
+
+async def test_what_is_no_time_is_refused(bench: Bench, robot: aioduco.Robot) -> None:
+    """All in one test, which costs one robot: what is taken is listed."""
+    tries = [(what, work, value) for what, work in ABOVE.items() for value in (0.0, *NEVER)]
+    tries += [(what, work, value) for what, work in FROM_ZERO.items() for value in NEVER]
+    taken: list[str] = []
+    for what, work, value in tries:
+        try:
+            with anyio.fail_after(5.0):
+                await carried_out(work, robot, value)
+        except ValueError as exc:
+            if str(value) in str(exc):
+                continue
+        except Exception as exc:
+            taken.append(f"{what}: {value}, and then {exc!r}")
+            continue
+        taken.append(f"{what}: {value}")
+    assert taken == []
+    assert not bench.commands
+
+
+async def test_a_rate_that_is_refused_leaves_the_feed_as_it_is(robot: aioduco.Robot) -> None:
+    rate = robot.feed.rate
+    for value in (0.0, *NEVER, math.inf):
+        with pytest.raises(ParameterError):
+            robot.feed.rate = value
+    assert robot.feed.rate == rate
+    robot.feed.rate = 200.0
+    assert (await robot.feed.latest()).states.robot is aioduco.RobotState.ENABLE
+
+
+def test_what_is_no_time_is_refused_in_a_program_that_waits(bench: Bench) -> None:
+    with aioduco.sync.connect(bench.host, bench.port) as robot:
+        for work in BLOCKING_ABOVE.values():
+            for value in (0.0, *NEVER):
+                with pytest.raises(ParameterError, match=str(value)):
+                    work(robot, value)
+        task = robot.motion.movej2.start(HOME, 1.0, 1.0)
+        with robot.events.subscribe() as events:
+            for value in NEVER:
+                with pytest.raises(ParameterError, match=str(value)):
+                    events.next(value)
+                with pytest.raises(ParameterError, match=str(value)):
+                    task.wait(value)
+                with pytest.raises(ParameterError, match=str(value)):
+                    robot.sleep(value)
+        robot.sleep(0)
+        task.wait()
+        assert task.wait(0) is aioduco.Outcome.FINISHED
