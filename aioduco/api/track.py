@@ -195,7 +195,8 @@ class Track(Section, TrackStreams):
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
         self._last_kind = kind or held
-        self._modes.enter(TRACK_POOL)  # before the call is sent, since its answer may be lost
+        # Before the call is sent, since its answer may be lost.
+        filled = self._modes.enter(TRACK_POOL)
         try:
             # The arm may follow the pool, without a task that reports the motion.
             _taken(function, await (self._feed(call) if self._followed else call(self._rpc)))
@@ -203,6 +204,8 @@ class Track(Section, TrackStreams):
             raise  # some may be in the pool
         except DucoError:
             self._last_kind = held
+            if not filled:
+                self._modes.over(TRACK_POOL)
             raise
 
     @property

@@ -9,6 +9,7 @@ import pytest
 
 import aioduco
 from aioduco import Joints, PointOp, Pose
+from aioduco.supervision.gate import Ending
 from aioduco.testing import Cut, FaultProxy, Place
 from api.motion_cases import HOME, POSE
 
@@ -121,3 +122,57 @@ async def test_points_after_the_arm_followed_some_are_stopped_at_the_end(pool: D
         await robot.track.trackJointMotion(1.0, 2.0)
         await robot.track.trackEnqueue([Joints(*HOME)])
     assert pool.commands[-1] == "stop"
+
+
+# A stop leaves points in the pool, which the next motion through it would follow first.
+
+
+async def test_a_stop_empties_a_pool_with_points_of_this_program(
+    robot: aioduco.Robot, pool: Desk
+) -> None:
+    await robot.stop()
+    assert "trackClearQueue" not in pool.commands
+    await robot.track.trackEnqueue([Pose(*POSE)])
+    await robot.stop()
+    assert pool.commands[-3:] == ["stop", "trackClearQueue", "stop"]
+    # its kind is forgotten
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    await robot.track.trackJointMotion(1.0, 2.0)
+    assert pool.commands[-2:] == ["trackEnqueue", "trackJointMotion"]
+    assert pool.commands.count("trackClearQueue") == 1
+
+
+@pytest.mark.parametrize("ending", [Ending.LAPSED, Ending.HUNG, Ending.STOPPED, Ending.PAUSED])
+async def test_it_is_emptied_before_anything_else_if_another_one_stopped_the_arm(
+    robot: aioduco.Robot, pool: Desk, ending: Ending
+) -> None:
+    """A guard, a controller without a heartbeat, `stop_now`; but a pause is resumed."""
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    robot._supervisor.gate.end(ending)
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    await robot.track.trackJointMotion(1.0, 2.0)
+    emptied = [] if ending is Ending.PAUSED else ["trackClearQueue"]
+    assert pool.commands == ["trackEnqueue", *emptied, "trackEnqueue", "trackJointMotion"]
+
+
+async def test_a_motion_through_the_pool_does_not_follow_points_from_before_a_stop_now(
+    robot: aioduco.Robot, pool: Desk
+) -> None:
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    robot.stop_now()
+    await robot.track.trackJointMotion(1.0, 2.0)
+    assert pool.commands == ["trackEnqueue", "stop", "trackClearQueue", "trackJointMotion"]
+
+
+async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk) -> None:
+    async with (
+        FaultProxy(pool.host, pool.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port) as robot,
+    ):
+        await robot.track.trackEnqueue([Joints(*HOME)])
+        proxy.on("trackClearQueue", Cut(Place.BEFORE_REPLY), times=2)
+        await robot.stop()
+        with pytest.raises(aioduco.RobotStateError, match="trackClearQueue was not answered"):
+            await robot.track.trackJointMotion(1.0, 2.0)
+        await robot.track.trackJointMotion(1.0, 2.0)
+    assert pool.commands.count("trackJointMotion") == 1

@@ -19,6 +19,8 @@ from aioduco.testing import RecordingServer, eventually
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from aioduco.supervision.gate import Gate
+
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 
 
@@ -41,13 +43,16 @@ class Controller:
 
     server: RecordingServer
     stops: list[str] = field(default_factory=list)
+    gate: Gate | None = None
 
     @property
     def endpoint(self) -> StreamEndpoint:
         async def stop(ending: str) -> None:
             self.stops.append(ending or "stop")
 
-        return StreamEndpoint(self.server.host, self.server.port, stop, stall_limit=15.0)
+        return StreamEndpoint(
+            self.server.host, self.server.port, stop, gate=self.gate, stall_limit=15.0
+        )
 
     @staticmethod
     def nowhere() -> StreamEndpoint:

@@ -17,7 +17,9 @@ THREAD = LaneOptions(lane="thread")
 async def test_joint_speeds_carry_the_dead_man_time_and_end_by_speed_stop(
     controller: Controller,
 ) -> None:
-    opened = Speed(controller.endpoint).joints(a=2.0, v=0.5, dead_man=0.15, options=THREAD)
+    opened = Speed(controller.endpoint).joints(
+        a=2.0, v=0.5, dead_man=0.15, hold=10.0, options=THREAD
+    )
     async with opened as stream:
         async for tick in stream.ticks():
             await stream.send([1.0, 0.0, 0.0, 0.0, 0.0, -0.1])

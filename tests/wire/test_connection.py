@@ -73,6 +73,29 @@ def test_a_call_returns_what_the_controller_answers(name: str) -> None:
         assert connection.call(name, args, PATIENCE) == zero(name)
 
 
+def test_a_caller_is_told_while_it_waits_for_an_answer() -> None:
+    told = threading.Event()
+    calls: list[None] = []
+
+    def waiting() -> None:
+        calls.append(None)
+        if len(calls) == 3:
+            told.set()
+
+    def patient(peer: Peer) -> None:
+        call = peer.receive()
+        assert call is not None
+        told.wait(PATIENCE)
+        peer.answer(call, True)
+
+    with ScriptedServer(patient) as server:
+        connection = Connection(server.host, server.port, waiting=waiting)
+        connection.open()
+        assert connection.call("robotmoving", (), PATIENCE) is True
+        connection.close()
+    assert told.is_set()
+
+
 def test_arguments_arrive_as_they_were_given() -> None:
     op = rpc.Op(trig_io_1=3, trig_value_1=True, trig_event_1="焊接")
     with connected() as (connection, server):
@@ -526,7 +549,7 @@ def test_abandon_is_seen_at_every_moment_of_a_handshake(
         connection = Connection(host, port, connect_timeout=PATIENCE * 10)
         made, connect = DeadlineSocket.__init__, DeadlineSocket.connect
 
-        def slow_make(stream: DeadlineSocket, *args: int) -> None:
+        def slow_make(stream: DeadlineSocket, *args: Any) -> None:
             connection.abandon("enough")
             made(stream, *args)
 

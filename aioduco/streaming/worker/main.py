@@ -277,6 +277,8 @@ class StreamWorker:
                 return
             now = clock()
             work(now - before)
+            # Before the next tick is chosen: a time in which this one stood still counts.
+            self._permit.look()
             # A skipped tick is late by the time since it was due. If it did not count, a worker
             # that stood still would have good percentiles.
             for missed in range(schedule.advance(now)):

@@ -80,7 +80,7 @@ class StreamPermit:
             now: the monotonic time.
             boot: the time that goes on while the computer sleeps.
             control: words of `StreamCommand` and `ControlWord`.
-            due: monotonic time until which the worker meant to sleep, if it has slept.
+            due: monotonic time until which the worker meant to sleep since the last look.
 
         Returns:
             Why the permit has ended; NONE if a set-point may be sent.
