@@ -185,10 +185,11 @@ ONLY_IN: dict[str, set[str]] = {
     "PIL": {"testing/artefacts.py", "cli/picture.py", "cli/demo/planned.py", "preflight/html.py"},
     "distributed": {"preflight/sweep.py"},
     "matplotlib": {"cli", "streaming/report.py", "recording/figures.py"},
-    # the thread hand-off, and tasks that outlive the task that started them
+    # connections on the event loop, what wakes it, and tasks that outlive the one that started them
     # and, in the process of a preflight, the program's own loops
     "asyncio": {
-        *("_wire/handoff.py", "supervision/concurrency.py"),
+        *("_wire/channel.py", "_wire/lane.py", "_wire/owner_loop.py", "_wire/pool.py"),
+        *("supervision/concurrency.py",),
         *("preflight/child.py", "preflight/lines.py", "preflight/patches.py"),
     },
     "pytest": {"pytest_plugin.py"},
@@ -213,7 +214,7 @@ PURE = {
     "bus/frames.py",
     "_wire/framing.py",
     "_wire/lifecycle.py",
-    "_wire/worker_pool.py",
+    "_wire/failures.py",
     "_wire/idempotence.py",
     "sim/controller",
     "sim/force",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -303,6 +304,42 @@ class RepliesReader:
     def value(self, _data: bytes | bytearray) -> list[ReadResult]:
         """The results of the calls, in their order."""
         return self._results
+
+
+class Numbering:
+    """Numbers the calls of one connection, and makes their messages and the readers of the replies.
+
+    The first number is random: a stray or forged answer with a low number would fit on most
+    connections. It is the system's, so that the seeded generator of the program is not changed.
+    """
+
+    __slots__ = ("_clock", "_last")
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._last = int.from_bytes(os.urandom(4)) % LAST_SEQUENCE
+
+    def next(
+        self, function: Function, arguments: bytes, further: Sequence[tuple[Function, bytes]] = ()
+    ) -> tuple[ReplyReader | RepliesReader, bytes]:
+        """Return the reader of the next replies, and the message to send.
+
+        Args:
+            function: the function of the wire.
+            arguments: its encoded arguments.
+            further: functions that are called after it, with their encoded arguments.
+        """
+        self._last = self._last % LAST_SEQUENCE + 1
+        whole = message(function, self._last, arguments)
+        reader = ReplyReader(function, self._last)
+        if not further:
+            return reader, whole
+        readers = [reader]
+        for each, encoded in further:
+            self._last = self._last % LAST_SEQUENCE + 1
+            whole += message(each, self._last, encoded)
+            readers.append(ReplyReader(each, self._last))
+        return RepliesReader(readers, self._clock), whole
 
 
 def _text(value: Any) -> Any:

@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
-import os
-import socket
 import threading
 import time
 import warnings
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco._wire import codec, idl
-from aioduco._wire.deadline_socket import DeadlinePassed, DeadlineSocket, Ended
+from aioduco._wire.deadline_socket import DeadlineSocket
+from aioduco._wire.endpoint import Endpoint, Lookup
+from aioduco._wire.failures import DeadlinePassed, Ended, failure, reason_of
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
-from aioduco._wire.host import HOST_RULE, Route, is_host
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
-from aioduco._wire.resource_errors import resource_error
 from aioduco._wire.rpc import RpcClient
-from aioduco.errors import (
-    CallTimeout,
-    ConnectError,
-    ConnectionLost,
-    ControllerError,
-    NotSent,
-    OutcomeUnknown,
-    ProtocolError,
-)
+from aioduco.errors import ConnectError, ConnectionLost, ControllerError, DucoError, NotSent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
+    from aioduco._wire.endpoint import Address
+    from aioduco._wire.host import Route
 
 #: seconds within which a call through `Connection.rpc` must be answered
 _CALL_TIMEOUT: Final = 2.0
@@ -51,23 +44,32 @@ class ConnectionStatistics(NamedTuple):
     bytes_received: int
 
 
+class _PermitEnded(Exception):
+    """The permit of a call has ended; nothing was sent."""
+
+    def __init__(self, error: DucoError) -> None:
+        self.error = error
+
+
 class Connection:
     """One TCP connection, owned by the thread that opened it or took it over (manual 1.5.1).
 
     Guarantees: a value is returned only if it is the answer to the present call, by function and
     sequence id. If a call ends in any other way, the connection is POISONED: its socket is closed,
     so that no later call can receive a late answer. Other threads and signal handlers may use only
-    `abandon`, `send_ahead`, `undelivered` and, while no call is under way, `close`.
+    `abandon`, `undelivered` and, while no call is under way, `close`.
 
     Args:
         host: name or address of the controller.
         port: its TCP port.
-        connect_timeout: seconds within which `open` must connect. The addresses of the host share
-            them. The resolution of the name is not limited: its time depends on the system.
+        connect_timeout: seconds within which `open` must connect, for all addresses of the host
+            and the resolution of its name together.
         keeps_overdue: whether the connection stays open for `late_answer` if a command was
             delivered completely, but its answer is late. It carries no other call in either case.
         waiting: called every tenth of a second while a call waits for its answer.
         route: which address of the host to try first; share it with other connections to the host.
+        endpoint: the controller's end, if the connection shares it with others; it has
+            the connect_timeout and the route then.
     """
 
     def __init__(
@@ -79,13 +81,13 @@ class Connection:
         keeps_overdue: bool = False,
         waiting: Callable[[], object] | None = None,
         route: Route | None = None,
+        endpoint: Endpoint | None = None,
     ) -> None:
         self.host = host
         self.port = port
-        self.connect_timeout = connect_timeout
-        self._keeps_overdue = keeps_overdue
+        self._endpoint = endpoint or Endpoint(host, port, connect_timeout, route=route)
         self._waiting = waiting
-        self._route = Route() if route is None else route
+        self._keeps_overdue = keeps_overdue
         self._life = Lifecycle()
         # Reentrant: a signal handler may abandon the connection while the interrupted code of the
         # same thread changes its state. The lock protects the state and the closing of the socket:
@@ -95,12 +97,8 @@ class Connection:
         #: the stream on which a late answer may still arrive
         self._overdue: DeadlineSocket | None = None
         self._owner: int | None = None
-        # A random first number: a stray or forged answer with a low number would fit on most
-        # connections. From the system's generator, so that the seeded generator of the program
-        # is not changed.
-        self._sequence = int.from_bytes(os.urandom(4)) % codec.LAST_SEQUENCE
-        #: reader for the answer to a call that `send_ahead` has sent
-        self._ahead: codec.ReplyReader | codec.RepliesReader | None = None
+        self._numbering = codec.Numbering(time.monotonic)
+        self._was_open = False
         self._calls = 0
         self._answered = 0
         self._bytes_sent = 0
@@ -110,13 +108,6 @@ class Connection:
     def state(self) -> ConnectionState:
         """State of the connection."""
         return self._life.state
-
-    @property
-    def usable(self) -> bool:
-        """Whether the owner can exchange a call: the next one, or the one that was sent ahead."""
-        return self.state is ConnectionState.IDLE or (
-            self._ahead is not None and self.state is ConnectionState.ACTIVE
-        )
 
     @property
     def progress(self) -> Progress:
@@ -146,12 +137,20 @@ class Connection:
             # last, since it raises if warnings are turned into errors
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
-    def open(self, deadline: float | None = None) -> None:
+    @property
+    def connect_timeout(self) -> float:
+        """Seconds within which `open` must connect."""
+        return self._endpoint.connect_timeout
+
+    def open(
+        self, deadline: float | None = None, addresses: Sequence[Address] | None = None
+    ) -> None:
         """Connect; the calling thread becomes the owner.
 
         Args:
             deadline: time of `time.monotonic()` by which the connection must be open, if that is
                 sooner than the connection's own limit.
+            addresses: addresses of the host, if they are known: its name is then not resolved.
 
         Raises:
             ConnectError: there is no controller, or it does not answer in time.
@@ -159,58 +158,66 @@ class Connection:
         """
         if self.state is not ConnectionState.NEW:
             raise ConnectionLost(f"{self!r} cannot be opened again; nothing was sent")
-        self._owner = threading.get_ident()
+        self.hand_over()
         fork_hooks.add(self)
-        limit = time.monotonic() + self.connect_timeout
-        self._connect(limit if deadline is None else min(limit, deadline))
-
-    def _connect(self, deadline: float) -> None:
-        if not is_host(self.host):
-            self._end("its host is no name and no address")
-            raise ConnectError(self.host, self.port, f"the host must be {HOST_RULE}")
-        # resolve the name each time: a replaced controller may have another address
+        begin = time.monotonic()
+        limit = begin + self.connect_timeout
+        limit = limit if deadline is None else min(limit, deadline)
         try:
-            found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)
-        except (OSError, UnicodeError) as exc:
-            self._end("its host is unknown")
-            reason = resource_error(exc) or f"unknown host ({exc})"
-            raise ConnectError(self.host, self.port, reason) from exc
-        error: OSError = TimeoutError("no time left after the name was resolved")
-        for (family, type_, protocol, _, address), until in self._route.tries(found, deadline):
-            if self.state is not ConnectionState.NEW:
-                break
+            found = list(addresses) if addresses else self._resolve(limit)
+            self._connect(found, limit)
+        except (OSError, UnicodeError, Ended) as exc:
+            given_up = self.state is not ConnectionState.NEW
+            self._end("it could not be made")
+            if given_up:
+                raise ConnectionLost(
+                    f"the connection to {self.host}:{self.port} was given up while it was made: "
+                    f"{self.reason}; nothing was sent"
+                ) from None
+            if isinstance(exc, ConnectError):
+                raise
+            raise self._endpoint.refused(exc) from exc
+        self._was_open = True
+        self._endpoint.made(begin, found)
+
+    def take_over(self, stream: DeadlineSocket) -> None:
+        """Use a stream that is connected already; `hand_over` names the owner."""
+        fork_hooks.add(self)
+        stream.connected(blocking=True)
+        self._stream = stream
+        self._was_open = self._life.opened()
+
+    def _resolve(self, deadline: float) -> list[Address]:
+        found = self._endpoint.lookup()
+        if isinstance(found, Lookup):
+            found.wait(deadline)
+            return found.addresses()
+        return found
+
+    def _connect(self, addresses: list[Address], deadline: float) -> None:
+        error: OSError = TimeoutError("no time was left to connect")
+        for (family, kind, protocol, _, address), until in self._endpoint.route.tries(
+            addresses, deadline
+        ):
             try:
-                stream = DeadlineSocket(family, type_, protocol, self._waiting)
+                stream = DeadlineSocket(family, kind, protocol, self._waiting)
                 with self._guard:
                     # An `abandon` before this line found no stream to shut down; the state below
                     # shows it. A later `abandon` ends the handshake.
                     self._stream = stream
                     if self._life.state is not ConnectionState.NEW:
-                        break
+                        raise Ended  # one way out for all ends
                 stream.connect(address, until)
             except OSError as exc:
                 error = exc
                 self._drop()
                 continue
-            except Ended:
-                break
-            self._route.address = address
-            break
-        with self._guard:
-            if self._stream is not None and self._life.opened():
-                return
-            abandoned = self.state is not ConnectionState.NEW
-        if abandoned:
-            self._drop()
-            raise ConnectionLost(
-                f"the connection to {self.host}:{self.port} was given up while it was made: "
-                f"{self.reason}; nothing was sent"
-            )
-        self._end("it could not be made")
-        timed_out = isinstance(error, TimeoutError)
-        reason = "no answer in time" if timed_out else error.strerror or str(error)
-        reason = resource_error(error) or reason
-        raise ConnectError(self.host, self.port, reason) from error
+            with self._guard:
+                if not self._life.opened():
+                    raise Ended
+            self._endpoint.route.address = address
+            return
+        raise error
 
     @property
     def rpc(self) -> RpcClient:
@@ -271,33 +278,35 @@ class Connection:
                 works.
             further: functions that only read, with their encoded arguments. They are sent right
                 after the call; the controller answers all in their order.
-            permit: called last, before the first byte is sent. It raises if the call may not be
-                sent any more; the connection stays usable.
+            permit: called as the very last thing before the bytes are handed to the socket. If it
+                raises, nothing was sent, the connection stays usable, and its error is raised.
 
         Returns:
             The result, as for `call`; with `further`, a list of `codec.ReadResult`.
         """
         if threading.get_ident() != self._owner:
             raise RuntimeError(f"{self!r} belongs to the thread that opened it")
-        reply, self._ahead = self._ahead, None
-        if reply is None and deadline is not None and deadline <= time.monotonic():
+        if deadline is not None and deadline <= time.monotonic():
             raise NotSent(f"{function.name} was not sent: there was no time left for it")
-        if reply is None and permit is not None:
-            permit()
         with self._guard:
-            if reply is None and not self._life.begin():
+            if not self._life.begin():
                 raise ConnectionLost(f"{function.name} cannot use {self!r}; nothing was sent")
             stream = self._stream
         assert stream is not None
         try:
-            if reply is None:
-                reply, message = self._next(function, arguments, further)
-                _check_silent(stream)
-                self._send(stream, message, deadline)
+            reply, message = self._numbering.next(function, arguments, further)
+            self._calls += reply.count
+            _check_silent(stream)
+            if permit is not None:
+                self._require(permit)
+            self._send(stream, message, deadline)
             if meanwhile is not None:
                 meanwhile()
             data = self._receive(stream, reply, deadline)
             value = self._decode(reply, data)
+        except _PermitEnded as exc:
+            self._life.complete()
+            raise exc.error from exc.error.__cause__
         except BaseException as exc:
             raised = self._failure(function, exc)
             if raised is exc:
@@ -315,63 +324,16 @@ class Connection:
             raise value
         return value
 
-    def send_ahead(
-        self,
-        function: idl.Function,
-        arguments: bytes,
-        deadline: float | None,
-        further: Sequence[tuple[idl.Function, bytes]] = (),
-    ) -> bool:
-        """Send a call before the owner's thread runs, from any thread; never waits.
+    def answers_within(self, seconds: float) -> bool:
+        """Wait for the first byte of the answer, in `meanwhile`; return whether it has come."""
+        return self._stream is None or self._stream.answers_within(seconds)
 
-        The caller must hold the claim to the next call. The owner's `exchange` of this call then
-        only waits for the answer. If the system does not accept the whole message at once, the
-        connection is poisoned: the controller never gets the rest, and does not execute the call.
-
-        Returns:
-            Whether the call was sent.
-        """
-        if deadline is not None and deadline <= time.monotonic():
-            return False
-        if not self._guard.acquire(blocking=False):
-            return False
+    @staticmethod
+    def _require(permit: Callable[[], object]) -> None:
         try:
-            stream = self._stream
-            # The owner reports bytes that nobody requested, or a closed connection.
-            if stream is None or not stream.silent or not self._life.begin():
-                return False
-            reply, message = self._next(function, arguments, further)
-            if stream.send_at_once(message) != len(message):
-                self._life.poison("it did not take a whole call at once")
-                return False
-            self._life.sent()
-            self._bytes_sent += len(message)
-            self._ahead = reply
-            return True
-        finally:
-            self._guard.release()
-
-    def _next(
-        self,
-        function: idl.Function,
-        arguments: bytes,
-        further: Sequence[tuple[idl.Function, bytes]],
-    ) -> tuple[codec.ReplyReader | codec.RepliesReader, bytes]:
-        """Return the reader of the next answers, and the message to send."""
-        first = self._next_one(function, arguments)
-        if not further:
-            return first
-        each = [first, *(self._next_one(*one) for one in further)]
-        replies = codec.RepliesReader([reply for reply, _ in each], time.monotonic)
-        return replies, b"".join(message for _, message in each)
-
-    def _next_one(
-        self, function: idl.Function, arguments: bytes
-    ) -> tuple[codec.ReplyReader, bytes]:
-        self._calls += 1
-        self._sequence = self._sequence % codec.LAST_SEQUENCE + 1
-        message = codec.message(function, self._sequence, arguments)
-        return codec.ReplyReader(function, self._sequence), message
+            permit()
+        except DucoError as exc:
+            raise _PermitEnded(exc) from None
 
     @staticmethod
     def _decode(reply: codec.ReplyReader | codec.RepliesReader, data: bytes | bytearray) -> Any:
@@ -405,37 +367,13 @@ class Connection:
 
     def _failure(self, function: idl.Function, exc: BaseException) -> BaseException:
         """Poison the connection and choose the error for the caller; only this method does so."""
-        match exc:
-            case DeadlinePassed() if self.progress is Progress.NOTHING_SENT:
-                reason = "the system did not take it in time"
-            case DeadlinePassed():
-                reason = "no answer came in time"
-            case Ended():
-                reason = "the controller closed the connection"
-            case OSError():
-                reason = f"the connection broke ({exc.strerror or exc})"
-            case Malformed():
-                reason = f"something else than its answer came: {exc}"
-            case Exception():
-                reason = f"its answer could not be read ({type(exc).__name__}: {exc})"
-            case _:
-                reason = f"it was interrupted ({type(exc).__name__})"
+        reason = reason_of(exc, self.progress)
         self._end(reason, keep=isinstance(exc, DeadlinePassed) and self._may_be_late(function))
         # an abandoned connection already has a reason, which caused the error of the system
         reason = self.reason
         if not isinstance(exc, Exception):
             return exc
-        name = function.name
-        late = isinstance(exc, DeadlinePassed)
-        if self.progress is Progress.NOTHING_SENT:
-            return (NotSent if late else ConnectionLost)(f"{name} was not sent, since {reason}")
-        if call_kind(name) is not CallKind.READ:
-            return OutcomeUnknown(name, reason)
-        if late:
-            return CallTimeout(f"{name}: {reason}; the connection was closed")
-        if isinstance(exc, Ended | OSError):
-            return ConnectionLost(f"{name}: {reason}; it only reads, so it may be called again")
-        return ProtocolError(f"{name}: {reason}; the connection was closed")
+        return failure(function, self.progress, exc, reason)
 
     def _may_be_late(self, function: idl.Function) -> bool:
         """Whether a command was delivered completely, so that its answer may still arrive."""
@@ -466,6 +404,12 @@ class Connection:
             self._overdue = None
             if stream is not None:
                 stream.discard()
+        self._report_end()
+
+    def _report_end(self) -> None:
+        if self._was_open:
+            self._was_open = False
+            self._endpoint.ended(self.reason)
 
     def forked(self) -> None:
         """In a forked child: close the child's copy of the socket; the parent's stays open."""

@@ -12,6 +12,7 @@ import time
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._platform import CONNECTING, limits_sockets, readiness, unacknowledged
+from aioduco._wire.failures import DeadlinePassed, Ended
 from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 
 if TYPE_CHECKING:
@@ -39,29 +40,17 @@ WAITING_EVERY: Final = 0.1
 
 _CHUNK: Final = 16384
 
-#: seconds of one wait without a deadline, where Python keeps the time; then the wait is repeated
-_LONG: Final = 3600.0
-
-
-class DeadlinePassed(Exception):
-    """The deadline of an operation has passed."""
-
-
-class Ended(Exception):
-    """The other side closed the connection."""
-
 
 class DeadlineSocket:
-    """A blocking socket with absolute deadlines.
+    """A socket with absolute deadlines for the thread that uses it, or one of an event loop.
 
     Deadlines are times of `time.monotonic()`; None is no limit. The system's limits on a socket
     (SO_RCVTIMEO, SO_SNDTIMEO) enforce them, not Python's: a read is then one blocking system call
     that releases the interpreter's lock once instead of twice. A limit is set again only if the
-    remaining time differs from it. Where the system has no such limits, the socket never blocks,
-    and Python's time-outs enforce the deadlines.
+    remaining time differs from it. Where the system has no such limits, Python's time-outs enforce
+    the deadlines. On an event loop the socket never blocks, and the loop keeps the time.
 
-    One thread at a time; `shutdown`, `undelivered`, `silent` and `send_at_once` may be used from
-    any thread.
+    One thread at a time; `shutdown`, `undelivered` and `silent` may be used from any thread.
 
     Guarantees: after `shutdown`, `discard`, or the end of the process, the system delivers no more
     of the sent bytes. Only `close` ends the connection in the ordinary way.
@@ -70,10 +59,10 @@ class DeadlineSocket:
         family: as for `socket.socket`.
         type_: as for `socket.socket`.
         protocol: as for `socket.socket`.
-        waiting: called every tenth of a second while a read waits.
+        waiting: called every tenth of a second while a read of a thread waits.
     """
 
-    __slots__ = ("_ahead", "_limit", "_readable", "_shut", "_socket", "_waiting")
+    __slots__ = ("_limit", "_readable", "_shut", "_waiting", "socket")
 
     def __init__(
         self,
@@ -83,12 +72,9 @@ class DeadlineSocket:
         waiting: Callable[[], object] | None = None,
     ) -> None:
         self._waiting = waiting
-        self._socket = socket.socket(family, type_, protocol)
-        self._readable = readiness(self._socket)
-        #: where Python keeps the time: the same descriptor, for sends that do not wait
-        self._ahead: socket.socket | None = None
-        if not limits_sockets():
-            self._ahead = socket.socket(family, type_, protocol, self._socket.fileno())
+        #: the socket itself, for the event loop
+        self.socket = socket.socket(family, type_, protocol)
+        self._readable = readiness(self.socket)
         #: the system's limit in seconds; None: no limit, as on a new socket
         self._limit: float | None = None
         self._shut = False
@@ -105,15 +91,8 @@ class DeadlineSocket:
             OSError: the system's error.
             Ended: the socket was shut down.
         """
-        sock = self._socket
-        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DISCARD)
-        for name, value in _KEEP_ALIVE:
-            if hasattr(socket, name):
-                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
-        sock.setblocking(False)
-        error = sock.connect_ex(address)
+        self.prepare()
+        error = self.socket.connect_ex(address)
         # A shutdown before the line above had no effect on the socket, but has set `_shut`. A later
         # one ends the wait.
         if self._shut:
@@ -122,22 +101,38 @@ class DeadlineSocket:
             error = self._wait_connected(deadline)
         if error:
             raise OSError(error, os.strerror(error))
+        self.connected(blocking=True)
+
+    def prepare(self) -> None:
+        """Set the options that a connection has from its first packet on; it does not block."""
+        sock = self.socket
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DISCARD)
+        for name, value in _KEEP_ALIVE:
+            if hasattr(socket, name):
+                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+        sock.setblocking(False)
+
+    def connected(self, *, blocking: bool) -> None:
+        """Set the options of a connection that was made.
+
+        Args:
+            blocking: whether a thread will wait for its bytes; else an event loop does.
+        """
+        sock = self.socket
         # Without it, the system repeats bytes that are not acknowledged for some fifteen minutes.
         # Set after the handshake, since it would limit that too.
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
-        if self._ahead is None:
-            # from here on the system enforces the deadlines
-            sock.setblocking(True)
-        else:
-            self._ahead.setblocking(False)
-            sock.settimeout(_LONG)
+        # from here on the system enforces a thread's deadlines, if it can
+        sock.setblocking(blocking)
 
     def _wait_connected(self, deadline: float) -> int:
         left = deadline - time.monotonic()
-        if left <= 0 or not readiness(self._socket, writing=True)(left):
+        if left <= 0 or not readiness(self.socket, writing=True)(left):
             return errno.ETIMEDOUT
-        return self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        return self.socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
 
     def waiting_bytes(self) -> bytes:
         """Return bytes that have arrived, without removing them from the system's buffer.
@@ -147,7 +142,7 @@ class DeadlineSocket:
         """
         if not self._readable(0):
             return b""
-        found = self._socket.recv(64, socket.MSG_PEEK)
+        found = self.socket.recv(64, socket.MSG_PEEK)
         if not found:
             raise Ended
         return found
@@ -155,15 +150,9 @@ class DeadlineSocket:
     @property
     def silent(self) -> bool:
         """Whether there is nothing to read, not even the end of the stream; from any thread."""
-        if self._ahead is None:
-            return is_silent(self._socket.fileno())
-        try:
-            self._ahead.recv(1, socket.MSG_PEEK)
-        except BlockingIOError:
-            return True
-        except OSError:
-            return False
-        return False
+        if limits_sockets():
+            return is_silent(self.socket.fileno())
+        return not self._readable(0)
 
     def send(self, data: bytes | memoryview, deadline: float | None) -> int:
         """Pass bytes to the system.
@@ -177,7 +166,7 @@ class DeadlineSocket:
         while True:
             self._limit_to(deadline)
             try:
-                return self._socket.send(data)
+                return self.socket.send(data)
             except BlockingIOError:
                 # the system's limit, which may end a little before or after the deadline
                 continue
@@ -186,17 +175,33 @@ class DeadlineSocket:
                     raise  # the system ended the connection; Python's own time-out has no errno
 
     def send_at_once(self, data: bytes) -> int:
-        """Send without waiting, like `nonblocking.send_at_once`.
+        """Send without waiting, like `nonblocking.send_at_once`; only on an event loop.
 
         Returns:
             The number of bytes that the system accepted; negative if it accepted none.
         """
-        if self._ahead is None:
-            return send_at_once(self._socket.fileno(), data)
+        if limits_sockets():
+            return send_at_once(self.socket.fileno(), data)
         try:
-            return self._ahead.send(data)
+            return self.socket.send(data)
         except OSError:
             return -1
+
+    def receive_at_once(self) -> bytes:
+        """Return the bytes that have arrived; only on an event loop.
+
+        Raises:
+            BlockingIOError: none have arrived.
+            Ended: the other side closed the connection.
+        """
+        data = self.socket.recv(_CHUNK)
+        if not data:
+            raise Ended
+        return data
+
+    def answers_within(self, seconds: float) -> bool:
+        """Wait until there is something to read, at most some seconds; return whether there is."""
+        return self._readable(seconds)
 
     def receive(self, deadline: float | None) -> bytes:
         """Wait for the next bytes, at least one.
@@ -208,7 +213,7 @@ class DeadlineSocket:
         while True:
             self._limit_to(deadline)
             try:
-                data = self._socket.recv(_CHUNK)
+                data = self.socket.recv(_CHUNK)
             except (BlockingIOError, TimeoutError) as exc:
                 if isinstance(exc, TimeoutError) and exc.errno is not None:
                     raise
@@ -222,33 +227,31 @@ class DeadlineSocket:
     @property
     def undelivered(self) -> int:
         """Number of sent bytes that the other side has not acknowledged."""
-        return unacknowledged(self._socket)
+        return unacknowledged(self.socket)
 
     def shutdown(self) -> None:
         """End all current reads and writes, from any thread; discard undelivered bytes."""
         self._shut = True
         try:
-            self._socket.shutdown(socket.SHUT_RDWR)
+            self.socket.shutdown(socket.SHUT_RDWR)
         except OSError:
             # not connected yet, or already broken: no thread waits
             return
         # Some kernels refuse this while a thread waits on the socket. That thread then disconnects.
-        disconnect(self._socket.fileno())
+        disconnect(self.socket.fileno())
 
     def discard(self) -> None:
         """Close the socket and discard undelivered bytes; while no other thread uses it."""
-        disconnect(self._socket.fileno())
+        disconnect(self.socket.fileno())
         self.close_copy()
 
     def close_copy(self) -> None:
         """Close a forked child's copy of the socket only: the parent continues to use its own."""
-        if self._ahead is not None:
-            self._ahead.detach()
-        self._socket.close()
+        self.socket.close()
 
     def close(self) -> None:
         """End an idle connection in the ordinary way; never while another thread uses it."""
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DELIVER)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DELIVER)
         self.close_copy()
 
     def _limit_to(self, deadline: float | None) -> None:
@@ -271,13 +274,12 @@ class DeadlineSocket:
             limit = left + slack / 2
         elif self._limit is None:
             return
-        if self._ahead is not None:
-            # Always with a limit: without one, both socket objects would block.
-            self._socket.settimeout(_LONG if limit is None else limit)
+        if not limits_sockets():
+            self.socket.settimeout(limit)
             self._limit = limit
             return
         microseconds = 0 if limit is None else math.ceil(limit * 1e6)
         packed = struct.pack("@ll", *divmod(microseconds, 1_000_000))
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, packed)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, packed)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, packed)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, packed)
         self._limit = limit

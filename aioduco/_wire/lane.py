@@ -1,4 +1,4 @@
-"""A lane: connections on their own threads, awaited from the event loop."""
+"""A lane: connections to the controller for one purpose, awaited from the event loop."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import enum
 import math
 import time
 import warnings
+import weakref
+from collections import deque
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import anyio
@@ -13,32 +15,24 @@ from anyio import current_effective_deadline
 from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
-from aioduco._wire.blocking import BlockingCalls
-from aioduco._wire.connection_factory import ConnectionFactory
-from aioduco._wire.handoff import (
-    AwaitedCall,
-    Deadlines,
-    OwnerLoop,
-    ThreadEnd,
-    loop_callback,
-)
+from aioduco._wire.channel import AwaitedCall, Call, Channel, connect
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.forks import fork_hooks
+from aioduco._wire.owner_loop import OwnerLoop
+from aioduco._wire.pool import PoolThread, ThreadCalls
 from aioduco._wire.rpc import AsyncRpc
-from aioduco._wire.worker import AbandonOutcome, Worker, hung
-from aioduco._wire.worker_pool import WorkerPool
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
-from aioduco.trace import CallFinished, emit, tell
+from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit, tell
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import Callable, Coroutine
 
+    from aioduco._wire.endpoint import Address
     from aioduco._wire.host import Route
     from aioduco.trace import Trace
 
-#: seconds that `aclose` waits for threads; each ends at once unless it hangs in the system
-_CLOSE_LIMIT: Final = 1.0
-
-#: maximum number of dismissed threads per connection that have not ended, since they may hang
-_DISMISSED_LIMIT: Final = 4
+_CLOSED: Final = "its lane was closed"
 
 
 class _Default(enum.Enum):
@@ -62,19 +56,19 @@ class LaneStatistics(NamedTuple):
         calls: number of calls that were started.
         failed: number of calls that raised `ConnectionLost`, `ConnectError` or a subclass of them.
         waiting: number of calls that now wait for a connection.
-        busy: number of calls that a thread now carries out.
-        workers: number of threads, each with at most one connection.
+        busy: number of connections that now carry a call.
+        connections: number of connections that the lane uses, those included that it opens again
+            when a call needs them.
         opened: number of connections that were opened.
-        abandoned: number of calls that were cancelled or abandoned while they were under way.
-        stuck: number of threads whose call was abandoned more than a second ago and that have not
-            ended: they hang in the operating system, for instance in the resolution of a name.
+        abandoned: number of calls that were cancelled while they were under way.
+        stuck: 1 while the resolution of the host's name hangs in the operating system, else 0.
     """
 
     calls: int
     failed: int
     waiting: int
     busy: int
-    workers: int
+    connections: int
     opened: int
     abandoned: int
     stuck: int
@@ -88,12 +82,15 @@ BegunCall: TypeAlias = "Callable[[], Coroutine[Any, Any, Any]]"
 class WireLane:
     """Connections to the controller for one purpose, never shared with another.
 
+    The connections belong to the event loop: a call is sent by the task that makes it, and its
+    answer is read by a callback of the loop. For calls that block at the controller, each
+    connection belongs to a thread instead.
+
     A call that is cancelled, or times out, closes its connection at once, and the next call opens a
-    new one. So an answer can only reach its own call. No await lasts more than half a second beyond
-    its deadline, even if its thread hangs.
+    new one. So an answer can only reach its own call. No call outlives its deadline.
 
     Args:
-        name: purpose of the lane; the names of its threads contain it.
+        name: purpose of the lane.
         host: name or address of the controller.
         port: its TCP port.
         size: maximum number of connections. With one, calls wait for each other, in order.
@@ -103,6 +100,9 @@ class WireLane:
         owner_loop: owner loop that the lane shares with other lanes. By default the lane has its
             own: the loop on which it is opened, or, after that was closed, the next loop that
             uses the lane.
+        blocks: whether its calls block at the controller: each connection then has a thread, and
+            is opened when a call needs it.
+        spare: whether `open` also opens a connection for `call_from_thread`.
         route: the way to the host, which the lane shares with others; by default it has its own.
 
     Attributes:
@@ -122,27 +122,35 @@ class WireLane:
         call_timeout: float = 2.0,
         trace: Trace | None = None,
         owner_loop: OwnerLoop | None = None,
+        blocks: bool = False,
+        spare: bool = False,
         route: Route | None = None,
     ) -> None:
         self.name = name
         self.host = host
         self.port = port
+        self.size = size
         self.call_timeout = call_timeout
         self.rpc: AsyncRpc = AsyncRpc(self.call)
         self.version: str = ""
         self.observers: list[Trace] = []
+        self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
-        self._connections = ConnectionFactory(name, host, port, connect_timeout, trace, route)
-        self._pool: WorkerPool[Worker, AwaitedCall] = WorkerPool(size, self._connections.worker)
-        self._blocking = BlockingCalls(self._pool, self._connections)
-        self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop
-        self._deadlines = Deadlines(self._expired)
-        self._dismissed: list[Worker] = []
+        self._endpoint = _LaneEndpoint(host, port, connect_timeout, name, route, trace)
+        self._make: type[Channel | PoolThread] = PoolThread if blocks else Channel
+        self._wants_spare = spare
+        self._threads = ThreadCalls(self._endpoint)
+        #: the loop on which its connections are
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._carriers: list[Channel | PoolThread] = []
+        self._waiting: deque[AwaitedCall] = deque()
+        self._deadlines = _Deadlines(weakref.WeakMethod(self._expired))
         self._calls = 0
         self._failed = 0
         self._abandoned = 0
+        fork_hooks.add(self)
 
     @property
     def state(self) -> LaneState:
@@ -151,33 +159,38 @@ class WireLane:
 
     def statistics(self) -> LaneStatistics:
         """Figures since the lane was made."""
-        workers = self._pool.workers
         return LaneStatistics(
             calls=self._calls,
             failed=self._failed,
-            waiting=self._pool.waiting,
-            busy=sum(worker.busy for worker in workers),
-            workers=len(workers),
-            opened=self._connections.count,
+            waiting=len(self._waiting),
+            busy=sum(carrier.call is not None for carrier in self._carriers),
+            connections=len(self._carriers),
+            opened=self._endpoint.opened,
             abandoned=self._abandoned,
-            stuck=sum(worker.stuck for worker in self._dismissed),
+            stuck=int(self._endpoint.hanging),
         )
 
     def __repr__(self) -> str:
         figures = self.statistics()
         return (
             f"<Lane {self.name} {self.host}:{self.port} {self._state.name}, "
-            f"{figures.busy} of {self._pool.size} busy, {figures.waiting} waiting>"
+            f"{figures.busy} of {self.size} busy, {figures.waiting} waiting>"
         )
 
     def __del__(self) -> None:
         if getattr(self, "_state", None) is LaneState.OPEN and not self.owner_loop.in_forked_child:
             unclosed = f"unclosed {self!r}"
-            for worker in self._pool.workers:
-                worker.abandon(None, "the lane was forgotten")
-                worker.dismiss()
+            self._threads.close()
+            for carrier in self._carriers:
+                # the garbage collector may run on any thread
+                self.owner_loop.run(carrier.forget)
             # last, since it raises if warnings are turned into errors
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
+
+    def forked(self) -> None:
+        """In a forked child: close the child's copies of the sockets; the parent's stay open."""
+        for carrier in self._carriers:
+            carrier.forked()
 
     async def open(self) -> None:
         """Open the first connection; the others open when calls need them.
@@ -187,16 +200,15 @@ class WireLane:
         """
         if self._state is not LaneState.NEW:
             raise RuntimeError(f"{self!r} can be opened once")
-        self.owner_loop.require("open")
+        loop = self._loop = self.owner_loop.require("open")
         self._state = LaneState.OPEN
-        self._blocking.released = loop_callback(self._dispatch)
-        deadline = time.monotonic() + self._connections.connect_timeout
+        deadline = time.monotonic() + self._endpoint.connect_timeout
         try:
-            await self._carry_out(AwaitedCall(self.owner_loop, None, b"", deadline, self._finished))
-        except BaseException as exc:
+            await self._carrier(loop).open(deadline)
+            if self._wants_spare:
+                self._threads.keep(await connect(loop, self._endpoint, deadline))
+        except BaseException:
             await self.aclose()
-            if isinstance(exc, TimeoutError):
-                raise ConnectError(self.host, self.port, "no answer in time") from exc
             raise
 
     async def aclose(self) -> None:
@@ -204,33 +216,27 @@ class WireLane:
         if self._state is LaneState.CLOSED:
             return
         self._state = LaneState.CLOSED
-        for call in self._pool.drain():
-            call.fail(ConnectionLost(f"{call.name} was not sent, since its lane was closed"))
-        workers = [*self._pool.workers, *self._dismissed]
-        for worker in workers:
-            worker.abandon(None, "its lane was closed")
-        ends = [ThreadEnd() for _ in workers]
-        for worker, end in zip(workers, ends, strict=True):
-            worker.dismiss(end.report)
-        with anyio.move_on_after(_CLOSE_LIMIT, shield=True):
-            for end in ends:
-                await end.wait()
-        for worker, end in zip(workers, ends, strict=True):
-            # a thread that reported its end waits for nothing any more, so this returns at once
-            if end.reported:
-                worker.join(_CLOSE_LIMIT)
-        for call in self._deadlines.calls:
-            # its thread hangs; when it continues, it finds that the connection was abandoned
-            call.fail(hung(call.name, AbandonOutcome.UNKNOWN))
         self._deadlines.stop()
+        self._threads.close()
+        while self._waiting:
+            call = self._waiting.popleft()
+            call.end(error=ConnectionLost(f"{call.name} was not sent, since {_CLOSED}"))
+        if self._moved():
+            return
+        for carrier in self._carriers:
+            carrier.close(_CLOSED)
+        with anyio.CancelScope(shield=True):
+            for carrier in self._carriers:
+                await carrier.closed()
 
-    def within(self, timeout: float | None) -> AsyncRpc:
+    def within(self, timeout: float | None, permit: Callable[[], object] | None = None) -> AsyncRpc:
         """The functions of the wire with another time limit.
 
         Args:
             timeout: time limit of a call [s]; None: no limit, for functions that block.
+            permit: as for `call`.
         """
-        return AsyncRpc(lambda name, args: self.call(name, args, timeout))
+        return AsyncRpc(lambda name, args: self.call(name, args, timeout, permit=permit))
 
     async def call(
         self,
@@ -246,9 +252,10 @@ class WireLane:
             name: the function.
             args: one value per parameter.
             timeout: time limit of the whole call [s]; None: no limit. By default the lane's limit.
-            begun: callback that gets the call before a thread does, to observe its progress.
-            permit: called last, before the first byte is sent, on the thread that sends it. What
-                it raises is raised here: nothing was sent.
+            begun: callback that gets the call before it is sent, to observe its progress.
+            permit: called as the very last thing before the bytes are handed to the socket. It
+                raises a `DucoError` if the call may not be sent any more; that error is raised
+                here, nothing was sent, and the connection stays usable.
 
         Returns:
             The result; None for a function without one.
@@ -263,29 +270,33 @@ class WireLane:
             WrongLoop: the lane belongs to another event loop; nothing was sent.
             WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
         """
-        function = self._functions[name]
-        # Encode first. A value that cannot be sent then costs no connection, and a value that the
-        # caller changes later is sent unchanged.
-        encoded = codec.encode(function, args)
-        if self._state is not LaneState.OPEN:
-            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
-        seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
         begin = time.monotonic()
-        deadline = None if seconds is None else begin + seconds
-        call = AwaitedCall(self.owner_loop, function, encoded, deadline, self._finished)
-        call.permit = permit
-        # A task whose scope is already cancelled must send nothing. From here to the thread there
-        # is no other checkpoint that would detect this.
+        seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
+        call = self._new(name, args, None if seconds is None else begin + seconds, permit)
+        # A task whose scope is already cancelled must send nothing. From here to the send there is
+        # no other checkpoint that would detect this.
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()
         self._calls += 1
         if begun is not None:
             begun(call)
+        try:
+            if (carrier := self._take(call)) is not None:
+                carrier.send(call)
+        except BaseException:  # what a signal handler raises
+            self._give_up(call)
+            raise
         if self._trace is None and not self.observers:
-            return await self._carry_out(call)
-        return await self._reported(name, args, begin, self._carry_out(call))
+            return await self._answer(call)
+        return await self._reported(name, args, begin, call)
 
-    def begin(self, name: str, args: tuple[Any, ...], timeout: float) -> BegunCall:
+    def begin(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float,
+        permit: Callable[[], object] | None = None,
+    ) -> BegunCall:
         """Send a call before any other code of the event loop runs.
 
         If a connection is free, the call has been sent when this returns.
@@ -294,6 +305,7 @@ class WireLane:
             name: the function.
             args: one value per parameter.
             timeout: time limit of the whole call [s].
+            permit: as for `call`.
 
         Returns:
             The started call, whose answer must be awaited.
@@ -304,41 +316,18 @@ class WireLane:
             WrongLoop: the lane belongs to another event loop; nothing was sent.
             WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
         """
-        function = self._functions[name]
-        encoded = codec.encode(function, args)
-        if self._state is not LaneState.OPEN:
-            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
         begin = time.monotonic()
-        call = AwaitedCall(self.owner_loop, function, encoded, begin + timeout, self._finished)
+        call = self._new(name, args, begin + timeout, permit)
         self._calls += 1
-        self._hand_over(call)
-
-        def answer() -> Coroutine[Any, Any, Any]:
-            return self._reported(name, args, begin, self._carry_out(call, handed_over=True))
-
-        return answer
-
-    async def _reported(
-        self, name: str, args: tuple[Any, ...], begin: float, rest: Coroutine[Any, Any, Any]
-    ) -> Any:
-        value: Any = None
-        error: BaseException | None = None
-        try:
-            value = await rest
-        except BaseException as exc:
-            error = exc
-            raise
-        finally:
-            self.report(name, args, value, error, begin)
-        return value
+        self._start(call)
+        return lambda: self._reported(name, args, begin, call)
 
     async def ask(self, *names: str) -> list[codec.ReadResult]:
         """Call functions that only read and have no parameters, in one batch on one connection.
 
         The calls are sent in one piece; the controller reads and answers them in their order, as
-        it does the calls of any client. They need only one hand-over to the thread and back, and
-        share the lane's time limit. If a connection that was already in use is lost before that
-        time, all are sent once more on a new one.
+        it does the calls of any client. They share the lane's time limit. If a connection that was
+        already in use is lost before that time, all are sent once more on a new one.
 
         Args:
             names: the functions, at least two.
@@ -349,22 +338,16 @@ class WireLane:
         Raises:
             The errors of `call`, except `ControllerError` and `OutcomeUnknown`.
         """
-        questions = [
-            (self._functions[name], codec.encode(self._functions[name], ())) for name in names
-        ]
-        if self._state is not LaneState.OPEN:
-            raise ConnectionLost(f"{names[0]} was not sent, since {self!r} is not open")
         begin = time.monotonic()
-        (function, encoded), *further = questions
-        call = AwaitedCall(
-            self.owner_loop, function, encoded, begin + self.call_timeout, self._finished
-        )
-        call.further = further
+        call = self._new(names[0], (), begin + self.call_timeout)
+        further = [self._functions[name] for name in names[1:]]
+        call.further = [(function, codec.encode(function, ())) for function in further]
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()  # as in `call`
         self._calls += len(names)
         try:
-            answers: list[codec.ReadResult] = await self._carry_out(call)
+            self._start(call)
+            answers: list[codec.ReadResult] = await self._answer(call)
         except BaseException as exc:
             self.report(names[0], (), None, exc, begin)
             raise
@@ -372,6 +355,51 @@ class WireLane:
             self.report(name, (), answer.value, answer.error, begin, answer.at)
             begin = answer.at
         return answers
+
+    def call_from_thread(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | None,
+        permit: Callable[[], object] | None = None,
+    ) -> Any:
+        """Call a function of the wire and block until its answer has arrived.
+
+        Any thread may call it, and a signal handler at any point of the program, since it waits for
+        no lock and needs no event loop. It never waits behind another call: it uses connections of
+        its own, the first of which `open` can open beforehand. If a `stop` is not answered within
+        0.1 s, it is also sent on another connection.
+
+        Args:
+            name: the function.
+            args: one value per parameter.
+            timeout: time limit of the whole call [s]; None: no limit.
+            permit: as for `call`.
+
+        Returns:
+            The result; None for a function without one.
+
+        Raises:
+            The errors of `call`, except `WrongLoop`: any thread may use it, under any event loop.
+        """
+        function = self._functions[name]
+        encoded = codec.encode(function, args)
+        self.owner_loop.require_process(name)
+        self._require_open(name)
+        self._calls += 1
+        begin = time.monotonic()
+        deadline = None if timeout is None else begin + timeout
+        value: Any = None
+        error: BaseException | None = None
+        try:
+            value = self._threads.call(Call(function, encoded, deadline, permit))
+        except BaseException as exc:
+            self._failed += isinstance(exc, ConnectionLost | ConnectError)
+            error = exc
+            raise
+        finally:
+            self.report(name, args, value, error, begin)
+        return value
 
     def report(
         self,
@@ -392,146 +420,206 @@ class WireLane:
             emit(self._trace, event)
         tell(self.observers, event)
 
-    def _hand_over(self, call: AwaitedCall) -> None:
-        """Send a call on a free connection, or queue it until one is free."""
-        self._deadlines.add(call)
-        worker = self._pool.take(call)
-        if worker is not None:
-            self._submit(worker, call)
-        else:
-            self._dispatch()
+    # One call
 
-    async def _carry_out(self, call: AwaitedCall, *, handed_over: bool = False) -> Any:
+    def _new(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        deadline: float | None,
+        permit: Callable[[], object] | None = None,
+    ) -> AwaitedCall:
+        function = self._functions[name]
+        # Encode first. A value that cannot be sent then costs no connection, and a value that the
+        # caller changes later is sent unchanged.
+        encoded = codec.encode(function, args)
+        self._require_open(name)
+        loop = self.owner_loop.require(name)
+        return AwaitedCall(function, encoded, deadline, permit, over=loop.create_future())
+
+    def _require_open(self, name: str) -> None:
+        if self._state is not LaneState.OPEN:
+            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
+
+    def _start(self, call: AwaitedCall) -> None:
         try:
-            if not handed_over:
-                self._hand_over(call)
-            return await call
-        except BaseException as exc:
-            if not isinstance(exc, Exception) or not call.settled:
-                # not its outcome: it was cancelled, or a signal handler raised this
-                self._give_up(call)
-            elif isinstance(exc, ConnectionLost | ConnectError):
-                self._failed += 1 + len(call.further)
-            elif isinstance(exc, UnknownFunction):
-                raise exc.of(self.version) from None
+            if (carrier := self._take(call)) is not None:
+                carrier.send(call)
+        except BaseException:  # what a signal handler raises
+            self._give_up(call)
+            raise
+
+    def _take(self, call: AwaitedCall) -> Channel | PoolThread | None:
+        """Give a call to a free connection, or queue it; return the connection if it must send."""
+        loop = call.over.get_loop()
+        if loop is not self._loop:
+            self._moved()
+            self._loop = loop
+        self._deadlines.add(call)
+        for carrier in self._carriers:
+            if carrier.call is None:
+                return carrier if carrier.take(call) else None
+        if len(self._carriers) < self.size:
+            self._carrier(loop).take(call)
+        else:
+            self._waiting.append(call)
+        return None
+
+    def _carrier(self, loop: asyncio.AbstractEventLoop) -> Channel | PoolThread:
+        made = self._make(loop, self._endpoint, self._waiting)
+        self._carriers.append(made)
+        return made
+
+    async def _answer(self, call: AwaitedCall) -> Any:
+        try:
+            await call.over
+        except BaseException:
+            self._give_up(call)
             raise
         finally:
             self._deadlines.discard(call)
-            call.release_error()
-
-    def _give_up(self, call: AwaitedCall) -> None:
-        """Remove every trace of a call whose waiting task was cancelled or interrupted."""
-        call.cancel()
-        self._withdraw(call)
-        if call.worker is not None:
-            self._drop(call.worker, call, "the call was cancelled")
-
-    def _withdraw(self, call: AwaitedCall) -> None:
-        """Withdraw a call that no thread has, also if an interrupt left it half submitted."""
-        self._pool.forget(call)
-        for worker in self._pool.workers:
-            worker.recover(call)
-
-    def _drop(self, worker: Worker, call: AwaitedCall, reason: str) -> AbandonOutcome:
-        """Abandon a call that is under way, and dismiss its thread."""
-        dropped = worker.abandon(call, reason)
-        if dropped is AbandonOutcome.OVER:
-            return dropped
-        self._abandoned += 1 + len(call.further)
-        # The next call gets a new thread at once, and need not wait until this one has noticed. But
-        # if many threads hang, or the system has no more threads, this one is kept: calls wait for
-        # it, or fail at their deadlines.
-        self._dismissed = [leaving for leaving in self._dismissed if leaving.alive]
-        if len(self._dismissed) < _DISMISSED_LIMIT * self._pool.size and self._replace(worker):
-            self._dismissed.append(worker)
-            worker.dismiss()
-            self._dispatch()
-        return dropped
-
-    def _replace(self, worker: Worker) -> bool:
-        """Replace a worker by a new one; return whether that was possible."""
-        if worker not in self._pool.workers:
-            return False
-        other = self._connections.worker()
+        error, call.error = call.error, None
+        if error is None:
+            return call.value
+        if isinstance(error, ConnectionLost | ConnectError):
+            self._failed += 1 + len(call.further)
         try:
-            other.start()
-        except RuntimeError:
-            return False
-        self._pool.discard(worker)
-        self._pool.workers.append(other)
-        return True
+            if isinstance(error, UnknownFunction):
+                raise error.of(self.version)
+            raise error
+        finally:
+            del error  # its traceback refers to this frame, which makes a reference cycle
 
-    def _submit(self, worker: Worker, call: AwaitedCall) -> None:
-        try:
-            worker.start()
-        except RuntimeError as exc:
-            worker.recover(call)
-            self._pool.discard(worker)
-            lost = ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})")
-            lost.__cause__ = exc
-            call.fail(lost)
-            return
-        worker.submit(call)
-
-    def _dispatch(self) -> None:
-        for worker, call in self._pool.assign():
-            self._submit(worker, call)
-
-    def _finished(self, call: AwaitedCall) -> None:
-        """Handle a finished call. Its worker is already free, so it first gets the next call."""
-        if self._pool.waiting:
-            self._dispatch()
-        call.settle()
-
-    def _expired(self, call: AwaitedCall, second_time: bool) -> None:
-        """Fail a call whose deadline has passed: no connection was free, or its thread is late."""
-        worker = call.worker
-        if worker is None:
-            self._withdraw(call)
-            call.fail(NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
-        elif second_time and not call.settled:
-            dropped = self._drop(worker, call, "its thread hangs")
-            if dropped is AbandonOutcome.OVER:
-                # the loop was too busy to handle its notification, or was interrupted meanwhile
-                call.settle()
-            else:
-                call.fail(hung(call.name, dropped))
-
-    def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
-        """Call a function of the wire and block until its answer has arrived.
-
-        Any thread may call it, and a signal handler at any point of the program, since it waits for
-        no lock and needs no event loop. It never waits behind another call: if every connection is
-        in use, it opens another one for this call. If a `stop` is not answered within 0.1 s, it is
-        also sent on another connection.
-
-        Args:
-            name: the function.
-            args: one value per parameter.
-            timeout: time limit of the whole call [s]; None: no limit.
-
-        Returns:
-            The result; None for a function without one.
-
-        Raises:
-            The errors of `call`, except `WrongLoop`: any thread may use it, under any event loop.
-        """
-        function = self._functions[name]
-        encoded = codec.encode(function, args)
-        self.owner_loop.require_process(name)
-        if self._state is not LaneState.OPEN:
-            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
-        self._calls += 1
-        begin = time.monotonic()
-        deadline = None if timeout is None else begin + timeout
+    async def _reported(
+        self, name: str, args: tuple[Any, ...], begin: float, call: AwaitedCall
+    ) -> Any:
         value: Any = None
         error: BaseException | None = None
         try:
-            value = self._blocking.call(function, encoded, deadline)
+            value = await self._answer(call)
         except BaseException as exc:
-            self._failed += isinstance(exc, ConnectionLost | ConnectError)
             error = exc
             raise
         finally:
             self.report(name, args, value, error, begin)
         return value
+
+    def _give_up(self, call: AwaitedCall) -> None:
+        """Remove every trace of a call whose waiting task was cancelled or interrupted."""
+        self._deadlines.discard(call)
+        carrier = call.carrier
+        if carrier is not None and carrier.call is call:
+            self._abandoned += 1 + len(call.further)
+            carrier.give_up(call, "the call was cancelled")
+        elif call in self._waiting:
+            self._waiting.remove(call)
+
+    def _expired(self, call: AwaitedCall) -> None:
+        """Fail a call whose deadline has passed."""
+        if call.carrier is not None:
+            call.carrier.expire(call)
+            return
+        self._waiting.remove(call)
+        call.end(error=NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
+
+    def _moved(self) -> bool:
+        """Forget the connections if their loop was closed; return whether it was."""
+        if self._loop is None or not self._loop.is_closed():
+            return False
+        for carrier in self._carriers:
+            carrier.forget()
+        self._carriers.clear()
+        self._waiting.clear()
+        self._deadlines.stop()
+        return True
+
+
+class _LaneEndpoint(Endpoint):
+    """The end of a lane's connections: the trace hook gets an event for each of them.
+
+    Args:
+        lane: name of the lane.
+        route: the way to the host.
+        trace: the hook.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        connect_timeout: float,
+        lane: str,
+        route: Route | None,
+        trace: Trace | None,
+    ) -> None:
+        super().__init__(host, port, connect_timeout, lane, route)
+        self._trace = trace
+
+    def made(self, begin: float, addresses: list[Address]) -> None:
+        super().made(begin, addresses)
+        if self._trace is not None:
+            now, peer = time.monotonic(), (self.host, self.port)
+            emit(self._trace, ConnectionOpened(now, self.purpose, peer, now - begin))
+
+    def ended(self, reason: str) -> None:
+        if self._trace is not None:
+            now, peer = time.monotonic(), (self.host, self.port)
+            emit(self._trace, ConnectionEnded(now, self.purpose, peer, reason))
+
+
+class _Deadlines:
+    """Ensures that no call outlives its deadline.
+
+    One timer serves all calls of a lane: it is set for the earliest deadline, and set again when it
+    expires. A timer for each call would take a tenth of the time of a call. The event loop holds
+    the timer, so the timer holds no lane.
+
+    Args:
+        expired: method that gets a call whose deadline has passed.
+    """
+
+    def __init__(self, expired: weakref.WeakMethod[Callable[[AwaitedCall], None]]) -> None:
+        self._expired = expired
+        self._calls: set[AwaitedCall] = set()
+        self._timer: asyncio.TimerHandle | None = None
+        self._expires_at = math.inf
+
+    def add(self, call: AwaitedCall) -> None:
+        """Watch a call until it is discarded."""
+        if call.deadline is None:
+            return
+        self._calls.add(call)
+        if call.deadline < self._expires_at:
+            self._set(call.over.get_loop(), call.deadline)
+
+    def discard(self, call: AwaitedCall) -> None:
+        """Stop watching a call. The timer stays as it is: the next call will use it."""
+        self._calls.discard(call)
+
+    def stop(self) -> None:
+        """Stop watching all calls."""
+        self._calls.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = None
+        self._expires_at = math.inf
+
+    def _set(self, loop: asyncio.AbstractEventLoop, at: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._expires_at = at
+        self._timer = loop.call_later(max(0.0, at - time.monotonic()), self._check, loop)
+
+    def _check(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._timer, self._expires_at = None, math.inf
+        now = time.monotonic()
+        expired = self._expired()
+        try:
+            for call in [call for call in self._calls if (call.deadline or now) <= now]:
+                self._calls.discard(call)
+                if expired is not None and not call.over.done():
+                    expired(call)
+        finally:
+            at = min((call.deadline or now for call in self._calls), default=math.inf)
+            if at < math.inf:
+                self._set(loop, at)

@@ -76,8 +76,8 @@ class Section(ManualNames):
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
 
     def _within(self, timeout: float) -> AsyncRpc:
-        """The functions of the wire with another time-out [s]."""
-        return self._supervisor.calls.within(ranges.TIMEOUT("timeout", timeout))
+        """The functions of the wire with another time-out [s], on threads: they may take long."""
+        return self._supervisor.blocking.within(ranges.TIMEOUT("timeout", timeout))
 
     def _motion(
         self,
@@ -148,7 +148,7 @@ class Section(ManualNames):
         supervisor = self._supervisor
         supervisor.check_open(name)
         command = Command(name, args)
-        answer = await supervisor.dispatcher.conduct(command, supervisor.calls, None)
+        answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
         if answer > max(TaskState):
             # Not an end state, so it is the id of a task. The task is followed like any other.
             await supervisor.dispatcher.adopt(command, answer)

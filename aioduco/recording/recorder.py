@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import anyio
 
 from aioduco._version import __version__
-from aioduco._wire.handoff import loop_callback
+from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
 from aioduco.models.samples import pose
 from aioduco.recording.writer import MessageWriter, RecordingWriter

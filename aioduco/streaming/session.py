@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco._platform import boot_time, clock_step
-from aioduco._wire.handoff import OwnerLoop
+from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import DucoError, LaneFailed, StreamClosed
 from aioduco.streaming.ends import failure

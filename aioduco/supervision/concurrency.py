@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import anyio
 
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.handoff import loop_callback
+from aioduco._wire.owner_loop import loop_callback
 from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from typing import Self
 
-    from aioduco._wire.handoff import OwnerLoop
     from aioduco._wire.lane import WireLane
+    from aioduco._wire.owner_loop import OwnerLoop
     from aioduco.models.samples import Samples
     from aioduco.supervision.concurrency import BackgroundTasks
 

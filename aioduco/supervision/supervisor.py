@@ -22,9 +22,9 @@ import anyio
 from aioduco._platform import boot_time
 from aioduco._spawn import started_in_place_of
 from aioduco._wire.connection import Connection
-from aioduco._wire.handoff import OwnerLoop, loop_callback
 from aioduco._wire.host import Route
 from aioduco._wire.lane import WireLane
+from aioduco._wire.owner_loop import OwnerLoop, loop_callback
 from aioduco._wire.resource_errors import resource_error
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import (
@@ -128,6 +128,7 @@ class Supervisor:
     Attributes:
         version: the version of the controller's software.
         calls: the lane of all calls that are neither motions nor supervision.
+        blocking: the lane of calls that the controller answers only when it has finished.
         retrying: the calls of that lane; reads are retried while the connection is lost.
         poll: the lane on which tasks and the arm's standstill are polled.
         gate: decides what may move the arm.
@@ -154,9 +155,10 @@ class Supervisor:
         self._route = Route()
         self.samples: Samples = Samples()
         self.calls: WireLane = self._lane("call", size=settings.pool_size)
+        self.blocking: WireLane = self._lane("blocking", size=settings.pool_size, blocks=True)
         self.retrying: RetryingReads = RetryingReads(self.calls)
         self.poll: WireLane = self._lane("poll")
-        self._stop_lane = self._lane("stop")
+        self._stop_lane = self._lane("stop", spare=True)
         self._control_lane = self._lane("control")
         self._motion_lane = self._lane("motion")
         self._feed_lane = self._lane("feed")
@@ -247,7 +249,9 @@ class Supervisor:
     def _heartbeat_state(self) -> HeartbeatState:
         return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
 
-    def _lane(self, name: str, size: int = 1) -> WireLane:
+    def _lane(
+        self, name: str, size: int = 1, *, blocks: bool = False, spare: bool = False
+    ) -> WireLane:
         return WireLane(
             name,
             self.host,
@@ -258,6 +262,8 @@ class Supervisor:
             trace=self.settings.trace,
             owner_loop=self.owner_loop,
             route=self._route,
+            blocks=blocks,
+            spare=spare,
         )
 
     @property
@@ -270,6 +276,7 @@ class Supervisor:
             self._motion_lane,
             self._feed_lane,
             self.calls,
+            self.blocking,
         )
 
     @property
@@ -320,7 +327,10 @@ class Supervisor:
         Returns:
             A function that ends the reports.
         """
-        lanes = (self._stop_lane, self._control_lane, self._motion_lane, self.calls)
+        lanes = (
+            *(self._stop_lane, self._control_lane, self._motion_lane),
+            *(self.calls, self.blocking),
+        )
         follower = self.stop_coordinator.follower
 
         def end() -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
     from typing import Any
 
-    from aioduco._wire.handoff import AwaitedCall
+    from aioduco._wire.channel import AwaitedCall
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.concurrency import BackgroundTasks
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import random
-import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco._wire import lane as lanes
 from aioduco._wire.lane import WireLane
 from aioduco.testing import (
     Delay,
@@ -69,18 +67,3 @@ async def test_every_await_of_a_lane(how: How, again: int) -> None:
 
         assert await cancel_at_every_await(program, check, how=how, again=again) > len(METHODS)
         book.check(server)
-
-
-async def test_a_lane_closes_at_once_after_a_call_was_cancelled() -> None:
-    async with proxied() as (_, proxy):
-        lane = WireLane("call", proxy.host, proxy.port, size=4)
-        await lane.open()
-        book = Book(random.Random(0))
-        for _ in range(3):
-            await book.follow(make("log_info"), lane.call, 5.0, cancel_after=0.002)
-        assert book.outcomes == {"cancelled": 3}
-        # the threads that were given up have come back, and none is there to be waited for
-        await eventually_async(lambda: proxy.statistics().open == 0)
-        begin = time.monotonic()
-        await lane.aclose()
-        assert time.monotonic() - begin < lanes._CLOSE_LIMIT

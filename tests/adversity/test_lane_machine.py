@@ -138,7 +138,7 @@ class LaneMachine(RuleBasedStateMachine):
         if self.refusing or self.pending:
             return
         outcome = ""
-        for _ in range(self.lane.statistics().workers + 1):
+        for _ in range(self.lane.statistics().connections + 1):
             before = self.book.outcomes
             self.portal.call(partial(self.book.follow, make(method), self.lane.call, AMPLE))
             (outcome,) = (self.book.outcomes - before).elements()
@@ -206,9 +206,9 @@ class LaneMachine(RuleBasedStateMachine):
     def no_more_connections_than_allowed(self) -> None:
         if hasattr(self, "lane"):
             figures = self.lane.statistics()
-            assert figures.workers <= 3
+            assert figures.connections <= 3
             assert figures.stuck == 0
-            assert figures.busy <= figures.workers
+            assert figures.busy <= figures.connections
 
     @invariant()
     def nothing_wrong_so_far(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ import pytest
 
 import aioduco
 from aioduco import Outcome
+from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco.supervision import stop_channel
 from aioduco.testing import Cut, DropReply, FaultProxy, HalfOpen, Place, eventually_async
 from client.bench import HOME
@@ -219,3 +221,26 @@ async def test_a_half_open_stop_connection_does_not_delay_the_stop_for_long(benc
         await robot.stop()
         assert robot.statistics().stop_attempts == 2
     assert not bench.moving()
+
+
+async def test_a_read_is_few_frames_and_no_thread_from_its_send(
+    robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each frame costs time in every call; none may come between unseen."""
+    await robot.state.get_tcp_pose()
+    names: list[str] = []
+    send = DeadlineSocket.send_at_once
+
+    def sent(stream: DeadlineSocket, data: bytes) -> int:
+        frame = sys._getframe(1)
+        while not names and frame is not None:
+            names.append(frame.f_code.co_name)
+            while names[-1] != "get_tcp_pose" and frame.f_back is not None:
+                frame = frame.f_back
+                names.append(frame.f_code.co_name)
+        return send(stream, data)
+
+    monkeypatch.setattr(DeadlineSocket, "send_at_once", sent)
+    await robot.state.get_tcp_pose()
+    # beside these: `DeadlineSocket.send_at_once` and `nonblocking.send_at_once`
+    assert names[::-1] == ["get_tcp_pose", "call", "call", "send"]

@@ -66,7 +66,7 @@ async def test_a_socket_that_is_denied_is_said_so(
 ) -> None:
     robot = aioduco.connect(bench.host, bench.port)
     with monkeypatch.context() as patch:
-        patch.setattr("aioduco._wire.connection.DeadlineSocket", denied(number))
+        patch.setattr("aioduco._wire.channel.DeadlineSocket", denied(number))
         with pytest.raises(ConnectError, match=LACKS[number]) as caught:
             await robot.open()
     assert not isinstance(caught.value, ConnectTimeout)
@@ -92,11 +92,11 @@ async def test_a_heartbeat_without_a_descriptor_is_no_silent_controller(
     await eventually_async(lambda: bench.connections == 0)
 
 
-@pytest.mark.parametrize("allowed", range(8))
+@pytest.mark.parametrize("allowed", range(2))
 async def test_a_thread_that_cannot_be_had_is_said_so(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, allowed: int
 ) -> None:
-    """Six lanes, the heartbeat, and the watch over the event loop."""
+    """The heartbeat, and the watch over the event loop."""
     robot = aioduco.connect(bench.host, bench.port)
     with monkeypatch.context() as patch:
         Threads(patch, allowed)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import anyio
 import pytest
 
-from aioduco._wire.handoff import OwnerLoop
+from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import ConnectionLost, StopUnconfirmed
 from aioduco.supervision import concurrency
 from aioduco.supervision import stop_channel as control

@@ -70,7 +70,7 @@ USED = {
     "aioduco.scheduling",
     "aioduco.streaming",
 }
-OF_THE_WIRE = {"handoff", "lane", "worker", "pool", "blocking", "messages", "source"}
+OF_THE_WIRE = {"channel", "lane", "owner_loop", "pool", "messages"}
 
 #: MB of a worker at its largest; it was 48 with numpy and thriftpy2's parser
 MOST = 34.0

@@ -6,6 +6,7 @@ import threading
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
+from aioduco._wire.channel import Channel
 from aioduco._wire.lane import WireLane
 from aioduco.testing import no_leaks
 
@@ -37,6 +38,18 @@ async def opened(
                 yield lane, server
             finally:
                 await lane.aclose()
+
+
+def channel(lane: WireLane) -> Channel:
+    """The lane's first connection."""
+    first = lane._carriers[0]
+    assert isinstance(first, Channel)
+    return first
+
+
+def own_threads() -> list[str]:
+    """Names of the package's threads."""
+    return [one.name for one in threading.enumerate() if one.name.startswith("aioduco")]
 
 
 class Gate:

@@ -15,20 +15,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from quick import examples
 
-from aioduco._wire.connection import Connection
 from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState
-from aioduco._wire.worker import Worker
-from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown
+from aioduco.errors import CallTimeout, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
-from .lanes import SHORT, opened
+from .lanes import SHORT, channel, opened
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
-
-    from aioduco._wire.handoff import Call
 
     Script = Callable[[Peer], None]
 
@@ -92,31 +88,6 @@ async def test_a_task_cancelled_before_it_begins_sends_nothing() -> None:
         assert lane.statistics().calls == 0
 
 
-async def test_a_call_cancelled_before_its_thread_begins_sends_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Handed over to a thread that must send it, but the thread has not come to it."""
-    go_on = threading.Event()
-    carry_out = Worker._carry_out
-
-    def later(worker: Worker, call: Call) -> Any:
-        assert go_on.wait(PATIENCE)
-        return carry_out(worker, call)
-
-    async with opened(doubling) as (lane, server):
-        monkeypatch.setattr(Worker, "_carry_out", later)
-        monkeypatch.setattr(Connection, "send_ahead", lambda *_: False)
-        async with anyio.create_task_group() as group:
-            group.start_soon(lane.rpc.pause, True)
-            await eventually_async(lambda: lane.statistics().busy == 1)
-            group.cancel_scope.cancel()
-        monkeypatch.undo()
-        go_on.set()
-        await works(lane)
-        assert "pause" not in server.names
-        assert lane.statistics().abandoned == 1
-
-
 # While it waits for a connection
 
 
@@ -150,7 +121,7 @@ async def test_a_call_cancelled_while_it_waits_leaves_no_trace() -> None:
 
 
 async def test_a_call_cancelled_just_as_its_turn_comes() -> None:
-    """The thread is free, the loop has not heard of it, and the next in the queue gives up."""
+    """The answer is there, the loop has not read it, and the next in the queue gives up."""
     gate = threading.Event()
 
     def script(peer: Peer) -> None:
@@ -167,16 +138,20 @@ async def test_a_call_cancelled_just_as_its_turn_comes() -> None:
         third = start(lane.rpc.get_noneblock_taskstate(9))
         await eventually_async(lambda: lane.statistics().waiting == 2)
         gate.set()
-        worker = lane._pool.workers[0]
-        while worker.busy:
-            # blocks the loop, on purpose
-            pass
+        block_until_answered(lane)
         second.cancel()
         assert await first == 0
         assert await third == 18
         with pytest.raises(asyncio.CancelledError):
             await second
         assert server.names == ["pause", "get_noneblock_taskstate"]
+
+
+def block_until_answered(lane: WireLane) -> None:
+    """Block the loop, on purpose, until there is an answer that it has not read."""
+    stream = channel(lane)._stream
+    assert stream is not None
+    assert stream.answers_within(PATIENCE)
 
 
 # In mid call
@@ -191,14 +166,13 @@ async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str) -> 
         gone.append(peer.wait_gone())
 
     async with opened(script, doubling) as (lane, server):
-        connection = lane._pool.workers[0].connection
-        assert connection is not None
+        connection = channel(lane)
         async with anyio.create_task_group() as group:
             args = () if name == "get_global_speed" else (True,)
             group.start_soon(partial(lane.call, name, args, None))
             await eventually_async(lambda: len(server.calls) == 1)
             group.cancel_scope.cancel()
-        assert connection.state in (ConnectionState.POISONED, ConnectionState.CLOSED)
+        assert connection.state is ConnectionState.POISONED
         assert connection.reason == "the call was cancelled"
         server.wait_finished(1)
         assert gone == [True]
@@ -206,44 +180,15 @@ async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str) -> 
         # never sent again by itself, not even a stop: nobody wants its answer any more
         assert server.names.count(name) == 1
         assert lane.statistics().abandoned == 1
-        await eventually_async(lambda: not any(w.alive for w in lane._dismissed))
-
-
-async def test_a_cancelled_call_holds_nobody_up() -> None:
-    """The next call has a new thread, although the old one has not noticed yet."""
-    go_on = threading.Event()
-    exchange = Connection.exchange
-    held = []
-
-    def slow(connection: Connection, *args: Any, **options: Any) -> Any:
-        try:
-            return exchange(connection, *args, **options)
-        except ConnectionLost:
-            held.append(connection)
-            assert go_on.wait(PATIENCE)
-            raise
-
-    async with opened(silent, doubling) as (lane, server):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Connection, "exchange", slow)
-            async with anyio.create_task_group() as group:
-                group.start_soon(lane.within(None).pause, True)
-                await eventually_async(lambda: len(server.calls) == 1)
-                group.cancel_scope.cancel()
-            await works(lane)
-            await eventually_async(lambda: len(held) == 1)
-            go_on.set()
 
 
 async def test_a_call_cancelled_while_it_connects() -> None:
     async with opened(doubling) as (lane, _):
         with black_hole() as (host, port):
-            source = lane._connections
+            source = lane._endpoint
             home = source.host, source.port
             source.host, source.port = host, port
-            connection = lane._pool.workers[0].connection
-            assert connection is not None
-            connection.abandon("for the test")
+            channel(lane)._drop("for the test")
             async with anyio.create_task_group() as group:
                 group.start_soon(lane.within(None).pause, True)
                 await eventually_async(lambda: connecting(lane))
@@ -253,8 +198,7 @@ async def test_a_call_cancelled_while_it_connects() -> None:
 
 
 def connecting(lane: WireLane) -> bool:
-    connection = lane._pool.workers[0].connection
-    return connection is not None and connection.state is ConnectionState.NEW
+    return channel(lane)._opening is not None
 
 
 async def test_opening_a_lane_is_cancelled() -> None:
@@ -263,7 +207,7 @@ async def test_opening_a_lane_is_cancelled() -> None:
             lane = WireLane("test", host, port, connect_timeout=PATIENCE)
             async with anyio.create_task_group() as group:
                 group.start_soon(lane.open)
-                await eventually_async(lambda: lane.statistics().busy == 1)
+                await eventually_async(lambda: lane.statistics().connections == 1)
                 group.cancel_scope.cancel()
 
 
@@ -282,26 +226,24 @@ async def test_closing_a_lane_goes_on_when_it_is_cancelled() -> None:
 
 
 async def test_an_answer_that_meets_a_cancellation_goes_to_nobody_else() -> None:
-    """The thread is done, the loop has not heard of it, and the caller gives up."""
+    """The answer is there, the loop has not read it, and the caller gives up."""
     async with opened(doubling) as (lane, server):
-        worker = lane._pool.workers[0]
         for number in range(20):
             task = start(lane.rpc.get_noneblock_taskstate(number))
-            await eventually_async(partial(begun, worker, task))
-            while worker.busy:
-                # blocks the loop, on purpose
-                pass
+            await eventually_async(partial(begun, lane, task))
+            if not task.done():
+                block_until_answered(lane)
             task.cancel()
             outcome = (await asyncio.gather(task, return_exceptions=True))[0]
             assert isinstance(outcome, asyncio.CancelledError) or outcome == 2 * number
         await works(lane)
-        # the calls were over, so no connection was lost
-        assert server.connections == 1
-        assert lane.statistics().abandoned == 0
+        # an answer that was not read is lost with its connection
+        figures = lane.statistics()
+        assert server.connections == 1 + figures.abandoned
 
 
-def begun(worker: Worker, task: asyncio.Task[Any]) -> bool:
-    return worker.busy or task.done()
+def begun(lane: WireLane, task: asyncio.Task[Any]) -> bool:
+    return lane.statistics().busy == 1 or task.done()
 
 
 def doubling_unless_negative(peer: Peer) -> None:
@@ -358,7 +300,7 @@ async def test_random_cancellations_never_mix_answers_up() -> None:
         await works(lane)
         figures = lane.statistics()
         assert figures.abandoned >= 120
-        assert figures.workers <= 4
+        assert figures.connections <= 4
         await eventually_async(lambda: server.connections - server.finished <= 4)
 
 
@@ -461,5 +403,5 @@ async def test_many_timeouts_on_a_silent_controller_leave_nothing() -> None:
                     group.start_soon(expect, (CallTimeout, NotSent), call)
         figures = lane.statistics()
         assert figures.failed == 20
-        assert figures.workers <= 4
+        assert figures.connections <= 4
         assert figures.busy == figures.waiting == figures.stuck == 0

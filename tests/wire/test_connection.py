@@ -138,7 +138,7 @@ def test_the_programs_own_random_numbers_stay_as_it_has_seeded_them() -> None:
 
 def test_sequence_ids_rise_and_begin_again() -> None:
     with connected() as (connection, server):
-        connection._sequence = codec.LAST_SEQUENCE - 1
+        connection._numbering._last = codec.LAST_SEQUENCE - 1
         for _ in range(3):
             connection.rpc.stop(True)
         assert [call.raw.seqid for call in server.calls] == [codec.LAST_SEQUENCE, 1, 2]
@@ -162,7 +162,7 @@ def test_socket_options() -> None:
     with connected() as (connection, _):
         stream = connection._stream
         assert stream is not None
-        get = stream._socket.getsockopt
+        get = stream.socket.getsockopt
         assert get(socket.IPPROTO_TCP, socket.TCP_NODELAY)
         assert get(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
         idle = get(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE)
@@ -384,7 +384,7 @@ def limits() -> list[float]:
         for timeout in (None, 2.0, 2.0, 0.5, 30.0, None, 1.0):
             connection.call("stop", (True,), PATIENCE if timeout is None else timeout)
             connection.call("stop", (True,), timeout)
-            raw = stream._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, 16)
+            raw = stream.socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, 16)
             seconds, micro = struct.unpack("@ll", raw)
             seen.append(float(seconds + micro / 1e6))
     return seen

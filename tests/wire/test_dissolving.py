@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from aioduco._wire.connection import Connection
-from aioduco._wire.deadline_socket import DeadlineSocket, Ended
+from aioduco._wire.deadline_socket import DeadlineSocket
+from aioduco._wire.failures import Ended
 from aioduco.errors import DucoError, OutcomeUnknown
 from aioduco.testing import DropReply, FaultProxy, RecordingServer
 
@@ -80,7 +81,7 @@ def test_a_copy_of_the_socket_keeps_nothing_alive() -> None:
     """As a child has it that was forked."""
     with peer() as listener:
         stream, accepted = stuck(listener)
-        copy = os.dup(stream._socket.fileno())
+        copy = os.dup(stream.socket.fileno())
         try:
             stream.discard()
             assert drained(accepted)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from aioduco._wire import idl
+from aioduco._wire.failures import may_send_again
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import Progress
-from aioduco._wire.worker import may_send_again
 
 #: written out, so that a function that is added to the wire has to be thought about
 READS = {

@@ -11,7 +11,6 @@ import anyio
 import pytest
 
 from aioduco._wire.lane import LaneState, WireLane
-from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import (
     ConnectError,
     ConnectionLost,
@@ -67,7 +66,7 @@ async def test_one_connection_is_open_at_once_and_the_others_when_they_are_neede
             gate.open()
         figures = lane.statistics()
         assert figures.calls == 5
-        assert figures.workers == figures.opened == server.connections == 3
+        assert figures.connections == figures.opened == server.connections == 3
         assert figures.waiting == figures.busy == 0
 
 
@@ -107,12 +106,11 @@ async def test_a_lane_whose_controller_does_not_answer_the_handshake() -> None:
                 await lane.open()
 
 
-async def test_a_lane_left_open_warns_and_its_threads_end() -> None:
+async def test_a_lane_left_open_warns_and_its_connections_end() -> None:
     with ScriptedServer() as server, no_leaks():
         lane = WireLane("test", server.host, server.port)
         await lane.open()
-        # the timer of the last deadline still knows the lane
-        lane._deadlines.stop()
+        await lane.rpc.stop(True)  # the timer of its deadline runs on
         there = weakref.ref(lane)
         del lane
 
@@ -120,7 +118,6 @@ async def test_a_lane_left_open_warns_and_its_threads_end() -> None:
             gc.collect()
             return there() is None
 
-        # the thread lets go of the last call in a moment
         with pytest.warns(ResourceWarning, match=r"unclosed <Lane test .* OPEN"):
             await eventually_async(gone)
         server.wait_finished(1)
@@ -262,6 +259,7 @@ async def test_the_hook_sees_connections_and_calls() -> None:
     assert isinstance(third.error, OutcomeUnknown)
     functions = [event.function for event in seen if isinstance(event, CallFinished)]
     assert functions == ["get_noneblock_taskstate", "pause", "stop"]
+    # none after the loss until it is needed; one for the thread
     assert sum(isinstance(event, ConnectionOpened) for event in seen) == 2
     assert sum(isinstance(event, ConnectionEnded) for event in seen) == 2
 
@@ -274,15 +272,6 @@ async def test_a_hook_that_fails_disturbs_no_call(caplog: pytest.LogCaptureFixtu
         assert await lane.rpc.stop(True) == 0
     await eventually_async(lambda: "the trace hook failed" in caplog.text)
     assert "a mistake" in caplog.text
-
-
-async def test_the_connection_of_a_lane_belongs_to_its_thread() -> None:
-    async with opened() as (lane, _):
-        connection = lane._pool.workers[0].connection
-        assert connection is not None
-        assert connection.state is ConnectionState.IDLE
-        with pytest.raises(RuntimeError, match="belongs to the thread"):
-            connection.rpc.stop(True)
 
 
 # Several questions at once

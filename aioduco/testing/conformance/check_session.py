@@ -6,6 +6,7 @@ import contextlib
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.connection import Connection
+from aioduco._wire.lifecycle import ConnectionState
 from aioduco._wire.rpc import Op
 from aioduco.models.enums import RobotState, SafetyState, TaskState
 from aioduco.testing.waiting import eventually
@@ -53,7 +54,7 @@ class CheckSession:
         Raises:
             DucoError: there is no answer, or the answer is an error.
         """
-        if not self._connection.usable:
+        if self._connection.state is not ConnectionState.IDLE:
             # After a missing answer, no other call can use the connection.
             self._connection.close()
             self._connection = Connection(*self.address)

@@ -1,0 +1,512 @@
+"""A connection on the event loop: one call at a time, each with its own answer or an error."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from aioduco._wire import codec
+from aioduco._wire.deadline_socket import DeadlineSocket
+from aioduco._wire.endpoint import Address, Lookup
+from aioduco._wire.failures import (
+    DeadlinePassed,
+    Ended,
+    failure,
+    may_send_again,
+    of_two,
+    reason_of,
+)
+from aioduco._wire.framing import Malformed
+from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
+from aioduco._wire.owner_loop import loop_callback
+from aioduco.errors import ConnectError, ControllerError, NotSent
+
+if TYPE_CHECKING:
+    from collections import deque
+    from collections.abc import Callable, Coroutine, Sequence
+
+    from aioduco._wire.endpoint import Endpoint
+    from aioduco._wire.idl import Function
+    from aioduco.errors import ConnectionLost
+
+__all__ = ["AwaitedCall", "Call", "Carrier", "Channel", "connect"]
+
+
+@dataclass(slots=True, eq=False)
+class Call:
+    """One call under way.
+
+    Attributes:
+        function: the function of the wire.
+        arguments: its encoded arguments.
+        deadline: time of `time.monotonic()` by which it must be over, or None.
+        permit: called as the very last thing before the bytes are handed to the socket; its error
+            ends the call, of which nothing was sent.
+        further: functions that only read, with their encoded arguments. They are sent after it;
+            its value is then a list of `codec.ReadResult`, its own result first.
+        handed_over: whether a connection was asked to send it.
+        fresh: whether it is the first call on its connection: it is not sent on another one.
+        first: error of its first attempt, if this is the second.
+    """
+
+    function: Function
+    arguments: bytes
+    deadline: float | None
+    permit: Callable[[], object] | None = None
+    further: Sequence[tuple[Function, bytes]] = ()
+    handed_over: bool = False
+    fresh: bool = False
+    first: ConnectionLost | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the function, for messages."""
+        return self.function.name
+
+    def late(self) -> bool:
+        """Whether its deadline has passed."""
+        return self.deadline is not None and self.deadline <= time.monotonic()
+
+    def failed(self, progress: Progress, exc: BaseException, reason: str) -> ConnectionLost:
+        """Make its error after its connection failed or was given up, see `failure`."""
+        error = failure(self.function, progress, exc, reason)
+        error.__cause__ = exc
+        return error
+
+    def may_move(self, progress: Progress) -> bool:
+        """Whether it may be sent on another connection, since its own failed."""
+        again = bool(self.further) or may_send_again(self.function, progress)
+        return again and not self.fresh and not self.late()
+
+
+@dataclass(slots=True, eq=False)
+class AwaitedCall(Call):
+    """A call for which a task of the event loop waits.
+
+    Attributes:
+        over: resolved when the call is over; then one of `value` and `error` is set.
+        carrier: what carries it; None while it waits for that.
+    """
+
+    over: asyncio.Future[None] = field(kw_only=True)
+    carrier: Carrier | None = None
+    value: Any = None
+    error: BaseException | None = None
+
+    @property
+    def undelivered(self) -> int:
+        """Number of sent bytes that the other side has not acknowledged."""
+        carrier = self.carrier
+        return carrier.undelivered if carrier is not None and carrier.call is self else 0
+
+    def end(self, value: Any = None, error: BaseException | None = None) -> None:
+        """Give the waiting task the outcome, unless it has gone."""
+        if not self.over.done():
+            self.value = value
+            self.error = error
+            self.over.set_result(None)
+
+
+class Carrier:
+    """What carries the calls of a lane, one at a time: a `Channel` or a `PoolThread`.
+
+    Args:
+        loop: the event loop, on which all methods are called.
+        endpoint: where its connections lead.
+        waiting: calls that wait for one of the lane's carriers; whenever it is free, it takes the
+            next of them.
+
+    Attributes:
+        call: the call under way.
+    """
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[AwaitedCall]
+    ) -> None:
+        self._loop = loop
+        self._endpoint = endpoint
+        self._waiting = waiting
+        self.call: AwaitedCall | None = None
+
+    @property
+    def undelivered(self) -> int:
+        """Number of sent bytes that the other side has not acknowledged."""
+        return 0
+
+    def take(self, call: AwaitedCall) -> bool:
+        """Take a call; there must be none. Returns whether the caller must now `send` it."""
+        raise NotImplementedError
+
+    def send(self, call: AwaitedCall) -> None:
+        """Send the call that was taken, before anything else runs on the loop."""
+        raise NotImplementedError
+
+    def expire(self, call: AwaitedCall) -> None:
+        """End a call whose deadline has passed, unless its end is certain anyway."""
+
+    def give_up(self, call: AwaitedCall, reason: str) -> None:
+        """End a call whose task has gone, or whose lane is closed; its connection is dissolved."""
+        raise NotImplementedError
+
+    def _end(self, value: Any = None, error: BaseException | None = None) -> None:
+        call, self.call = self.call, None
+        while self._waiting and self.call is None:
+            following = self._waiting.popleft()
+            if not following.over.done() and self.take(following):
+                self.send(following)
+        if call is not None:
+            call.end(value, error)
+
+
+class Channel(Carrier):
+    """One of a lane's connections on its event loop; opened again when a call needs it.
+
+    Guarantees: a value is returned only if it is the answer to the present call, by function and
+    sequence id. If a call ends in any other way, its connection is dissolved at once, so that no
+    later call can receive a late answer. Nothing here blocks, and all of it runs on the loop.
+    """
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[AwaitedCall]
+    ) -> None:
+        super().__init__(loop, endpoint, waiting)
+        self._life = Lifecycle()
+        self._stream: DeadlineSocket | None = None
+        self._numbering = codec.Numbering(time.monotonic)
+        self._reply: codec.ReplyReader | codec.RepliesReader | None = None
+        self._data: bytes | bytearray = b""
+        #: the part of the message that the system has not accepted yet
+        self._rest = b""
+        #: whether the loop reports that bytes have come; else a task waits for each answer
+        self._reports = True
+        #: opens the connection for the present call
+        self._opening: asyncio.Task[None] | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    @property
+    def undelivered(self) -> int:
+        """Number of sent bytes that the other side has not acknowledged."""
+        return 0 if self._stream is None else self._stream.undelivered
+
+    @property
+    def state(self) -> ConnectionState:
+        """State of the connection."""
+        return self._life.state
+
+    @property
+    def progress(self) -> Progress:
+        """Progress of the present call, or of the last one."""
+        return self._life.progress
+
+    @property
+    def reason(self) -> str:
+        """Why the last connection is no longer used; empty while it is in use."""
+        return self._life.reason
+
+    # A call
+
+    def take(self, call: AwaitedCall) -> bool:
+        """Take a call; there must be none. Returns whether the caller must now `send` it.
+
+        If not, a connection is opened for it first, or the call is over.
+        """
+        self.call, call.carrier = call, self
+        if call.late():
+            self._end(error=NotSent(f"{call.name} was not sent: there was no time left for it"))
+            return False
+        stream = self._stream
+        if stream is not None:
+            if stream.silent and self._life.begin():
+                return True
+            self._drop("the controller closed the connection, or sent what nobody asked for")
+        self._open_for(call)
+        return False
+
+    def send(self, call: AwaitedCall) -> None:
+        """Send the call that was taken, before anything else runs on the loop."""
+        stream = self._stream
+        assert stream is not None
+        self._data = b""
+        self._reply, message = self._numbering.next(call.function, call.arguments, call.further)
+        if call.permit is not None:
+            try:
+                call.permit()
+            except Exception as exc:
+                self._life.complete()
+                self._reply = None
+                self._end(error=exc)
+                return
+        call.handed_over = True
+        sent = stream.send_at_once(message)
+        if sent > 0:
+            self._life.sent()
+        if sent != len(message):
+            self._rest = message[max(sent, 0) :]
+        if not self._reports:
+            self._begin(self._receive(call, stream))
+        elif self._rest:
+            self._loop.add_writer(stream.socket.fileno(), self._writable)
+
+    def expire(self, call: AwaitedCall) -> None:
+        # a connection that is being opened for it has the same deadline
+        if self.call is call and self._opening is None:
+            self._lost(DeadlinePassed())
+
+    def give_up(self, call: AwaitedCall, reason: str) -> None:
+        """End a call whose task has gone, or whose lane is closed; its connection is dissolved."""
+        if self.call is not call:
+            return
+        progress = self._life.progress
+        if self._opening is not None:
+            self._opening.cancel()
+            self._opening, progress = None, Progress.NOTHING_SENT
+        self._drop(reason)
+        self._end(error=of_two(call.first, call.failed(progress, Ended(), reason)))
+
+    # Its connection
+
+    async def open(self, deadline: float) -> None:
+        """Open the connection before a call needs it."""
+        stream = await connect(self._loop, self._endpoint, deadline)
+        stream.connected(blocking=False)
+        self._life = Lifecycle()
+        self._life.opened()
+        self._stream = stream
+        try:
+            self._loop.add_reader(stream.socket.fileno(), self._readable)
+        except NotImplementedError:
+            self._reports = False  # Windows' default loop
+
+    def close(self, reason: str) -> None:
+        """Close the connection; on the loop."""
+        if self.call is not None:
+            self.give_up(self.call, reason)
+        stream = self._stream
+        if stream is not None and self._life.state is ConnectionState.IDLE:
+            self._stream = None
+            self._life.close()
+            self._detach(stream)
+            stream.close()
+            self._endpoint.ended(self.reason)
+
+    def forget(self) -> None:
+        """Close the connection although its loop has been closed: no task waits any more."""
+        self.call = self._opening = None
+        self._drop("its event loop was closed")
+
+    def forked(self) -> None:
+        """In a forked child: close the child's copy of the socket; the parent's stays open."""
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.close_copy()
+
+    async def closed(self) -> None:
+        """Wait until nothing runs for it any more."""
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    def _open_for(self, call: AwaitedCall) -> None:
+        call.fresh = True
+        self._opening = self._begin(self._reopen(call))
+
+    async def _reopen(self, call: AwaitedCall) -> None:
+        limit = time.monotonic() + self._endpoint.connect_timeout
+        try:
+            await self.open(limit if call.deadline is None else min(limit, call.deadline))
+            self._opening = None
+            if self._life.begin():
+                self.send(call)
+        except ConnectError as exc:
+            self._opening = None
+            self._end(error=of_two(call.first, exc))
+        except BaseException:
+            self.give_up(call, "the wait for its connection was interrupted")
+            raise
+
+    def _begin(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        task = self._loop.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    # Bytes
+
+    def _writable(self) -> None:
+        """Send a part of the rest; the controller executes nothing of which a part is missing."""
+        stream, call = self._stream, self.call
+        assert stream is not None
+        if call is not None and call.permit is not None:
+            try:
+                call.permit()
+            except Exception as exc:
+                self._drop("the permit of its call ended before all of it was sent")
+                self._end(error=exc)
+                return
+        sent = max(stream.send_at_once(self._rest), 0)
+        if sent:
+            self._life.sent()
+            self._rest = self._rest[sent:]
+        if not self._rest:
+            self._loop.remove_writer(stream.socket.fileno())
+
+    def _readable(self) -> None:
+        stream = self._stream
+        assert stream is not None
+        try:
+            data = stream.receive_at_once()
+        except BlockingIOError:
+            return
+        except (Ended, OSError) as exc:
+            self._lost(exc)
+            return
+        self._received(data)
+
+    def _received(self, data: bytes) -> None:
+        reply = self._reply
+        if reply is None:
+            self._lost(Malformed(f"bytes came that nobody asked for: {data[:64]!r}"))
+            return
+        self._life.answering()
+        # most answers arrive in one piece; the others are collected without copies
+        if self._data:
+            if isinstance(self._data, bytes):
+                self._data = bytearray(self._data)
+            self._data += data
+        else:
+            self._data = data
+        value: Any = None
+        error: ControllerError | None = None
+        try:
+            if not reply.whole(self._data):
+                return
+            value = reply.value(self._data)
+        except ControllerError as exc:
+            error = exc
+        except Exception as exc:
+            self._lost(exc)
+            return
+        self._life.complete()
+        self._reply = None
+        if len(self._data) > reply.length or self._rest:
+            # this answer is valid, but the bytes after it belong to no call
+            self._drop("bytes came behind an answer")
+        self._end(value, error)
+
+    async def _receive(self, call: AwaitedCall, stream: DeadlineSocket) -> None:
+        """Send the rest and wait for the answer, on a loop that reports nothing."""
+        try:
+            if self._rest:
+                await self._loop.sock_sendall(stream.socket, self._rest)
+                self._rest = b""
+                self._life.sent()
+            while self.call is call and self._stream is stream:
+                data = await self._loop.sock_recv(stream.socket, 16384)
+                if self.call is not call or self._stream is not stream:
+                    return
+                if not data:
+                    raise Ended  # noqa: TRY301  # one way out for all failures
+                self._received(data)
+        except (Ended, OSError) as exc:
+            if self.call is call and self._stream is stream:
+                self._lost(exc)
+
+    # Ends
+
+    def _lost(self, exc: BaseException) -> None:
+        """Drop a connection that failed; its call moves to another one, or has an error."""
+        call, progress = self.call, self._life.progress
+        reason = self._drop(reason_of(exc, progress))
+        if call is None:
+            return
+        error = call.failed(progress, exc, reason)
+        if call.may_move(progress):
+            call.first = error
+            self._open_for(call)
+        else:
+            self._end(error=of_two(call.first, error))
+
+    def _drop(self, reason: str) -> str:
+        """Dissolve the connection, and return why it is not used any more."""
+        stream, self._stream = self._stream, None
+        self._reply, self._rest = None, b""
+        self._life.poison(reason)
+        if stream is not None:
+            self._detach(stream)
+            self._endpoint.ended(self.reason)
+        return self.reason
+
+    def _detach(self, stream: DeadlineSocket) -> None:
+        """Take a stream from the loop, and discard it unless it is idle."""
+        ended = self._loop.is_closed()
+        if self._reports and not ended:
+            self._loop.remove_reader(stream.socket.fileno())
+            self._loop.remove_writer(stream.socket.fileno())
+        if self._life.state is ConnectionState.CLOSED:
+            return
+        waiting = [task for task in self._tasks if task is not self._opening]
+        if self._reports or ended or not waiting:
+            stream.discard()
+            return
+        # The loop waits for its bytes: the descriptor may be used again only when it does no more.
+        stream.shutdown()
+        for task in waiting:
+            task.cancel()
+            task.add_done_callback(lambda _: stream.discard())
+
+
+async def connect(
+    loop: asyncio.AbstractEventLoop, endpoint: Endpoint, deadline: float
+) -> DeadlineSocket:
+    """Connect without blocking the event loop; its name is resolved on a thread.
+
+    Args:
+        loop: the running event loop.
+        endpoint: where to.
+        deadline: time of `time.monotonic()` by which it must be done.
+
+    Raises:
+        ConnectError: there is no controller, or it does not answer in time.
+    """
+    begin = time.monotonic()
+    error: BaseException = TimeoutError("no time was left to connect")
+    try:
+        addresses = await _addresses(endpoint, deadline)
+    except ConnectError:
+        raise
+    except (OSError, UnicodeError) as exc:
+        raise endpoint.refused(exc) from exc
+    for each, until in endpoint.route.tries(addresses, deadline):
+        try:
+            to = Address(*each)
+            stream = await _connected(loop, to, until)
+        except OSError as exc:
+            error = exc
+            continue
+        endpoint.route.address = to.address
+        endpoint.made(begin, addresses)
+        return stream
+    raise endpoint.refused(error) from error
+
+
+async def _addresses(endpoint: Endpoint, deadline: float) -> list[Address]:
+    found = endpoint.lookup()
+    if not isinstance(found, Lookup):
+        return found
+    over = asyncio.Event()
+    found.when_over(loop_callback(over.set))
+    async with asyncio.timeout(max(0.0, deadline - time.monotonic())):
+        await over.wait()
+    return found.addresses()
+
+
+async def _connected(loop: asyncio.AbstractEventLoop, to: Address, until: float) -> DeadlineSocket:
+    stream = DeadlineSocket(to.family, to.kind, to.protocol)
+    try:
+        stream.prepare()
+        async with asyncio.timeout(max(0.0, until - time.monotonic())):
+            await loop.sock_connect(stream.socket, to.address)
+    except BaseException:
+        stream.discard()
+        raise
+    return stream

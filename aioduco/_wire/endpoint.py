@@ -1,0 +1,198 @@
+"""The controller's end of connections: its name is resolved off the event loop, with a deadline."""
+
+from __future__ import annotations
+
+import os
+import socket
+import threading
+import time
+from collections import deque
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from aioduco._wire.host import HOST_RULE, Route, is_host
+from aioduco._wire.resource_errors import resource_error
+from aioduco.errors import ConnectError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["Address", "Endpoint", "Lookup"]
+
+#: seconds after which the resolution of a name counts as hanging
+_HANGS_AFTER: Final = 1.0
+
+
+class Address(NamedTuple):
+    """One address of a host, in the words of `socket.getaddrinfo`."""
+
+    family: int
+    kind: int
+    protocol: int
+    canonical: str
+    address: Any
+
+
+class Lookup:
+    """The resolution of a name, on a thread of its own: nothing can interrupt it.
+
+    Neither side waits for a lock, so that a signal handler may begin one and wait for it.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        self._host = host
+        self._port = port
+        self._begun = time.monotonic()
+        self._found: list[Address] = []
+        self._error: OSError | UnicodeError | None = None
+        self._waiting: deque[Callable[[], object]] = deque()
+        #: whether the system has answered
+        self.over = False
+
+    def start(self) -> None:
+        """Begin.
+
+        Raises:
+            RuntimeError: the system has no more threads.
+        """
+        # a daemon: a program whose name server hangs must still be able to end
+        threading.Thread(target=self._run, name="aioduco-resolve", daemon=True).start()
+
+    @property
+    def hangs(self) -> bool:
+        """Whether the system has not answered for long."""
+        return not self.over and time.monotonic() > self._begun + _HANGS_AFTER
+
+    def when_over(self, callback: Callable[[], object]) -> None:
+        """Call the callback once it is over: on its thread, or at once on this one."""
+        self._waiting.append(callback)
+        if self.over:
+            self._tell()
+
+    def wait(self, deadline: float) -> None:
+        """Block until it is over, or until the deadline [s of `time.monotonic`]."""
+        answered: SimpleQueue[None] = SimpleQueue()
+        self.when_over(lambda: answered.put(None))
+        try:
+            answered.get(timeout=max(0.0, deadline - time.monotonic()))
+        except Empty:
+            return
+
+    def addresses(self) -> list[Address]:
+        """Return the addresses.
+
+        Raises:
+            OSError: the system knows none, or has not answered yet (`TimeoutError`).
+            UnicodeError: the text can be no name.
+        """
+        if not self.over:
+            raise TimeoutError("the resolution of its name hangs")
+        if self._error is not None:
+            raise self._error
+        return self._found
+
+    def _run(self) -> None:
+        try:
+            self._found = _resolve(self._host, self._port)
+        except (OSError, UnicodeError) as exc:
+            self._error = exc
+        self.over = True
+        self._tell()
+
+    def _tell(self) -> None:
+        while self._waiting:
+            try:
+                callback = self._waiting.popleft()
+            except IndexError:
+                return  # the other side was faster
+            callback()
+
+
+class Endpoint:
+    """The controller's end of connections.
+
+    Args:
+        host: name or address of the controller.
+        port: its TCP port.
+        connect_timeout: seconds within which a connection must be made.
+        purpose: the purpose of the connections, for names of threads and for a trace.
+
+        route: which address to try first; share it with other connections to the host.
+
+    Attributes:
+        opened: number of connections that were made.
+        known: addresses of the last resolution that led to a connection. They serve calls that
+            cannot wait for another one.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        connect_timeout: float,
+        purpose: str = "",
+        route: Route | None = None,
+    ) -> None:
+        self.host = host
+        self.port = port
+        self.connect_timeout = connect_timeout
+        self.purpose = purpose
+        self.route = Route() if route is None else route
+        self.opened = 0
+        self.known: list[Address] = []
+        self._lookup: Lookup | None = None
+
+    @property
+    def hanging(self) -> bool:
+        """Whether the resolution of the name hangs in the operating system."""
+        return self._lookup is not None and self._lookup.hangs
+
+    def lookup(self) -> list[Address] | Lookup:
+        """Return the addresses if the host is an address, else the resolution of its name.
+
+        All calls share the resolution that is under way, so no more than one thread hangs. A name
+        is resolved for each connection: a replaced controller may have another address.
+
+        Raises:
+            ConnectError: the host is no name and no address, or the system has no more threads.
+        """
+        if not is_host(self.host):
+            raise ConnectError(self.host, self.port, f"the host must be {HOST_RULE}")
+        try:
+            return _resolve(self.host, self.port, socket.AI_NUMERICHOST)
+        except (OSError, UnicodeError):
+            pass  # it is a name
+        lookup = self._lookup
+        if lookup is None or lookup.over:
+            lookup = Lookup(self.host, self.port)
+            try:
+                lookup.start()
+            except RuntimeError as exc:
+                raise self.refused(exc) from exc
+            self._lookup = lookup
+        return lookup
+
+    def refused(self, error: BaseException) -> ConnectError:
+        """Make the error for a connection that could not be made; the caller raises it."""
+        known = resource_error(error)
+        if known:
+            return ConnectError(self.host, self.port, known)
+        if isinstance(error, socket.gaierror | UnicodeError):
+            return ConnectError(self.host, self.port, f"unknown host ({error})")
+        if isinstance(error, TimeoutError):
+            return ConnectError(self.host, self.port, "no answer in time")
+        number = error.errno if isinstance(error, OSError) else None
+        return ConnectError(self.host, self.port, os.strerror(number) if number else str(error))
+
+    def made(self, begin: float, addresses: list[Address]) -> None:  # noqa: ARG002  # for a trace
+        """Record a connection that was made since `begin` [s]; from any thread."""
+        self.opened += 1
+        self.known = addresses
+
+    def ended(self, reason: str) -> None:
+        """Record that a connection is no longer used, for this reason; from any thread."""
+
+
+def _resolve(host: str, port: int, flags: int = 0) -> list[Address]:
+    found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)
+    return [Address(*each) for each in found]

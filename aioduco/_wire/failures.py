@@ -1,0 +1,92 @@
+"""What becomes of a call whose connection failed: without socket, thread or clock."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco._wire.framing import Malformed
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco._wire.lifecycle import Progress
+from aioduco.errors import (
+    CallTimeout,
+    ConnectError,
+    ConnectionLost,
+    NotSent,
+    OutcomeUnknown,
+    ProtocolError,
+)
+
+if TYPE_CHECKING:
+    from aioduco._wire.idl import Function
+
+__all__ = ["DeadlinePassed", "Ended", "failure", "may_send_again", "of_two", "reason_of"]
+
+
+class DeadlinePassed(Exception):
+    """The deadline of an operation has passed."""
+
+
+class Ended(Exception):
+    """The other side closed the connection, or it was given up."""
+
+
+def reason_of(exc: BaseException, progress: Progress) -> str:
+    """Return in words why a connection failed during a call with this progress."""
+    match exc:
+        case DeadlinePassed():
+            unsent = progress is Progress.NOTHING_SENT
+            return "the system did not take it in time" if unsent else "no answer came in time"
+        case Ended():
+            return "the controller closed the connection"
+        case OSError():
+            return f"the connection broke ({exc.strerror or exc})"
+        case Malformed():
+            return f"something else than its answer came: {exc}"
+        case Exception():
+            return f"its answer could not be read ({type(exc).__name__}: {exc})"
+    return f"it was interrupted ({type(exc).__name__})"
+
+
+def failure(
+    function: Function, progress: Progress, exc: BaseException, reason: str
+) -> ConnectionLost:
+    """Return the error for the caller of a call whose connection failed.
+
+    Args:
+        function: the function that was called.
+        progress: progress of the call.
+        exc: how the connection failed.
+        reason: the same in words, from `reason_of`, or why the connection was given up.
+    """
+    name, late = function.name, isinstance(exc, DeadlinePassed)
+    if progress is Progress.NOTHING_SENT:
+        return (NotSent if late else ConnectionLost)(f"{name} was not sent, since {reason}")
+    if call_kind(name) is not CallKind.READ:
+        return OutcomeUnknown(name, reason)
+    if late:
+        return CallTimeout(f"{name}: {reason}; the connection was closed")
+    if isinstance(exc, Ended | OSError):
+        return ConnectionLost(f"{name}: {reason}; it only reads, so it may be called again")
+    return ProtocolError(f"{name}: {reason}; the connection was closed")
+
+
+def may_send_again(function: Function, progress: Progress) -> bool:
+    """Whether a call with this progress on a broken connection may be sent on another one."""
+    if progress is Progress.NOTHING_SENT:
+        return True
+    if progress is Progress.SENT:
+        return call_kind(function.name).repeatable
+    # an incomplete answer shows that the call was received; only a stop is repeated to be sure
+    return call_kind(function.name) is CallKind.STOP
+
+
+def of_two(first: ConnectionLost | None, second: BaseException) -> BaseException:
+    """Return the error of a call that was sent again: of the two, the one that says more.
+
+    A stop may have been sent the first time although it was not sent the second time.
+    """
+    unsent = isinstance(second, ConnectError | ConnectionLost)
+    if isinstance(first, OutcomeUnknown) and unsent and not isinstance(second, OutcomeUnknown):
+        first.__cause__ = second
+        return first
+    return second

@@ -1,0 +1,192 @@
+"""Names are resolved off the event loop, and each address has its share of the time."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.lane import LaneState, WireLane
+from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.testing import eventually, eventually_async, no_leaks
+
+from .lanes import SHORT, channel, own_threads
+from .servers import PATIENCE, ScriptedServer, black_hole
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+NAME = "robot.test"
+
+
+class Names:
+    """A name server, which may hang.
+
+    Attributes:
+        addresses: what the name stands for.
+        answers: whether it answers; it hangs while it does not.
+        asked: how often it was asked for the name.
+    """
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self._resolve = socket.getaddrinfo
+        self.addresses: list[tuple[str, int]] = []
+        self.answers = threading.Event()
+        self.answers.set()
+        self.asked = 0
+        self.threads: list[threading.Thread] = []
+        monkeypatch.setattr(socket, "getaddrinfo", self._look_up)
+
+    def _look_up(self, host: str, *args: Any, **options: Any) -> Any:
+        if host != NAME:
+            return self._resolve(host, *args, **options)
+        if options.get("flags"):
+            raise socket.gaierror(socket.EAI_NONAME, "a name")
+        self.asked += 1
+        self.threads.append(threading.current_thread())
+        assert self.answers.wait(PATIENCE)
+        if not self.addresses:
+            raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
+        return [(socket.AF_INET, socket.SOCK_STREAM, 6, "", each) for each in self.addresses]
+
+
+@pytest.fixture
+def names(monkeypatch: pytest.MonkeyPatch) -> Iterator[Names]:
+    with no_leaks():
+        made = Names(monkeypatch)
+        yield made
+        made.answers.set()
+
+
+# Shares
+
+
+async def test_an_address_that_does_not_answer_leaves_time_for_the_next(names: Names) -> None:
+    with ScriptedServer() as server, black_hole() as nobody:
+        names.addresses = [nobody, (server.host, server.port)]
+        lane = WireLane("test", NAME, 7003, connect_timeout=1.0)
+        await lane.open()
+        assert await lane.rpc.stop(True) == 0
+        connection = Connection(NAME, 7003, connect_timeout=1.0)
+        connection.open()
+        assert connection.rpc.stop(True) == 0
+        connection.close()
+        await lane.aclose()
+        assert server.names == ["stop", "stop"]
+
+
+async def test_an_address_that_refuses_costs_no_time(names: Names) -> None:
+    with ScriptedServer() as server, socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        names.addresses = [closed.getsockname(), (server.host, server.port)]
+        lane = WireLane("test", NAME, 7003, connect_timeout=PATIENCE)
+        await lane.open()
+        await lane.aclose()
+        names.addresses.pop()
+        with pytest.raises(ConnectError, match="refused"):
+            await WireLane("test", NAME, 7003).open()
+
+
+# Names
+
+
+async def test_an_address_needs_no_thread_and_no_name_server(names: Names) -> None:
+    with ScriptedServer() as server:
+        before = own_threads()
+        lane = WireLane("test", server.host, server.port)
+        await lane.open()
+        assert own_threads() == before
+        await lane.aclose()
+
+
+async def test_a_name_is_resolved_for_each_connection(names: Names) -> None:
+    """A replaced controller may have another address."""
+    with ScriptedServer() as first, ScriptedServer() as second:
+        names.addresses = [(first.host, first.port)]
+        lane = WireLane("test", NAME, 7003)
+        await lane.open()
+        names.addresses = [(second.host, second.port)]
+        with anyio.move_on_after(0.0):
+            await lane.rpc.pause(True)
+        channel(lane)._drop("for the test")
+        assert await lane.rpc.stop(True) == 0
+        await lane.aclose()
+        assert (first.names, second.names) == ([], ["stop"])
+        assert names.asked == 2
+
+
+async def test_an_unknown_name_is_said_so(names: Names) -> None:
+    lane = WireLane("test", NAME, 7003)
+    with pytest.raises(ConnectError, match=r"unknown host .*not known"):
+        await lane.open()
+    with pytest.raises(ConnectError, match=r"unknown host .*not known"):
+        Connection(NAME, 7003).open()
+
+
+async def test_a_name_without_a_thread_is_said_so(
+    names: Names, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none(_: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", none)
+        with pytest.raises(ConnectError, match="can start no more threads"):
+            await WireLane("test", NAME, 7003).open()
+
+
+async def test_a_name_server_that_hangs_holds_up_neither_the_loop_nor_a_deadline(
+    names: Names,
+) -> None:
+    with ScriptedServer() as server:
+        names.addresses = [(server.host, server.port)]
+        lane = WireLane("test", NAME, 7003, connect_timeout=PATIENCE)
+        await lane.open()
+        channel(lane)._drop("for the test")
+        names.answers.clear()
+        for _ in range(5):
+            with pytest.raises(ConnectError, match="no answer in time"):
+                await lane.call("pause", (True,), SHORT / 2)
+        # all wait for one thread, which nothing can end
+        assert names.asked == 2
+        assert [thread.is_alive() for thread in names.threads[1:]] == [True]
+        await eventually_async(lambda: lane.statistics().stuck == 1)
+        assert lane.statistics().failed == 5
+        names.answers.set()
+        assert await lane.rpc.resume(True) == 0
+        assert server.names == ["resume"]
+        assert lane.statistics().stuck == 0
+        await lane.aclose()
+
+
+async def test_a_lane_closes_while_its_name_server_hangs(names: Names) -> None:
+    names.answers.clear()
+    lane = WireLane("test", NAME, 7003, connect_timeout=PATIENCE)
+    raised: list[BaseException] = []
+
+    async def open_() -> None:
+        try:
+            await lane.open()
+        except ConnectionLost as exc:
+            raised.append(exc)
+
+    async with anyio.create_task_group() as group:
+        group.start_soon(open_)
+        await eventually_async(lambda: names.asked == 1)
+        group.cancel_scope.cancel()
+    assert lane.state is LaneState.CLOSED
+    assert raised == []
+    names.answers.set()
+    eventually(lambda: not names.threads[0].is_alive())
+
+
+def test_a_connection_of_a_thread_waits_for_a_name_no_longer_than_its_limit(names: Names) -> None:
+    names.answers.clear()
+    connection = Connection(NAME, 7003, connect_timeout=SHORT)
+    with pytest.raises(ConnectError, match="no answer in time"):
+        connection.open()
+    connection.close()

@@ -1,0 +1,227 @@
+"""When a call leaves: before anything else runs, with its permit, and in parts if it is long."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+
+from aioduco.errors import ConnectionLost, NotSent, OutcomeUnknown, RobotStateError
+from aioduco.testing import eventually_async
+
+from .lanes import SHORT, Gate, channel, opened, own_threads
+from .servers import PATIENCE, Peer, honest
+
+if TYPE_CHECKING:
+    from aioduco._wire.lane import WireLane
+
+#: more than a system keeps for a connection whose other side reads nothing
+LONG = "x" * 3_000_000
+
+
+def unread(read: threading.Event) -> Any:
+    """A script that reads nothing until it may."""
+
+    def script(peer: Peer) -> None:
+        assert read.wait(PATIENCE)
+        honest(peer)
+
+    return script
+
+
+def narrow(lane: WireLane) -> None:
+    """Let the system keep little of what the lane sends."""
+    stream = channel(lane)._stream
+    assert stream is not None
+    stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+
+
+class Permit:
+    """A permit that ends when it is told to."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+        self.error: Exception | None = None
+
+    def __call__(self) -> None:
+        self.asked += 1
+        if self.error is not None:
+            raise self.error
+
+
+# At once
+
+
+async def test_a_call_that_was_begun_is_sent_before_anything_else_runs() -> None:
+    async with opened() as (lane, server):
+        answer = lane.begin("stop", (True,), PATIENCE)
+        server.wait_calls(1)  # blocks the loop
+        assert await answer() == 0
+
+
+async def test_a_lane_needs_no_thread() -> None:
+    before = own_threads()
+    async with opened() as (lane, _):
+        assert await lane.rpc.stop(True) == 0
+        assert own_threads() == before
+
+
+async def test_a_call_that_was_begun_and_not_awaited_disturbs_nothing() -> None:
+    async with opened() as (lane, server):
+        lane.begin("stop", (True,), PATIENCE)
+        server.wait_calls(1)
+        assert await lane.rpc.get_global_speed() == 0
+        assert server.connections == 1
+
+
+async def test_a_call_on_a_connection_that_was_closed_is_sent_on_another() -> None:
+    def closing(peer: Peer) -> None:
+        peer.sock.close()
+
+    async with opened(closing, honest) as (lane, server):
+        server.wait_finished(1)  # the loop has not heard of it
+        assert await lane.rpc.pause(True) == 0
+        assert (server.names, server.connections) == (["pause"], 2)
+
+
+async def test_an_end_of_the_connection_is_noticed_while_it_is_idle() -> None:
+    def closing(peer: Peer) -> None:
+        peer.sock.close()
+
+    async with opened(closing, honest) as (lane, _):
+        await eventually_async(lambda: channel(lane).reason != "")
+        assert channel(lane).reason == "the controller closed the connection"
+
+
+# With a permit
+
+
+async def test_a_permit_that_ended_sends_nothing_and_keeps_the_connection() -> None:
+    permit = Permit()
+    async with opened() as (lane, server):
+        assert await lane.call("pause", (True,), permit=permit) == 0
+        assert permit.asked == 1
+        permit.error = RobotStateError("the arm is being stopped")
+        with pytest.raises(RobotStateError) as raised:
+            await lane.call("pause", (True,), permit=permit)
+        assert raised.value is permit.error
+        with pytest.raises(RobotStateError):
+            await lane.begin("pause", (True,), PATIENCE, permit)()
+        with pytest.raises(RobotStateError):
+            lane.call_from_thread("pause", (True,), PATIENCE, permit)
+        assert await lane.rpc.stop(True) == 0
+        assert lane.call_from_thread("stop", (True,), PATIENCE) == 0
+        assert server.names == ["pause", "stop", "stop"]
+        assert server.connections == 2
+        assert lane.statistics().failed == lane.statistics().abandoned == 0
+
+
+async def test_a_permit_is_asked_when_a_call_is_sent_and_not_before() -> None:
+    """It waits behind another call, and meanwhile its permit ends."""
+    gate, permit = Gate(), Permit()
+    raised: list[BaseException] = []
+
+    async def call() -> None:
+        try:
+            await lane.call("resume", (True,), permit=permit)
+        except RobotStateError as exc:
+            raised.append(exc)
+
+    async with opened(gate) as (lane, server), anyio.create_task_group() as group:
+        group.start_soon(lane.within(None).pause, True)
+        await eventually_async(lambda: len(server.calls) == 1)
+        group.start_soon(call)
+        group.start_soon(lane.rpc.get_global_speed)
+        await eventually_async(lambda: lane.statistics().waiting == 2)
+        assert permit.asked == 0
+        permit.error = RobotStateError("the arm is being stopped")
+        gate.open()
+        await eventually_async(lambda: len(server.calls) == 2)
+        assert server.names == ["pause", "get_global_speed"]
+        assert raised == [permit.error]
+        assert permit.asked == 1
+
+
+async def test_a_permit_is_asked_again_on_another_connection() -> None:
+    permit = Permit()
+
+    def closing(peer: Peer) -> None:
+        peer.receive()
+        permit.error = RobotStateError("the arm is being stopped")
+
+    async with opened(closing, honest) as (lane, server):
+        with pytest.raises(RobotStateError):
+            await lane.call("get_global_speed", (), permit=permit)
+        assert permit.asked == 2
+        assert len(server.calls) == 1
+
+
+# In parts
+
+
+async def test_a_long_call_is_sent_in_parts_and_the_loop_goes_on() -> None:
+    read = threading.Event()
+    async with opened(unread(read), call_timeout=PATIENCE) as (lane, server):
+        narrow(lane)
+        async with anyio.create_task_group() as group:
+            group.start_soon(lane.rpc.log_info, LONG)
+            await eventually_async(lambda: channel(lane)._rest)
+            read.set()
+        assert [call.args for call in server.calls] == [(LONG,)]
+        assert await lane.rpc.stop(True) == 0
+        assert server.connections == 1
+
+
+async def test_a_controller_that_reads_nothing_is_given_up_in_time() -> None:
+    read = threading.Event()
+    async with opened(unread(read), honest) as (lane, server):
+        narrow(lane)
+        with pytest.raises(OutcomeUnknown, match="no answer came in time"):
+            await lane.call("log_info", (LONG,), 2 * SHORT)
+        read.set()
+        server.wait_finished(1)
+        # the controller has only a part of it
+        assert await lane.rpc.stop(True) == 0
+        assert server.names == ["stop"]
+
+
+async def test_a_permit_that_ends_between_two_parts_leaves_a_call_that_is_never_whole() -> None:
+    read, permit = threading.Event(), Permit()
+    raised: list[BaseException] = []
+
+    async def call() -> None:
+        try:
+            await lane.call("log_info", (LONG,), PATIENCE, permit=permit)
+        except RobotStateError as exc:
+            raised.append(exc)
+
+    async with opened(unread(read), honest) as (lane, server):
+        narrow(lane)
+        async with anyio.create_task_group() as group:
+            group.start_soon(call)
+            await eventually_async(lambda: channel(lane)._rest)
+            permit.error = RobotStateError("the arm is being stopped")
+            read.set()
+        assert raised == [permit.error]
+        assert await lane.rpc.stop(True) == 0
+        assert (server.names, server.connections) == (["stop"], 2)
+
+
+@pytest.mark.parametrize("timeout", [0.0, -1.0])
+async def test_a_call_without_time_is_not_sent(timeout: float) -> None:
+    async with opened() as (lane, server):
+        with pytest.raises(NotSent, match="no time left"):
+            await lane.call("stop", (True,), timeout)
+        assert server.calls == []
+        assert lane.statistics().busy == 0
+
+
+async def test_a_closed_lane_sends_nothing() -> None:
+    async with opened() as (lane, server):
+        await lane.aclose()
+        with pytest.raises(ConnectionLost, match="not open"):
+            lane.begin("stop", (True,), PATIENCE)
+        assert server.calls == []
