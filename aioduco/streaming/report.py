@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco.errors import MissingExtra
-from aioduco.streaming.shared.block import HISTOGRAMS, StatusWord, Unmet
+from aioduco.streaming.shared.block import HISTOGRAMS
 from aioduco.streaming.shared.histogram import Percentiles
+from aioduco.streaming.shared.words import StatusWord, Unmet
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

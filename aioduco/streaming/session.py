@@ -26,8 +26,8 @@ from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import DucoError, LaneFailed, StreamClosed
 from aioduco.streaming.ends import failure
 from aioduco.streaming.report import StreamStatistics
-from aioduco.streaming.shared.block import StreamCommand
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import StreamCommand
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion

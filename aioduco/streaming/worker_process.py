@@ -16,8 +16,9 @@ from aioduco._platform import boot_time
 from aioduco._spawn import Process, Unstartable
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import LaneFailed
-from aioduco.streaming.shared.block import Block, ControlWord, StatusWord, StreamCommand
+from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -18,8 +18,8 @@ from aioduco.errors import LaneFailed, StreamClosed, StreamError, StreamStarved,
 from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.shared.block import ControlWord, StreamCommand
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import ControlWord, StreamCommand
 from aioduco.streaming.speed import Speed
 from aioduco.streaming.track import TrackStreams
 from aioduco.streaming.worker.encoding import Batch, Point

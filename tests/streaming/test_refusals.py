@@ -12,8 +12,8 @@ import aioduco
 from aioduco import ParameterError, RealtimeMode
 from aioduco._wire import idl
 from aioduco.streaming.options import LaneOptions
-from aioduco.streaming.shared.block import StatusWord, StreamCommand
 from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import StatusWord, StreamCommand
 from aioduco.streaming.worker_process import WorkerHandle
 
 NOBODY = aioduco.connect("192.0.2.1")

@@ -12,8 +12,8 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
-from aioduco.streaming.shared.block import ControlWord, StatusWord
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import ControlWord, StatusWord
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.setpoints import SetpointFeed, within

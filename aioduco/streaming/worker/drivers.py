@@ -6,8 +6,8 @@ import time
 from typing import TYPE_CHECKING, Any, Protocol
 
 from aioduco._wire import codec, idl
-from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import StatusWord
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Point
 from aioduco.streaming.worker.setpoints import SetpointFeed

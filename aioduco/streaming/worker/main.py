@@ -37,9 +37,10 @@ from aioduco._wire.host import Route
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.scheduling import shorten_slice
-from aioduco.streaming.shared.block import Block, ControlWord, StatusWord, StreamCommand, Unmet
+from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.config import CallDrive, PoolDrive, QueueDrive
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand, Unmet
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
@@ -90,7 +91,9 @@ class StreamWorker:
         self._config: WorkerConfig = block.config
         self._route = Route()
         self._timeout = block.config.options.timeout
-        self._permit = WorkerPermit(block)
+        self._permit = WorkerPermit(
+            block.control, block.config.stall_limit, block.config.options.away_limit
+        )
         self._link = link
         self._link.setblocking(False)
         self._readable = readiness(link)

@@ -29,13 +29,11 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco._platform import boot_time
-from aioduco.streaming.shared.block import ControlWord, StreamCommand
 from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import ControlWord, StreamCommand
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from aioduco.streaming.shared.block import Block
 
 __all__ = ["PermitEnded", "StreamPermit", "WorkerPermit"]
 
@@ -110,14 +108,14 @@ class WorkerPermit:
     """The permit of this worker, by the clocks and the shared block.
 
     Args:
-        block: the shared block, with the configuration.
+        control: words of `StreamCommand` and `ControlWord`, which the program writes.
+        stall_limit: time without a sign of life after which the program's event loop hangs [s].
+        away_limit: time for which the worker may not run [s].
     """
 
-    def __init__(self, block: Block) -> None:
-        self._control = block.control
-        config = block.config
-        away_limit = int(config.options.away_limit * 1e9)
-        self._permit = StreamPermit(int(config.stall_limit * 1e9), away_limit, *_times())
+    def __init__(self, control: Sequence[int], stall_limit: float, away_limit: float) -> None:
+        self._control = control
+        self._permit = StreamPermit(int(stall_limit * 1e9), int(away_limit * 1e9), *_times())
 
     @property
     def reason(self) -> Reason:

@@ -21,9 +21,9 @@ import time
 from typing import TYPE_CHECKING, Protocol
 
 from aioduco.streaming.shared.action import ActionTag
-from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import StatusWord
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.follower import CheckedFollower, Follower
 from aioduco.streaming.worker.limiter import Rates
