@@ -200,6 +200,11 @@ class Subscription(Generic[T]):
         """Number of items that were dropped because they were not taken in time."""
         return self._buffer.dropped
 
+    @property
+    def ready(self) -> bool:
+        """Whether the next item is there already, or an error instead of it."""
+        return self._buffer.ready or self._over is not None
+
     def give(self, item: T) -> None:
         """Add an item; on the event loop."""
         self._buffer.put(item)

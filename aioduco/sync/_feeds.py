@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import anyio
 
-from aioduco.models.ranges import TIMEOUT
+from aioduco.models.ranges import WAIT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -51,19 +51,19 @@ class Subscription(Generic[T]):
         """Wait for the next item.
 
         Args:
-            timeout: seconds for which to wait; None for no limit.
+            timeout: seconds for which to wait; 0 for one that waits already; None for no limit.
 
         Raises:
-            ParameterError: the time is not above 0.
+            ParameterError: the time is below 0.
             TimeoutError: none came in time.
             RobotStateError: the robot was closed.
         """
         if timeout is not None:
-            timeout = TIMEOUT("timeout", timeout)
+            timeout = WAIT("timeout", timeout)
         return self._runner.call(self._next(timeout))
 
     async def _next(self, timeout: float | None) -> T:
-        with anyio.move_on_after(timeout):
+        with anyio.move_on_after(None if self._subscription.ready else timeout):
             return await anext(self._subscription)
         raise TimeoutError(f"nothing came within {timeout:g} s")
 

@@ -8,6 +8,7 @@ import pytest
 
 import aioduco.sync
 from aioduco import RobotStateError, events
+from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from api.desk import Desk
@@ -45,6 +46,13 @@ def test_events_come_one_after_another(robot: Robot, desk: Desk) -> None:
                 break
         with pytest.raises(TimeoutError):
             stream.next(timeout=0.0)
+
+
+def test_an_item_that_waits_is_taken_without_a_wait(robot: Robot) -> None:
+    with robot.feed.subscribe(size=2) as samples:
+        eventually(lambda: samples._subscription.ready)
+        first = samples.next(timeout=0)
+        assert samples.next().sequence > first.sequence
 
 
 def test_they_end_when_the_robot_closes(desk: Desk) -> None:
