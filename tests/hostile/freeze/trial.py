@@ -48,7 +48,7 @@ class Patience:
     Attributes:
         rest: time from the thaw within which a moving arm must have come to rest [s].
         late: by which the simulator and this process may be late, before a run is begun anew [s];
-            in a short freeze a quarter of it, since short limits are to pass in it, or not to.
+            a quarter of it if a short limit is to pass in a short freeze.
         quiet: for which an arm has stood when the run is over before its time [s].
         attempts: how often a run is begun that nothing can be said about.
     """
@@ -56,7 +56,7 @@ class Patience:
     rest: float = REST_LIMIT
     late: float = 0.4
     quiet: float = math.inf
-    attempts: int = 4
+    attempts: int = 6
 
 
 #: for verdicts that do not depend on how busy the machine is
@@ -243,8 +243,13 @@ class _Trial:
         self._goes_on(program)
 
     @property
+    def _by_design(self) -> bool:
+        return by_design(self._cell, self._draw.variant, self._draw.seconds)
+
+    @property
     def _late(self) -> float:
-        return self._patience.late * (0.25 if self._cell.how == "0.3" else 1.0)
+        strict = self._cell.how == "0.3" and not self._by_design
+        return self._patience.late * (0.25 if strict else 1.0)
 
     @property
     def _pauses(self) -> bool:
@@ -294,12 +299,11 @@ class _Trial:
 
     def _watch(self, program: subprocess.Popen[str], thawed: float) -> None:
         """Wait until enough was seen of the arm."""
-        patience, draw = self._patience, self._draw
-        on = by_design(self._cell, draw.variant, draw.seconds)
+        patience = self._patience
         while (after := now() - thawed) < patience.rest + _AFTER:
             self._tools.wait(now() + 4 * _LOOK)
             way = Way(self._arm.seen)
-            if on and after > _ON and way.left(thawed) < math.inf:
+            if self._by_design and after > _ON and way.left(thawed) < math.inf:
                 return
             stands = after - way.moved_last(thawed)
             if stands > patience.quiet:
