@@ -112,9 +112,9 @@ def test_an_arm_may_go_on_if_no_limit_has_passed() -> None:
     short = Way(seen((0.3, 2.3), (0.3, 1.5)))
     program = Cell("servo", "program", "0.3", guarded=False)
     assert judge(program, 0, short, (2.0, 2.3), ()).kind == GOES_ON
-    # its dead man has passed
-    worker = Cell("speed", "worker", "0.3", guarded=False)
-    assert judge(worker, 0, Way(seen((0.3, 7.0))), (2.0, 2.3), ()).kind == BREAKS
+    for scene, frozen in ("servo", "worker"), ("speed", "program"):
+        passed = Cell(scene, frozen, "0.3", guarded=False)
+        assert judge(passed, 0, Way(seen((0.3, 7.0))), (2.0, 2.3), ()).kind == BREAKS
 
 
 def test_an_arm_may_move_if_its_program_ran_all_the_time_and_commands_it() -> None:

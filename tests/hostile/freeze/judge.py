@@ -27,16 +27,11 @@ _STILL, _BEFORE, _REST = 5e-4, 0.1, 0.3
 #: time from the thaw within which a moving arm must have come to rest [s]
 REST_LIMIT = 3.0
 
-#: after which the package, or the controller, ends what moves the arm [s]: the default of
-#: `loop_stall_limit`; a stream's `hold`, for which its program may be late
-_STALL, _HOLD, _SPEED_HOLD = 1.0, 0.5, 0.1
+#: defaults of `loop_stall_limit`, of a worker's `away_limit`, and of a stream's `hold`, for which
+#: its program may be late [s]
+_STALL, _AWAY, _HOLD, _SPEED_HOLD = 1.0, 0.25, 0.5, 0.1
 #: heartbeat time and slack, after which the controller stops the arm [s]
 _HEARTBEAT = 1.5
-#: a stream whose worker is late "only moves less evenly" (docs/streams.md): here for no longer
-_LATE = 0.5
-#: what lasts while the worker is frozen: `dead_man`, and the 100 points of a realtime queue, of
-#: which the simulator takes one a cycle [s]
-_DEAD_MAN, _QUEUE = (0.2, 0.5), 100 * CYCLE
 
 
 class Line(NamedTuple):
@@ -71,14 +66,9 @@ def limit(cell: Cell, variant: int) -> float:
     # of a stream through the queue in points, one a millisecond
     queued = (_HOLD, _SPEED_HOLD)[variant] * CYCLE / 1e-3
     program = {"servo": _HOLD, "realtime": min(queued, _STALL), "speed": _SPEED_HOLD}
-    worker = {
-        "speed": _DEAD_MAN[variant],
-        "realtime": _QUEUE,
-        "plan": (_QUEUE, _LATE)[variant],
-    }
     limits = {
         "program": program.get(cell.scene, _STALL),
-        "worker": worker.get(cell.scene, _LATE),
+        "worker": _AWAY,
         "guard": _HEARTBEAT,
     }
     return min(limits[role] for role in cell.roles)

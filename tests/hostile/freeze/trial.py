@@ -48,7 +48,7 @@ class Patience:
     Attributes:
         rest: time from the thaw within which a moving arm must have come to rest [s].
         late: by which the simulator and this process may be late, before a run is begun anew [s];
-            a quarter of it if a short limit is to pass in a short freeze.
+            a quarter of it for the end of a short freeze.
         quiet: for which an arm has stood when the run is over before its time [s].
         attempts: how often a run is begun that nothing can be said about.
     """
@@ -243,15 +243,6 @@ class _Trial:
         self._goes_on(program)
 
     @property
-    def _by_design(self) -> bool:
-        return by_design(self._cell, self._draw.variant, self._draw.seconds)
-
-    @property
-    def _late(self) -> float:
-        strict = self._cell.how == "0.3" and not self._by_design
-        return self._patience.late * (0.25 if strict else 1.0)
-
-    @property
     def _pauses(self) -> bool:
         """Whether the arm is to stand between two motions."""
         return self._cell.scene == "motion" and not self._draw.variant
@@ -291,7 +282,8 @@ class _Trial:
         chance.shuffle(chosen)
         thawed = now()
         processes.thaw(chosen)
-        if thawed - frozen > draw.seconds + self._late:
+        late = self._patience.late * (0.25 if cell.how == "0.3" else 1.0)
+        if thawed - frozen > draw.seconds + late:
             raise Again(f"it was frozen for {thawed - frozen:.2f} s")
         if any(line.what == "told" and line.at < frozen for line in self._said):
             raise Again("it ended before the freeze")
@@ -299,11 +291,12 @@ class _Trial:
 
     def _watch(self, program: subprocess.Popen[str], thawed: float) -> None:
         """Wait until enough was seen of the arm."""
-        patience = self._patience
+        patience, draw = self._patience, self._draw
+        on = by_design(self._cell, draw.variant, draw.seconds)
         while (after := now() - thawed) < patience.rest + _AFTER:
             self._tools.wait(now() + 4 * _LOOK)
             way = Way(self._arm.seen)
-            if self._by_design and after > _ON and way.left(thawed) < math.inf:
+            if on and after > _ON and way.left(thawed) < math.inf:
                 return
             stands = after - way.moved_last(thawed)
             if stands > patience.quiet:
@@ -318,7 +311,7 @@ class _Trial:
         told = next((line for line in result.said if line.what == "told"), None)
         result.told = "" if told is None else f"at {told.at:+.2f} s: {told.text}"
         late = way.late(frozen - 0.2, thawed + 1.0)
-        if late > self._late:
+        if late > self._patience.late:
             raise Again(f"the simulator was late by {late:.2f} s")
         result.verdict = judge(
             self._cell, self._draw.variant, way, (frozen, thawed), self._said, self._patience.rest
