@@ -59,8 +59,8 @@ class Patience:
     attempts: int = 6
 
 
-#: for verdicts that do not depend on how busy the machine is
-PATIENT = Patience(rest=20.0, late=math.inf, quiet=3.0, attempts=20)
+#: for verdicts that do not depend on how busy the machine is; no program ends before `rest`
+PATIENT = Patience(rest=10.0, late=math.inf, quiet=3.0, attempts=20)
 
 
 class Ended(Exception):
