@@ -69,6 +69,8 @@ class Track(Section, TrackStreams):
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskError: they were not put in.
+            EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
+                follows the pool is; nothing was sent.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
         Manual section 1.3.12.
@@ -90,6 +92,8 @@ class Track(Section, TrackStreams):
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskError: they were not put in.
+            EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
+                follows the pool is; nothing was sent.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
         Manual section 1.3.12.
@@ -184,13 +188,15 @@ class Track(Section, TrackStreams):
         enqueue: Callable[[Any, bool], Awaitable[int]],
         points: Sequence[Any],
     ) -> None:
-        """Put points into the pool."""
+        """Put points into the pool, after a check against the envelope."""
         held = self._kind
         if kind is not None and held is not None and held is not kind:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
+        joints = [getattr(point, "pos", point) for point in points] if kind is Joints else []
+        await self._supervisor.envelope.admit(function, joints, moves=self._followed)
         if self._followed:
             # The arm may follow them without a task that reports the motion.
             self._supervisor.stop_coordinator.claim.make(function)
