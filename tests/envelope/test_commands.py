@@ -225,13 +225,16 @@ async def test_a_loop_of_motions_does_not_creep(
     robot: aioduco.Robot, seen: Seen, kind: str
 ) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
-    violated = 0
+    stopped = refused = 0
     for _ in range(12):
         try:
             await hammered(robot, kind)
-        except (EnvelopeViolated, TaskStopped):
-            violated += 1
-    assert violated >= 4
+        except EnvelopeViolated:
+            refused += 1
+        except aioduco.TaskError:
+            stopped += 1
+    # the world's axes are those of the base only if the arm stands on a floor, which is not known
+    assert (refused, stopped > 0) == (0, True) if kind == "jog world" else refused >= 4
     assert nearest(seen) > -LAG
     assert nearest(seen) < 0.08
 
