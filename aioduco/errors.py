@@ -484,7 +484,7 @@ class Unreachable(DucoError):
 
 
 class EnvelopeViolated(DucoError):
-    """A motion would lead beyond a limit of `robot.envelope`. It was not sent.
+    """A motion would lead beyond a limit of `robot.envelope`, or not back from it. It was not sent.
 
     Attributes:
         limit: the name of the limit.

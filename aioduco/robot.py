@@ -563,9 +563,10 @@ class Robot(ManualNames):
 
             robot.envelope = Envelope("gcr5_910", Zone.plane((0, 0, 0.02), (0, 0, 1)))
 
-        Each motion, and each set-point of a stream, is checked before it is sent. During all other
-        movement, such as jogs and hand guiding, the state is watched, and the arm is stopped. The
-        envelope may be set at any time; a stream keeps the one with which it was opened.
+        Each motion, and each set-point of a stream, is checked before it is sent, as far as its
+        path is known. During all other movement, such as jogs and hand guiding, the state is
+        watched, and the arm is stopped. Beyond a limit, only what is known to lead back is sent.
+        The envelope may be set at any time; a stream keeps the one with which it was opened.
 
         Raises:
             ParameterError: the value is neither an Envelope nor None.

@@ -8,13 +8,12 @@ from aioduco.api.points import listed
 from aioduco.api.section import Section, check_finished
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.realtime import RealtimePoint
+from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.streaming.realtime import RealtimeStreams
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from aioduco.models.realtime import RealtimeMode
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.supervisor import Supervisor
 
@@ -100,6 +99,8 @@ class Realtime(Section, RealtimeStreams):
             ParameterError: `points` is empty, or an element is not such a point, or is of another
                 mode than the first; nothing was sent.
             TaskError: the points were not put in.
+            EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
+                that follows them; nothing was sent.
 
         Manual section 1.3.15.
         """
@@ -110,6 +111,9 @@ class Realtime(Section, RealtimeStreams):
         for number, point in enumerate(given):
             if not isinstance(point, RealtimePoint) or point.mode is not given[0].mode:
                 raise ParameterError(f"points[{number}]", point, expected)
+        joints = [p.values for p in given if p.mode is RealtimeMode.JOINT_POSITION]
+        moves = _ENDING in self._supervisor.stop_coordinator.modes
+        await self._supervisor.envelope.admit("realtime_data_enqueue", joints, moves=moves)
         data = [point.wire() for point in given]
         answer = await self._feed(lambda rpc: rpc.realtime_data_enqueue(data, True))
         check_finished("realtime_data_enqueue", answer)

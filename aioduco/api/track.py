@@ -76,6 +76,8 @@ class Track(Section, TrackStreams):
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskError: they were not put in.
+            EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
+                follows the pool is; nothing was sent.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
         Manual section 1.3.12.
@@ -83,7 +85,8 @@ class Track(Section, TrackStreams):
         given = ranges.TRACK_POINTS.listed("points", points)
         kind = _kind(given)
         points_ = _RULES[kind or self._kind]("points", given)
-        await self._put(kind, lambda rpc: rpc.trackEnqueue(points_, True))
+        joints = points_ if kind is Joints else ()
+        await self._put(kind, lambda rpc: rpc.trackEnqueue(points_, True), joints)
 
     async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
         """Put points into the pool, each with outputs to set there (带 Op 的轨迹点入池).
@@ -97,13 +100,17 @@ class Track(Section, TrackStreams):
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskError: they were not put in.
+            EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
+                follows the pool is; nothing was sent.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
         Manual section 1.3.12.
         """
         given = points_with_outputs("points", points, ranges.TRACK_COUNT, Joints, Pose)
         points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
-        await self._put(type(given[0].pos), lambda rpc: rpc.trackEnqueueOp(points_, True))
+        kind = type(given[0].pos)
+        joints = [point.pos for point in points_] if kind is Joints else ()
+        await self._put(kind, lambda rpc: rpc.trackEnqueueOp(points_, True), joints)
 
     async def trackClearQueue(self) -> None:  # noqa: N802  # as above
         """Empty the pool (清空轨迹池).
@@ -184,8 +191,10 @@ class Track(Section, TrackStreams):
             lambda rpc: rpc.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_)
         )
 
-    async def _put(self, kind: _Kind | None, call: Call) -> None:
-        """Put points into the pool, by a call of the wire."""
+    async def _put(
+        self, kind: _Kind | None, call: Call, joints: Sequence[Sequence[float]] = ()
+    ) -> None:
+        """Put points into the pool, by a call of the wire, after a check against the envelope."""
         function, _ = capture_call(call)
         await self._modes.settle(function)
         held = self._kind
@@ -194,6 +203,7 @@ class Track(Section, TrackStreams):
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
+        await self._supervisor.envelope.admit(function, joints, moves=self._followed)
         self._last_kind = kind or held
         # Before the call is sent, since its answer may be lost.
         filled = self._modes.enter(TRACK_POOL)

@@ -25,15 +25,19 @@ if TYPE_CHECKING:
 
     from aioduco.envelope.zones import Point
 
-__all__ = ["EnvelopeChecker", "Tip"]
+__all__ = ["BESIDE", "STOPPING", "EnvelopeChecker", "Tip"]
 
 Tip: TypeAlias = "Sequence[float]"
 """The tool's tip in the base frame: its rotation matrix by rows, then x, y, z [m]. Shape (12,)."""
 Joints6: TypeAlias = tuple[float, ...]
 _Look: TypeAlias = tuple["Sequence[float]", "tuple[Point, ...]", Joints6]
 
+#: depth beyond a limit up to which an arm may stand, because of lag; only deeper it must lead back,
+#: and not along the limit [m, rad]
+BESIDE = 3e-3
+#: joint deceleration that a stopping arm reaches for certain [rad/s²]
+STOPPING = 5.0
 _HALVINGS = 8  # halvings of a chord before a zone that it passes closely counts as crossed
-_BESIDE = 3e-3  # largest depth beyond a zone's limit at the start that is tolerated [m]
 _NOWHERE = (math.nan, math.nan, math.nan)
 _ROUNDING = 1e-9  # upper bound of the rounding error of a summed distance [m]
 _UNMARKED: tuple[Sequence[float], float, float] = ((), 0.0, 0.0)
@@ -108,6 +112,9 @@ class EnvelopeChecker:
         self.seed: Joints6 = ()
         self.deviation: float = 0.0
         self._at: Sequence[float] = ()
+        #: limits that the arm was beyond when it began to leave them, and its margins there
+        self._beyond: dict[str, float] = {}
+        self._slack = _ROUNDING
         #: sum of the joints' turns, and the sum at which their margins must be computed next [rad]
         self._turned = self._joints_due = 0.0
         #: start for which `clear` found near zones, and the distances that it checked [m]
@@ -233,22 +240,64 @@ class EnvelopeChecker:
 
     # -- checks against the limits -------------------------------------------------------------
 
-    def begin(self, config: Sequence[float]) -> Crossing | None:
+    def begin(
+        self, config: Sequence[float], *, leaving: bool = False, slack: float = 0.0
+    ) -> Crossing | None:
         """Set the arm's position. It may be slightly beyond a zone, because of lag or rounding.
 
+        Args:
+            config: the position.
+            leaving: whether the arm may leave the limits that it is beyond, however far: sweeps
+                then may not lead deeper beyond these limits than here, until it has `arrived`.
+            slack: how much deeper they may lead all the same [m, rad].
+
         Returns:
-            The limit that the arm is beyond, if any.
+            The limit that the arm is beyond, if any; with `leaving`, only one that slows.
         """
         self._at = config
         self._elbow.begin()
         self._wrist.begin()
         self._turned = self._joints_due = 0.0
-        places = self._look(config)[1]
+        beyond = {each.limit: each for each in self.margins(config) if each.margin < 0.0}
+        self._beyond, self._slack = {}, slack + _ROUNDING
+        if leaving:
+            self._beyond = {
+                limit: each.margin for limit, each in beyond.items() if each.action != "slow"
+            }
         for zone in self._zones:
-            depths = [-zone.margin(*places[body]) for body in zone.bodies if _known(places[body])]
-            depth = max(depths, default=0.0)
-            zone.tolerance = depth if 0.0 < depth <= _BESIDE else 0.0
+            zone.leaving = zone.name in self._beyond
+            depth = -beyond[zone.name].margin if zone.name in beyond else 0.0
+            zone.tolerance = depth if depth <= BESIDE and not zone.leaving else 0.0
         return self.sweep(config, config)
+
+    @property
+    def leaving(self) -> bool:
+        """Whether the arm leaves limits that it was beyond when it began."""
+        return bool(self._beyond)
+
+    @property
+    def begun(self) -> bool:
+        """Whether the arm's position was set."""
+        return bool(self._at)
+
+    def arrived(self, config: Sequence[float]) -> None:
+        """Note that the arm gets to a position: once it has left all limits, they hold again."""
+        if self._beyond and all(
+            each.margin >= 0.0 for each in self.margins(config) if each.limit in self._beyond
+        ):
+            self.begin(config)
+
+    def not_left(self, config: Sequence[float]) -> Crossing | None:
+        """Return a limit that the arm is clearly beyond, if a path to `config` leads not back.
+
+        Args:
+            config: the end of a path whose steps `sweep` has allowed.
+        """
+        for each in self.margins(config) if self._beyond else ():
+            start = self._beyond.get(each.limit, 0.0)
+            if start < -BESIDE and each.margin <= start + _ROUNDING:
+                return each
+        return None
 
     def moved(self, config: Sequence[float]) -> None:
         """Set the arm's next position without a check: it is known to be within the limits."""
@@ -359,11 +408,21 @@ class EnvelopeChecker:
                 near, zone.near = zone.near, False
                 if not near or found or (zone.action == "slow" and speed <= zone.speed):
                     continue
+                if zone.leaving:
+                    continue
                 found = self._sweep_zone(zone, places, further, chords, sag)
             if found is not None:
                 return found
-        if self._by_joints:
-            return self._sweep_joints(start, end, speed)
+        if self._by_joints and (found := self._sweep_joints(start, end, speed)):
+            return found
+        return self._deeper(end) if self._beyond else None
+
+    def _deeper(self, end: Sequence[float]) -> Crossing | None:
+        """Return a limit that the arm leaves, if it is deeper beyond it at `end` than it was."""
+        _, places, q = self._look_ahead(end)
+        for each in self._margins(places, q):
+            if each.margin < self._beyond.get(each.limit, -math.inf) - self._slack:
+                return each
         return None
 
     def too_fast(self, speed: float) -> Crossing | None:
@@ -393,6 +452,9 @@ class EnvelopeChecker:
         the elbow alone.
         """
         _, places, q = self._look(config)
+        return self._margins(places, q)
+
+    def _margins(self, places: Sequence[Point], q: Joints6) -> list[Crossing]:
         found = []
         for zone in self._zones:
             bodies = [body for body in zone.bodies if _known(places[body])]
@@ -501,12 +563,16 @@ class EnvelopeChecker:
         q = self._look(start)[2]
         places = self._kept[1]
         found = self._joint_margins(q, places[0]) if q else []
+        passed: list[Crossing] = []
         if end is not start:
             _, further, ahead = self._look_ahead(end)
             if ahead:
                 found += self._joint_margins(ahead, further[0])
                 if q:
-                    found += self._passed(q, ahead, further[0])
+                    passed = self._passed(q, ahead, further[0])
+        if self._beyond:
+            found = [each for each in found if each.limit not in self._beyond]
+        found += passed
         for crossing in found:
             if crossing.margin < 0.0 and not (
                 crossing.action == "slow" and speed <= self.slow_speed(crossing.limit)
@@ -517,7 +583,7 @@ class EnvelopeChecker:
     def sweep_places(self, start: Sequence[Point], end: Sequence[Point]) -> Crossing | None:
         """Check the chords of the bodies between two sets of positions, for a blended corner."""
         for zone in self._zones:
-            if zone.action == "slow":
+            if zone.action == "slow" or zone.leaving:
                 continue
             for body in zone.bodies:
                 a, b = start[body], end[body]

@@ -1,8 +1,10 @@
 """The paths of motions, as far as they are known before the motions are sent, and their check.
 
 A joint motion is straight in joint angles. In a linear motion the tool's tip moves straight while
-the tool turns at a constant rate about one axis; an arc does the same on a circle. The controller
-chooses the path of other motions; they are checked only by the state, while they run.
+the tool turns at a constant rate about one axis; an arc does the same on a circle. `servo` has the
+paths of servo set-points, `velocities` those of motions at a velocity and of jogs. The controller
+chooses the path of other motions; they are checked only by the state, while they run, and by the
+points through which they lead, if these are known.
 """
 
 from __future__ import annotations
@@ -30,7 +32,19 @@ if TYPE_CHECKING:
     #: number of steps of the path
     _Poses = tuple[Callable[[Sequence[float]], Array], int]
 
-__all__ = ["WAYS", "Start", "Way", "check_way", "cut_corner", "slower", "way_of"]
+__all__ = [
+    "POINTS",
+    "WAYS",
+    "Start",
+    "Way",
+    "check_way",
+    "cut_corner",
+    "joint_way",
+    "line_way",
+    "points_of",
+    "polyline",
+    "way_of",
+]
 
 #: by function of the wire: the indices of speed, blend radius, tool and work object among its
 #: arguments; and whether the speed is in percent
@@ -44,6 +58,15 @@ WAYS: dict[str, tuple[int, int, int | None, int | None, bool]] = {
     "move_circle": (2, 4, 7, 8, False),
     "tcp_move": (1, 3, 4, None, False),
     "wobj_move": (1, 3, None, 4, False),
+    # Where a work object moves with an external axis, only the way of the joints is known.
+    "movej2_eaxis": (1, 3, None, None, False),
+}
+#: by function of the wire, for paths that the controller chooses between points: the indices of the
+#: points, of the tool and of the work object among its arguments
+POINTS: dict[str, tuple[int, int, int]] = {
+    "spline": (0, 3, 4),
+    "spline_op": (0, 3, 4),
+    "move_spiral": (1, 9, 10),
 }
 _STEP = 0.02  # largest step between two positions of a path [rad, m]
 _TURN = 0.05  # largest turn between two orientations [rad]
@@ -106,8 +129,8 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
     v, r = float(args[speed]), float(args[radius])
     if percent:
         v *= max(arm.velocity) / 100
-    if name in ("movej2", "movej"):
-        return _joint_way(start.joints, tuple(args[0]), v, r)
+    if name in ("movej2", "movej", "movej2_eaxis"):
+        return joint_way(start.joints, tuple(args[0]), v, r)
     back = start.tool.inverse().matrix
     base, tip = start.wobj.matrix, start.tool.matrix
     here = arm.fkine(start.joints) @ tip
@@ -117,7 +140,7 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
             target = arm.ikine(base @ Pose.of(args[0]).matrix @ back, near)
         except Unreachable:
             return None
-        return _joint_way(start.joints, tuple(target.tolist()), v, r)
+        return joint_way(start.joints, tuple(target.tolist()), v, r)
     if name == "movel":
         poses, count = _line(here, base @ Pose.of(args[0]).matrix)
     elif name == "tcp_move":
@@ -133,13 +156,55 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
         first, second = (base @ Pose.of(args[n]).matrix for n in (0, 1))
         poses, count = _arc(here, first, second, int(args[5]), full=name == "move_circle")
 
+    shares = np.linspace(0.0, 1.0, count + 1).tolist()
+    end = _followed(arm, poses(shares) @ back, start.joints)
+    return line_way(poses, count, v, end, r)
+
+
+def points_of(
+    arm: Arm, name: str, args: Sequence[Any], start: Start
+) -> list[tuple[float, ...]] | None:
+    """The poses through which a path leads that the controller chooses, as joint angles [rad].
+
+    Args:
+        arm: the arm.
+        name: the function of the wire, of `POINTS`.
+        args: its arguments.
+        start: start of the motion, and its frames.
+
+    Returns:
+        The joints; None if a pose cannot be reached, which the controller then reports.
+    """
+    at = POINTS[name][0]
+    given = args[at] if name != "move_spiral" else [args[at]] if args[5] == 1 else []
+    base, back = start.wobj.matrix, start.tool.inverse().matrix
+    near, found = start.joints, []
+    for point in given:
+        pose = point.pos if name == "spline_op" else point
+        try:
+            near = tuple(arm.ikine(base @ Pose.of(pose).matrix @ back, near).tolist())
+        except Unreachable:
+            return None
+        found.append(near)
+    return found
+
+
+def line_way(poses: Any, count: int, v: float, end: Config, r: float = 0.0) -> Way:
+    """The path of the tool's tip through poses.
+
+    Args:
+        poses: function that returns the poses of the tip at shares of the path.
+        count: number of steps of the path.
+        v: requested speed of the tip [m/s].
+        end: joint angles at the end [rad].
+        r: blend radius at the end [m].
+    """
+
     def at(shares: Sequence[float]) -> list[Config]:
         found = poses(shares)
         return [(*m[:3, :3].ravel().tolist(), *m[:3, 3].tolist()) for m in found]
 
-    shares = np.linspace(0.0, 1.0, count + 1).tolist()
-    end = _followed(arm, poses(shares) @ back, start.joints)
-    return Way(at(shares), True, v, end, r, at)
+    return Way(at(np.linspace(0.0, 1.0, count + 1).tolist()), True, v, end, r, at)
 
 
 def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...]:
@@ -152,7 +217,8 @@ def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...
     return q
 
 
-def _joint_way(q0: Sequence[float], q1: Sequence[float], v: float, r: float) -> Way:
+def joint_way(q0: Sequence[float], q1: Sequence[float], v: float, r: float = 0.0) -> Way:
+    """The path of a motion that is straight in joint angles [rad], at a speed [rad/s]."""
     start, end = np.array(q0), np.array(q1)
     count = min(_MOST, max(1, math.ceil(float(np.abs(end - start).max()) / _STEP)))
 
@@ -161,6 +227,31 @@ def _joint_way(q0: Sequence[float], q1: Sequence[float], v: float, r: float) -> 
 
     configs = at(np.linspace(0.0, 1.0, count + 1).tolist())
     return Way(configs, False, v, configs[-1], r, at)
+
+
+def polyline(points: Sequence[Config], v: float) -> Way:
+    """The path from joint angles to joint angles [rad], straight in between, at a speed [rad/s]."""
+    configs = [points[0]]
+    for there in points[1:]:
+        here = configs[-1]
+        way = [b - a for a, b in zip(here, there, strict=True)]
+        count = min(_MOST, math.ceil(max(map(abs, way)) / _STEP))
+        configs += [
+            tuple([a + number / count * w for a, w in zip(here, way, strict=True)])
+            for number in range(1, count)
+        ]
+        configs.append(there)
+    last = len(configs) - 1
+
+    def at(shares: Sequence[float]) -> list[Config]:
+        found = []
+        for share in shares:
+            number = min(int(share * last), max(0, last - 1))
+            a, b, part = configs[number], configs[min(number + 1, last)], share * last - number
+            found.append(tuple([x + part * (y - x) for x, y in zip(a, b, strict=True)]))
+        return found
+
+    return Way(configs, False, v, configs[-1], 0.0, at)
 
 
 def _count(length: float, turn: float) -> int:
@@ -214,22 +305,25 @@ def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) ->
     return poses, count
 
 
-def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, float]:
+def check_way(
+    checker: EnvelopeChecker, way: Way, *, known: bool = False
+) -> tuple[Crossing | None, float]:
     """Check a path, and compute by how much the motion must be slowed down.
 
     Args:
         checker: checker for configurations of the path's kind; `seed` is the arm's position.
         way: the path.
+        known: whether the start is known to be within the limits. Then only those near the path are
+            looked at, which takes a fraction of the time.
 
     Returns:
-        The limit that the path would cross, if any; and the share of the requested speed at which
-        the limits with the action "slow" are kept.
+        The limit that the path would cross, or does not lead back from, if any; and the share of
+        the requested speed at which the limits with the action "slow" are kept.
     """
     share = 1.0
     here = way.configs[0]
-    found = checker.begin(here)
-    if found is not None and found.action != "slow":
-        return found, share
+    if checker.leaving or not (known and checker.begun):
+        checker.begin(here, leaving=True)
     for number, there in enumerate(way.configs[1:]):
         speed = 0.0
         if checker.times:
@@ -246,8 +340,9 @@ def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, floa
                 return found, share
             most = checker.slow_speed(found.limit)
             share *= most / (share * speed) * (1 - 1e-9)
+        checker.arrived(there)
         here = there
-    return None, share
+    return checker.not_left(here), share
 
 
 def _sweep(
@@ -272,12 +367,6 @@ def _sweep(
             todo.append((middle, end, there, left - 1))
             todo.append((begin, middle, way.at([middle])[0], left - 1))
     return None
-
-
-def slower(name: str, args: Sequence[Any], share: float) -> tuple[Any, ...]:
-    """The arguments of a motion, with its speed multiplied by `share`."""
-    at = WAYS[name][0]
-    return (*args[:at], args[at] * share, *args[at + 1 :])
 
 
 def cut_corner(

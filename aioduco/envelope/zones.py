@@ -21,7 +21,8 @@ _Margin: TypeAlias = "Callable[[float, float, float], float]"
 class CheckedZone:
     """The checker's data of one zone."""
 
-    __slots__ = ("action", "bodies", "keep_out", "margin", "name", "near", "speed", "tolerance")
+    __slots__ = ("action", "bodies", "keep_out", "leaving", "margin", "name", "near", "speed",
+                 "tolerance")  # fmt: skip
 
     def __init__(self, name: str, action: str, speed: float, *shape: Any) -> None:
         kind, keep_in, bodies, at, size, turn = shape
@@ -41,6 +42,8 @@ class CheckedZone:
             self.margin = _box(sign, at, size, turn)
         #: whether a body may reach the zone in the sweep that is being checked
         self.near: bool = False
+        #: whether the arm may leave it: it is not deeper beyond it at the end of a sweep
+        self.leaving: bool = False
         #: small depth by which the arm was beyond the limit at the start; it may not go deeper [m]
         self.tolerance: float = 0.0
 

@@ -61,12 +61,14 @@ class StreamEndpoint:
 
         async def envelope(sent: StreamSpec) -> EnvelopeSettings | None:
             tool, wobj = _frames(sent)
-            found = await supervisor.envelope.of_stream(tool, wobj, checked=sent.meaning != "speed")
+            found = await supervisor.envelope.of_stream(
+                sent.name, tool, wobj, speeds=sent.meaning == "speed"
+            )
             if found is None:
                 return None
-            packed, base = found
+            packed, base, reaction = found
             tip = ["get_tcp_pose_coord", tool, wobj]
-            return EnvelopeSettings(packed=packed, wobj=base, tip=tip)
+            return EnvelopeSettings(packed=packed, wobj=base, tip=tip, reaction=reaction)
 
         return cls(
             supervisor.host,

@@ -33,6 +33,7 @@ class Command:
         blends: whether it asks to blend into the next motion, or to be replaced by it.
         continuous: how it ends, if it is a continuous motion.
         eta: its target and speed, if they are known for the joints.
+        sense: direction of a jog, 1 or -1, whose number on the wire depends on the controller.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Command:
     blends: bool = False
     continuous: ContinuousMotion | None = None
     eta: JointEta | None = None
+    sense: int = 0
 
 
 class CommandDispatcher(Protocol):

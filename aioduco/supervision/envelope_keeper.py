@@ -1,34 +1,33 @@
-"""Keeps the arm within its operating envelope: checks motions, sets up streams, watches the state.
+"""Keeps the arm within its operating envelope: checks motions, and sets up the checks of streams.
 
-A motion whose path is known is checked before it is sent. A stream's worker checks each set-point
-itself (`streaming/worker/checked.py`). All other movement is detected in the samples of the state:
-a stop is sent before the arm, at its present speed, would pass a limit.
+Everything that moves the arm is checked before it is sent, as far as its path is known: a motion
+and a servo set-point by their paths, a motion at a velocity and a jog by where the arm gets until a
+stop takes effect, other motions by the points that they name. An arm that is beyond a limit is sent
+only what is known to lead back. So a program that goes on commanding comes no closer, however often
+it tries.
 
-During checked motions and streams, too, an arm beyond a limit is stopped, once it is further beyond
-the limit than it may lag behind its set-points.
+A stream's worker checks each set-point itself (`streaming/worker/checked.py`), and the watch of the
+state (`envelope_watch.py`) stops all other movement.
 """
 
 from __future__ import annotations
 
 import math
-import time
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
-import anyio
-
-from aioduco.controller_clock import release_nothing
-from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.envelope.checker import BESIDE
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
-from aioduco.errors import DucoError, EnvelopeViolated, ParameterError
+from aioduco.errors import EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
-from aioduco.reporting import BackgroundLogger
-from aioduco.supervision.events import EnvelopeLeft
+from aioduco.supervision.envelope_watch import EnvelopeWatch
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Sequence
 
+    from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.ways import Way
     from aioduco.models.pose import Pose
     from aioduco.supervision.command import Command
@@ -36,29 +35,25 @@ if TYPE_CHECKING:
     from aioduco.supervision.events import Events
     from aioduco.supervision.retry import RetryingReads
     from aioduco.supervision.settings import RobotSettings
-    from aioduco.supervision.state_feed import Snapshot, StateFeed
+    from aioduco.supervision.state_feed import StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
+    from aioduco.supervision.task import Task
 
 __all__ = ["EnvelopeKeeper"]
 
-_log = BackgroundLogger(__name__)
-
 _NOWHERE = (math.nan, math.nan, math.nan)
-#: shortest period that is assumed for the samples [s]: a simulated controller's may be shorter
-_LEAST_PERIOD = 0.02
-#: periods of the feed within which a stop is on its way, after the sample that requires it
-_PERIODS = 3.0
-#: joint deceleration that a stopping arm reaches for certain [rad/s²]
-_STOPPING = 5.0
-#: joint speed below which the arm stands [rad/s]
-_STILL = 1e-3
-#: distance beyond a limit at which a checked motion may be seen, due to its lag [m, rad]
-_LAG = 3e-3
-#: factor by which a controller may exceed the requested tool speed
-_OVERSHOOT = 1.05
 #: slowest joint and tool speed that the wire accepts [rad/s, m/s], and percent
-_SLOWEST = {"movej2": 0.000175, "movej_pose2": 0.000175, "movej": 0.01, "movej_pose": 0.01}
+_SLOWEST_SERVO = 0.000175
+_SLOWEST = {
+    "movej2": 0.000175,
+    "movej2_eaxis": 0.000175,
+    "movej_pose2": 0.000175,
+    "movej": 0.01,
+    "movej_pose": 0.01,
+}
 _SLOWEST_LINE = 0.01
+#: motions of external axes alone
+_NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
 
 
 class SendsMotions(Protocol):
@@ -66,8 +61,35 @@ class SendsMotions(Protocol):
 
     #: checks each motion before it is sent
     check: Callable[[Command], Awaitable[Command]] | None
-    #: number of commands that the controller accepted
-    accepted: int
+
+
+class _Frames(NamedTuple):
+    """The frames of a motion, and their names; an empty name stands for the one in use."""
+
+    tool: Pose
+    wobj: Pose
+    names: tuple[str, str]
+
+
+@dataclass(slots=True)
+class _Checked:
+    """The last motion that was checked, and found to be within the envelope.
+
+    Attributes:
+        way: its path; a servo set-point's leads to its target.
+        checker: the checker of its path.
+        newest: the newest motion when it was checked: if there is a newer one, it was accepted.
+        servo: function of the wire, if it is a servo set-point.
+        frames: the frames of a servo set-point.
+        a: the acceleration of a servo set-point [rad/s²].
+    """
+
+    way: Way
+    checker: EnvelopeChecker
+    newest: Task | None
+    servo: str = ""
+    frames: _Frames | None = None
+    a: float = math.inf
 
 
 class EnvelopeKeeper:
@@ -100,28 +122,18 @@ class EnvelopeKeeper:
         self._coordinator = coordinator
         self._reads = reads
         self._feed = feed
-        self._events = events
-        self._background = background
-        self._settings = settings
-        self._clock = settings.clock
-        self.envelope: Envelope | None = None
+        self._watch = EnvelopeWatch(coordinator, reads, feed, events, background, settings)
         self._open = False
-        self._watching = False
-        #: whether something moves the arm on a path that was not checked
-        self._unchecked = False
-        #: the last motion that was checked, and its checker
-        self._last: tuple[Way, EnvelopeChecker] | None = None
+        self._last: _Checked | None = None
         #: tools and work objects by name, as they were read while the arm stood
-        self._named: dict[tuple[str, str], tuple[Pose, Pose]] = {}
-        self._too_strong = False
-        self._stopping = False
-        #: number of commands that were accepted when the last motion was checked
-        self._accepted = 0
-        #: period of the samples in the controller's time [s]
-        self._period = max(1.0 / feed.rate, _LEAST_PERIOD)
-        self._release_clock: Callable[[], None] = release_nothing
+        self._named: dict[tuple[str, str], _Frames] = {}
 
     # -- which envelope ------------------------------------------------------------------------
+
+    @property
+    def envelope(self) -> Envelope | None:
+        """The envelope; None for none."""
+        return self._watch.envelope
 
     def use(self, envelope: Envelope | None) -> None:
         """Keep the arm within another envelope from now on; None for none."""
@@ -129,7 +141,13 @@ class EnvelopeKeeper:
             raise ParameterError("envelope", envelope, "an Envelope, or None")
         if self._open:
             self._coordinator.check_loop("envelope")
-        self.envelope = envelope
+        if envelope is not None:
+            # Loaded now, with numpy, and not by the first check while the arm moves.
+            from aioduco.envelope import servo, velocities  # noqa: F401, PLC0415
+        self._watch.use(envelope)
+        self._last = None
+        if self._open and envelope is not None and self._live:
+            self._watch.moves_unchecked()  # by another envelope, or by none
         self._dispatcher.check = None if envelope is None else self._check
         if envelope is not None and any(isinstance(each, ToolForce) for each in envelope.limits):
             self._feed.forces = True
@@ -138,67 +156,260 @@ class EnvelopeKeeper:
     def begin(self, *, opened: bool = True) -> None:
         """Start to watch the state, once the robot is open and has an envelope."""
         self._open = opened
-        if opened and self.envelope is not None and not self._watching:
-            self._watching = True
-            self._background.start(self._watch(), "aioduco envelope")
+        if opened and self.envelope is not None:
+            self._watch.begin()
 
     # -- motions -------------------------------------------------------------------------------
 
+    @property
+    def _motions(self) -> list[Task]:
+        return [task for task in self._coordinator.follower.tasks if task.motion]
+
+    @property
+    def _live(self) -> bool:
+        """Whether something of this program moves the arm, or is about to."""
+        coordinator = self._coordinator
+        return bool(self._motions or coordinator.modes.moving or coordinator.pending)
+
     async def _check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
-        from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy: only on use
+        from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
-        envelope = self.envelope
-        if envelope is None:
+        envelope, watch, name = self.envelope, self._watch, command.name
+        if envelope is None or name in _NOT_THE_ARM:
             return command
-        live = any(task.motion for task in self._coordinator.follower.tasks)
-        if not live:
-            self._unchecked, self._last = False, None
         before, self._last = self._last, None
-        if self._dispatcher.accepted != self._accepted + 1:
-            before = None  # the controller refused the last motion, or accepted another command
-        self._accepted = self._dispatcher.accepted
-        if command.name not in ways.WAYS or (live and before is None):
-            self._moves_unchecked()
-            return command
-        _, _, tool, wobj, _ = ways.WAYS[command.name]
-        frames = await self._frames(
-            "" if tool is None else command.args[tool],
-            "" if wobj is None else command.args[wobj],
-            standing=not live,
-        )
+        newest = next(reversed(self._motions), None)
+        if not self._live:
+            watch.unchecked, watch.velocity = False, None
+        if before is not None and (newest is None or newest is before.newest):
+            before = None  # it has ended, or the controller refused it
+        if name in servo.SERVO:
+            return await self._servo(envelope, command, before, newest)
+        if name in velocities.VELOCITIES and not velocities.is_step(name, command.args):
+            return await self._velocity(envelope, command, before)
+        if name in ways.WAYS or name in velocities.VELOCITIES:
+            return await self._motion(envelope, command, before, newest)
+        await self._unknown(envelope, command, before)
+        return command
+
+    async def _motion(
+        self, envelope: Envelope, command: Command, before: _Checked | None, newest: Task | None
+    ) -> Command:
+        """Check a motion whose whole path is known."""
+        from aioduco.envelope import velocities, ways  # noqa: PLC0415  # loads numpy
+
+        name, args, live = command.name, command.args, self._live
+        _, _, tool, wobj, _ = ways.WAYS.get(name, (0, 0, None, None, False))
+        names = ("" if tool is None else args[tool], "" if wobj is None else args[wobj])
+        frames = await self._frames(*names, standing=not live)
         if frames is None:
-            self._moves_unchecked()
+            await self._unknown(envelope, command, before)
             return command
-        q = await self._joints() if before is None else before[0].end
-        way = ways.way_of(envelope.arm, command.name, command.args, ways.Start(q, *frames))
+        q = await self._joints() if before is None else before.way.end
+        start = ways.Start(q, frames.tool, frames.wobj)
+        if name in ways.WAYS:
+            way = ways.way_of(envelope.arm, name, args, start)
+        else:
+            step = velocities.Ahead(name, args, command.sense)
+            way = velocities.velocity_way(envelope.arm, step, start, 0.0)
         if way is None:
-            self._moves_unchecked()
+            await self._unknown(envelope, command, before)
             return command
-        checker = EnvelopeChecker(envelope.packed(frames[0]), by_tip=way.by_tip)
+        checker = self._watch.checker(envelope, frames.tool, by_tip=way.by_tip)
         checker.seed = q
         found, share = ways.check_way(checker, way)
         if found is None and before is not None:
-            found = ways.cut_corner(before[1], before[0], checker, way)
+            found = ways.cut_corner(before.checker, before.way, checker, way)
         if found is not None:
-            self._last = before
-            await self._refuse(command, found)
+            await self._refuse(command.name, before, found)
         if share < 1.0:
-            command = replace(command, args=ways.slower(command.name, command.args, share))
-            speed = command.args[ways.WAYS[command.name][0]]
-            if speed < _SLOWEST.get(command.name, _SLOWEST_LINE):
-                crossing = Crossing("slow", "tool", _NOWHERE, -speed, "m/s", "refuse")
-                await self._refuse(command, crossing)
-        self._last = way, checker
+            command = await self._slower(command, before, share)
+        if live and before is None:
+            self._watch.moves_unchecked()  # it begins where something unknown ends
+        else:
+            self._last = _Checked(way, checker, newest)
         return command
 
-    async def _refuse(self, command: Command, found: Crossing) -> None:
+    async def _servo(
+        self, envelope: Envelope, command: Command, before: _Checked | None, newest: Task | None
+    ) -> Command:
+        """Check a servo set-point; this asks the controller for nothing while they follow fast."""
+        from aioduco.envelope import servo, ways  # noqa: PLC0415  # loads numpy
+
+        name, args = command.name, command.args
+        tool, wobj = servo.SERVO[name]
+        names = ("" if tool is None else args[tool], "" if wobj is None else args[wobj])
+        chain = before if before is not None and before.servo == name else None
+        frames = None if chain is None else self._still_used(chain.frames, names)
+        if frames is None:
+            frames = await self._frames(*names, standing=not self._live)
+        if frames is None:
+            await self._unknown(envelope, command, before)
+            return command
+        sample = None if chain is None else self._watch.fresh()
+        if sample is not None:
+            here = tuple(sample.status.joints)
+        else:
+            here = await self._joints() if before is None or chain else before.way.end
+        last = before.way.end if before is not None else here
+        start = ways.Start(here, frames.tool, frames.wobj)
+        target = servo.servo_target(envelope.arm, name, args, start, last)
+        if target is None:
+            await self._unknown(envelope, command, before)
+            return command
+        v, a = float(args[1]), float(args[2])
+        paths = servo.servo_ways(here, last, target, v)
+        if chain is not None and a < chain.a and sample is not None:
+            paths.append(servo.braking(here, sample.status.joint_speeds.tolist(), a))
+        checker = self._watch.checker(envelope, frames.tool)
+        found, share = servo.check_servo(checker, paths)
+        if found is not None:
+            await self._refuse(name, before, found)
+        if share < 1.0:
+            command = await self._slower(command, before, share)
+        if before is None and any(task.name != name for task in self._motions):
+            self._watch.moves_unchecked()  # it begins where something unknown ends
+        else:
+            self._watch.wobj = frames.wobj if wobj is not None and not names[1] else None
+            self._last = _Checked(paths[0], checker, newest, name, frames, a)
+        return command
+
+    async def _velocity(
+        self, envelope: Envelope, command: Command, before: _Checked | None
+    ) -> Command:
+        """Check a motion at a velocity, or a jog that a command ends, until a stop takes effect."""
+        from aioduco.envelope import velocities, ways  # noqa: PLC0415  # loads numpy
+
+        motion = velocities.Ahead(command.name, command.args, command.sense)
+        if motion.stands:
+            self._watch.velocity = None
+            return command
+        frames = await self._frames("", "", standing=not self._live)
+        assert frames is not None
+        starts = [await self._joints()]
+        if before is not None:
+            starts.append(before.way.end)  # if it begins there
+        share = 1.0
+        for q in starts:
+            start = ways.Start(q, frames.tool, frames.wobj)
+            way = velocities.velocity_way(envelope.arm, motion, start, self._watch.reaction)
+            if way is None:
+                await self._unknown(envelope, command, before)
+                return command
+            checker = self._watch.checker(envelope, frames.tool, by_tip=way.by_tip)
+            checker.seed = q
+            found, slowed = ways.check_way(checker, way)
+            if found is not None:
+                await self._refuse(command.name, before, found)
+            share = min(share, slowed)
+        if share < 1.0:
+            command = await self._slower(command, before, share)
+        self._watch.velocity = motion._replace(args=command.args), frames.wobj
+        self._watch.moves_unchecked()
+        return command
+
+    async def _unknown(self, envelope: Envelope, command: Command, before: _Checked | None) -> None:
+        """Check a motion whose path the controller chooses: by the points that it names."""
+        from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
+
+        name, args = command.name, command.args
+        points: Sequence[Sequence[float]] | None = None
+        tool = None
+        if name in ways.POINTS:
+            _, tool_at, wobj_at = ways.POINTS[name]
+            frames = await self._frames(args[tool_at], args[wobj_at], standing=not self._live)
+            if frames is not None:
+                start = ways.Start(await self._joints(), frames.tool, frames.wobj)
+                points = ways.points_of(envelope.arm, name, args, start)
+                tool = frames.tool
+        await self._check_unknown(envelope, name, before, [[point] for point in points or ()], tool)
+
+    async def admit(self, name: str, joints: Sequence[Sequence[float]], *, moves: bool) -> None:
+        """Check positions that the controller is given outside of a motion, to follow them.
+
+        Args:
+            name: the function of the wire.
+            joints: the positions, between which the arm goes straight [rad]; empty if they are
+                not known in joints.
+            moves: whether the arm may follow them at once.
+
+        Raises:
+            EnvelopeViolated: the way between them is beyond a limit, or the arm is; nothing was
+                sent.
+        """
+        if self.envelope is not None and (joints or moves):
+            paths = [joints] if joints else []
+            await self._check_unknown(self.envelope, name, self._last, paths, moves=moves)
+
+    async def _check_unknown(
+        self,
+        envelope: Envelope,
+        name: str,
+        before: _Checked | None,
+        paths: Sequence[Sequence[Sequence[float]]] = (),
+        tool: Pose | None = None,
+        *,
+        moves: bool = True,
+    ) -> None:
+        """Check that the arm is within the limits, and what is known of its path, too.
+
+        Args:
+            envelope: the envelope.
+            name: the function of the wire.
+            before: the last motion that was checked, which goes on if this one is refused.
+            paths: parts of the path: positions between which it is straight [rad].
+            tool: the tool at these positions; None for the one in use.
+            moves: whether the arm is about to move.
+        """
+        from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
+
+        used = pose_of(await self._reads.rpc.get_tcp_offset())
+        if moves:
+            for each in self._watch.checker(envelope, used).margins(await self._joints()):
+                if each.margin < -BESIDE and each.action != "slow":
+                    await self._refuse(name, before, each, "it is not known to lead back from")
+        checker = self._watch.checker(envelope, tool or used)
+        for path in paths:
+            configs = ways.polyline([tuple(point) for point in path], 0.0).configs
+            checker.begin(configs[0])
+            for here, there in pairwise([configs[0], *configs]):
+                # The controller chooses the speed: limits that slow do not apply.
+                if (found := checker.sweep(here, there, 0.0)) is not None:
+                    await self._refuse(name, before, found)
+        if moves:
+            self._watch.moves_unchecked()
+
+    async def _slower(self, command: Command, before: _Checked | None, share: float) -> Command:
+        """Return a motion with a share of its speed."""
+        from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
+
+        name, args = command.name, command.args
+        if name in velocities.VELOCITIES:
+            ahead = velocities.Ahead(name, args, command.sense)
+            return replace(command, args=velocities.slower_velocity(ahead, share))
+        at = 1 if name in servo.SERVO else ways.WAYS[name][0]
+        least = _SLOWEST_SERVO if name in servo.SERVO else _SLOWEST.get(name, _SLOWEST_LINE)
+        speed = args[at] * share
+        if speed < least:
+            crossing = Crossing("slow", "tool", _NOWHERE, -speed, "m/s", "refuse")
+            await self._refuse(name, before, crossing)
+        return replace(command, args=(*args[:at], speed, *args[at + 1 :]))
+
+    async def _refuse(
+        self,
+        name: str,
+        before: _Checked | None,
+        found: Crossing,
+        why: str = "it would lead beyond the envelope",
+    ) -> NoReturn:
+        self._last = before
         done = "was not sent"
         if found.action == "stop":
             await self._coordinator.halt()
             done = "was not sent, and the arm was stopped"
         raise EnvelopeViolated(
-            f"{command.name} {done}: it would lead beyond the envelope: {found}. Choose another "
+            f"{name} {done}: {why}: {found}. Choose another "
             "way or target, or set another robot.envelope",
             *found[:4],
         )
@@ -206,7 +417,7 @@ class EnvelopeKeeper:
     async def _joints(self) -> tuple[float, ...]:
         return tuple(joints_of(await self._reads.rpc.get_actual_joints_position()))
 
-    async def _frames(self, tool: str, wobj: str, *, standing: bool) -> tuple[Pose, Pose] | None:
+    async def _frames(self, tool: str, wobj: str, *, standing: bool) -> _Frames | None:
         """Return the tip of a tool in the flange's frame, and a work object in the base frame.
 
         The wire has these poses only for the tool and work object in use. For others it has the
@@ -218,15 +429,15 @@ class EnvelopeKeeper:
             standing: whether the arm stands.
 
         Returns:
-            Both poses; None if they cannot be known now.
+            Both; None if they cannot be known now.
         """
-        rpc = self._reads.rpc
-        used = pose_of(await rpc.get_tcp_offset())
+        rpc, names = self._reads.rpc, (tool, wobj)
+        self._watch.tool = used = pose_of(await rpc.get_tcp_offset())
         base = pose_of(await rpc.get_wobj())
         if not tool and not wobj:
-            return used, base
+            return _Frames(used, base, names)
         if not standing:
-            return self._named.get((tool, wobj))
+            return self._named.get(names)
         flange = pose_of(await rpc.get_flange_pose())
         if wobj:
             seen = await rpc.get_tcp_pose_coord("", wobj)
@@ -240,132 +451,45 @@ class EnvelopeKeeper:
             if not seen:
                 return None
             used = flange.inverse() @ base @ pose_of(seen)
-        self._named[tool, wobj] = used, other
-        return used, other
+        self._named[names] = found = _Frames(used, other, names)
+        return found
+
+    def _still_used(self, frames: _Frames | None, names: tuple[str, str]) -> _Frames | None:
+        """Return frames if they have these names, and no sample showed others in use."""
+        watch = self._watch
+        if frames is None or frames.names != names:
+            return None
+        if not names[0] and watch.tool != frames.tool:
+            return None
+        if not names[1] and watch.wobj is not None and watch.wobj != frames.wobj:
+            return None
+        return frames
 
     # -- streams -------------------------------------------------------------------------------
 
     async def of_stream(
-        self, tool: str, wobj: str, *, checked: bool
-    ) -> tuple[dict[str, Any], list[float]] | None:
+        self, name: str, tool: str, wobj: str, *, speeds: bool
+    ) -> tuple[dict[str, Any], list[float], float] | None:
         """Return the limits against which a stream's worker checks its set-points.
 
         Args:
+            name: name of the stream.
             tool: name of the tool of the set-points; empty for the one in use.
             wobj: name of the work object of the set-points; empty for the one in use.
-            checked: whether the worker can check the set-points; for speeds, the state is watched.
+            speeds: whether the set-points are speeds. Then the state is watched as well.
 
         Returns:
-            The packed envelope, and the pose of the work object; None if nothing is checked.
+            The packed envelope; the pose of the work object; and the time within which the watch of
+            the state stops the arm [s]. None if nothing is checked.
         """
         if self.envelope is None:
             return None
-        self._unchecked, self._last = False, None
-        frames = await self._frames(tool, wobj, standing=True) if checked else None
+        if not self._live:  # else the stream is not opened
+            self._watch.unchecked, self._watch.velocity, self._last = False, None, None
+        frames = await self._frames(tool, wobj, standing=True)
         if frames is None:
-            self._moves_unchecked()
+            await self._check_unknown(self.envelope, name, self._last)
             return None
-        return self.envelope.packed(frames[0]), list(frames[1])
-
-    # -- the state -----------------------------------------------------------------------------
-
-    def _hold(self) -> None:
-        """Hold the controller's time at the next sample, if the clock can be held."""
-        held = self._release_clock
-        self._release_clock = self._clock.hold(self._clock.now() + self._period)
-        held()
-
-    def _moves_unchecked(self) -> None:
-        """Note that something is about to move the arm on an unknown path."""
-        self._unchecked = True
-        self._hold()
-
-    async def _watch(self) -> None:
-        """Check each sample, and stop the arm if necessary."""
-        try:
-            with self._feed.subscribe("latest") as samples:
-                async for sample in samples:
-                    envelope = self.envelope
-                    if envelope is not None and not self._stopping:
-                        found = self._force(envelope, sample) or await self._place(envelope, sample)
-                        if found is not None:
-                            await self._stop(found)
-                    if self._unchecked and envelope is not None:
-                        self._hold()
-                    else:
-                        self._release_clock()
-        finally:
-            self._release_clock()
-            self._watching = False
-
-    def _force(self, envelope: Envelope, sample: Snapshot) -> Crossing | None:
-        """Return the limit of a force that has just become too large; None if there is none."""
-        if sample.read_forces is None:
-            return None
-        force = math.hypot(*sample.read_forces.tool[:3].tolist())
-        limits = zip(envelope.titles, envelope.limits, strict=True)
-        strong = [
-            Crossing(title, "tool", _NOWHERE, limit.most - force, "N", "stop")
-            for title, limit in limits
-            if isinstance(limit, ToolForce) and force > limit.most
-        ]
-        was, self._too_strong = self._too_strong, bool(strong)
-        return strong[0] if strong and not was else None
-
-    async def _place(self, envelope: Envelope, sample: Snapshot) -> Crossing | None:
-        """Return the limit that a moving arm has passed or is about to pass; None if none."""
-        status = sample.status
-        q, speeds = tuple(status.joints), status.joint_speeds.tolist()
-        fastest = max(map(abs, speeds))
-        if not fastest > _STILL:
-            return None
-        try:
-            tool = pose_of(await self._reads.rpc.get_tcp_offset())
-        except DucoError:
-            return None  # a lost connection is handled elsewhere
-        checker = EnvelopeChecker(envelope.packed(tool))
-        speed = math.hypot(*status.tool_speed[:3].tolist()) / _OVERSHOOT
-        if found := checker.too_fast(speed):
-            return found
-        now = {each.limit: each for each in checker.margins(q)}
-        coordinator = self._coordinator
-        # A checked motion may be on its way, and not be followed yet.
-        ours = bool(coordinator.pending) or bool(coordinator.streams)
-        ours = ours or any(task.motion for task in coordinator.follower.tasks)
-        if ours and not self._unchecked:
-            beyond = (each for each in now.values() if each.margin < -_LAG)
-            return next((each for each in beyond if each.action != "slow"), None)
-        ahead = _PERIODS * self._period + fastest / _STOPPING / 2
-        there = tuple(a + ahead * v for a, v in zip(q, speeds, strict=True))
-        checker.begin(q)
-        found = checker.sweep(q, there, speed)
-        if found is not None and now[found.limit].margin < 0.0:
-            # An arm that is already beyond a limit may move back.
-            then = next(each for each in checker.margins(there) if each.limit == found.limit)
-            found = found if then.margin < now[found.limit].margin else None
-        return found
-
-    async def _stop(self, found: Crossing) -> None:
-        _log.warning("the arm is stopped, since it would leave its envelope: %s", found)
-        self._events.tell(EnvelopeLeft(time.monotonic(), found))
-        why = EnvelopeViolated(
-            f"the arm was stopped, since it would have left its envelope: {found}", *found[:4]
-        )
-        for task in self._coordinator.follower.tasks:
-            task.stopped_by = why
-        self._stopping = True
-        accepted = anyio.Event()
-        self._background.start(self._rest(accepted), "aioduco stop at the envelope", accepted.set)
-        await accepted.wait()
-
-    async def _rest(self, accepted: anyio.Event) -> None:
-        """Stop the arm, and wait until it stands. The clock is held until a stop is accepted."""
-        settings = self._settings
-        try:
-            await self._coordinator.send_stop(settings.stop_timeout)
-            accepted.set()
-            await self._coordinator.rest(settings.stop_timeout, settings.standstill_timeout)
-        except DucoError as exc:
-            _log.critical("the arm leaves its envelope, and %s", exc)
-        finally:
-            self._stopping = False
+        if speeds:
+            self._watch.moves_unchecked()
+        return self.envelope.packed(frames.tool), list(frames.wobj), self._watch.reaction

@@ -59,8 +59,8 @@ async def teleoperate(
     The arm comes to rest within the accelerations when the dead-man switch is released, when the
     device is gone or stops sending while its cap or key is held, and when the caller is cancelled.
     When the program dies or the network is lost, the controller ends the motion by itself after
-    0.2 s. `robot.envelope` applies, by checks of the state. To record the motion, put the call into
-    `async with robot.record("run.mcap")`.
+    0.2 s. `robot.envelope` applies: the stream ends before the arm crosses a limit. To record the
+    motion, put the call into `async with robot.record("run.mcap")`.
 
     Args:
         robot: the robot; it must be brought up, and nothing else may move it.

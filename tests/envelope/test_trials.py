@@ -18,9 +18,9 @@ async def test_the_arm_stays_within_random_zones(kind: str, thorough: bool) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [2089, 2808, 5290])
-async def test_what_stays_clear_is_let_through(number: int) -> None:
+@pytest.mark.parametrize(("kind", "number"), [("stream", 2089), ("motion", 2808), ("stream", 5290)])
+async def test_what_stays_clear_is_let_through(kind: str, number: int) -> None:
     """A fast stream some way off, and a line of an arm that is nearly stretched."""
-    found = await run([number], seed=1)
+    found = await run([number], seed=1, kind=kind)
     assert not found.failed
     assert {"movel sent", "streams within the zones"} & {*found.counts}

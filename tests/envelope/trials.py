@@ -1,5 +1,7 @@
 """Random motions, streams and jogs of a simulated arm, each within random zones, and what they do.
 
+Programs that go on commanding, whatever they are told, are a kind of their own.
+
     .ci/envelope-trials --count 10000 [--seed 1] [--processes 2] [--log FILE] [--save]
     .ci/envelope-trials --only 1234 [--seed 1]      # one of them again
 
@@ -38,6 +40,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import aioduco
+from aioduco import Jog, JogFrame
 from aioduco.envelope import BODIES, Envelope, Zone
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import frames
@@ -60,7 +63,12 @@ TOOL = Pose(0.02, -0.01, 0.12, 0.0, 0.3, 0.0)
 UPSAMPLING: tuple[Upsampling, ...] = ("none", "cubic", "ruckig")
 #: how far the arm may be from what it is told to follow [m]: what it lags on the simulator
 LAG = 2.5e-3
-KINDS = ("motion", "stream", "jog")
+KINDS = ("motion", "stream", "jog", "commands")
+#: what programs go on commanding
+COMMANDS = (
+    *("servoj", "servo_tcp", "servoj_pose", "servol", "speedj", "speedl"),
+    *("jog", "jog of the tool", "steps of the tool"),
+)
 #: trials on one simulator
 BLOCK = 25
 #: half as many cycles a second as a controller's: physics is what takes the time
@@ -79,6 +87,9 @@ ROUNDING = 1e-9
 #: how near to a zone the way of a motion that was refused comes at least [m]: a chord of its
 #: check is a little apart from the way
 REFUSED = 5e-4
+#: as a jog is judged before it is sent: the time until a stop takes effect [s], and how the arm
+#: slows down then at least [rad/s²]
+AHEAD, STOPPING = 0.1, 5.0
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks/results/envelope_trials.json"
 
 
@@ -389,8 +400,10 @@ class Trials:
         """A velocity of the joints or of the tool, whose way nobody knows."""
         robot, rng = self._robot, self._rng
         zones = await self.begin()
+        q, speeds = np.array(await robot.state.get_actual_joints_position()), None
         if rng.random() < 0.5:
-            motion = robot.motion.speedj(rng.uniform(-1.0, 1.0, 6), a=5.0, time=1.0)
+            speeds = rng.uniform(-1.0, 1.0, 6)
+            motion = robot.motion.speedj(speeds, a=5.0, time=1.0)
         else:
             twist = [*rng.uniform(-0.4, 0.4, 3), 0.0, 0.0, 0.0]
             motion = robot.motion.speedl(twist, a=2.0, time=1.0)
@@ -401,6 +414,13 @@ class Trials:
                 self.counts["jogs stopped"] += 1
             else:
                 raise
+        except aioduco.EnvelopeViolated:
+            self.counts["jogs refused"] += 1
+            if speeds is not None:
+                ahead = AHEAD + np.abs(speeds).max() / STOPPING / 2
+                nearest = least(zones, q + np.linspace(0, ahead, 500)[:, None] * speeds)
+                assert nearest < REFUSED, f"jog refused, {nearest:.4f} m clear of all zones"
+            return
         except aioduco.TaskError:
             self.counts["jogs ended by the controller"] += 1  # at a singularity or a joint's limit
         else:
@@ -413,6 +433,60 @@ class Trials:
         self._judge(zones, stopping + 1e-4, "jog")
         if least(zones, rows) >= 0.0:
             self.counts["jogs that stayed within"] += 1
+
+    async def commands(self) -> None:
+        """A program that goes on commanding towards a limit, whatever it is told."""
+        robot, rng = self._robot, self._rng
+        zones = await self.begin()
+        motion = robot.motion
+        v, a, time = rng.uniform(0.1, 1.0), rng.uniform(1.0, 20.0), rng.uniform(0.2, 1.0)
+        way = rng.uniform(-1.0, 1.0, 6)
+        step = np.clip(rng.normal(size=3), -2.0, 2.0) * 0.01
+        axis, sense = int(rng.integers(6)), int(rng.choice([-1, 1]))
+        joints = np.array(await robot.state.get_actual_joints_position())
+        pose = np.array(await robot.state.get_tcp_pose())
+        frame = (JogFrame.BASE, JogFrame.TOOL, JogFrame.WORK_OBJECT)[rng.integers(3)]
+        name = COMMANDS[rng.integers(len(COMMANDS))]
+
+        def next_one(number: int) -> Any:
+            there = [*(pose[:3] + number * step), *pose[3:]]
+            match name:
+                case "servoj":
+                    return motion.servoj(joints + 0.03 * number * way, v=v, a=a)
+                case "servo_tcp":
+                    return motion.servo_tcp((*step, 0, 0, 0), v=v, a=a)
+                case "servoj_pose" | "servol":
+                    return getattr(motion, name)(there, v=v, a=a)
+                case "speedj":
+                    return motion.speedj(v * way, a=a, time=time)
+                case "speedl":
+                    return motion.speedl((*30 * v * step, *0.5 * way[3:]), a=a, time=time)
+                case "jog":
+                    return motion.move_jog(Jog.joint(axis + 1, sense, 100.0), time=time)
+                case "jog of the tool":
+                    along = ("x", "y", "z", "rx", "ry", "rz")[axis]
+                    jog = Jog.cartesian(along, sense, 100.0, frame=frame)  # type: ignore[arg-type]
+                    return motion.move_jog(jog, time=time)
+                case _:
+                    along = ("x", "y", "z", "rx", "ry", "rz")[axis]
+                    jog = Jog.cartesian(along, sense, 100.0, frame=frame, step=0.05)  # type: ignore[arg-type]
+                    return motion.move_jog(jog)
+
+        awaited, refused = bool(rng.random() < 0.5), 0
+        for number in range(1, 25):
+            command = next_one(number)
+            try:
+                if awaited:
+                    await command
+                else:
+                    await command.start()
+            except aioduco.EnvelopeViolated:
+                refused += 1
+            except (aioduco.TaskError, aioduco.Refused):
+                continue  # stopped, out of reach, at a singularity, or still stopping
+        await robot.stop()
+        self.counts[f"{name} refused" if refused else f"{name} within the zones"] += 1
+        self._judge(zones, LAG, f"commands: {name}")
 
 
 @dataclass

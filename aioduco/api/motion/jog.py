@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from aioduco.api.section import JOG_TIME, Section
@@ -61,11 +62,15 @@ class Jogging(Section):
             raise ParameterError("directions", directions, "a member of JogDirections")
         ranges.RUN_TIME("time", time)
         param = jog.wire(directions)
+        motion: MotionCommand
         if jog.step is not None:
-            return self._motion(lambda rpc: rpc.move_jog(param, False))
-        return self._held(
-            lambda rpc: rpc.move_jog(param, False), _ENDING, time=time, timed_by_program=True
-        )
+            motion = self._motion(lambda rpc: rpc.move_jog(param, False))
+        else:
+            motion = self._held(
+                lambda rpc: rpc.move_jog(param, False), _ENDING, time=time, timed_by_program=True
+            )
+        motion.command = replace(motion.command, sense=jog.direction)
+        return motion
 
     async def stop_manual_move(self) -> None:
         """End a jog (结束点动), and wait until the arm stands.

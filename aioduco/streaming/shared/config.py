@@ -219,11 +219,13 @@ class EnvelopeSettings:
         wobj: pose of the set-points' work object in the base frame [m, rad].
         tip: function of the wire that reads the tool's pose in that work object, and its
             arguments, for set-points that are relative to that pose.
+        reaction: time within which the program stops a stream of speeds that comes to a limit [s].
     """
 
     packed: dict[str, Any]
     wobj: Sequence[float]
     tip: Sequence[str]
+    reaction: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

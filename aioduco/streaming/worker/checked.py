@@ -1,25 +1,36 @@
-"""Conversion of a stream's set-points into configurations that the envelope's checker takes."""
+"""Conversion of a stream's set-points into configurations that the envelope's checker takes.
+
+Speeds are checked by where the arm gets with them until it stands, from where it was read to be.
+"""
 
 from __future__ import annotations
 
 import math
+import time
 from typing import TYPE_CHECKING
 
-from aioduco.envelope.checker import EnvelopeChecker
-from aioduco.streaming.shared.space import POSE_SPACE
+from aioduco.envelope.checker import STOPPING, EnvelopeChecker
+from aioduco.streaming.shared.config import QueueDrive
+from aioduco.streaming.shared.space import POSE_SPACE, rotated
+from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
-    from aioduco.streaming.shared.space import Config
+    from aioduco.streaming.shared.space import Config, Limits, Space
+    from aioduco.streaming.worker.directions import Directions
 
-__all__ = ["CheckedPath", "EnvelopeSpace"]
+__all__ = ["CheckedPath", "CheckedRates", "EnvelopeSpace", "SpeedCheck"]
 
 _STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500
+_FRESH = 10_000_000  # ns for which a position is used after it was read
+_CYCLE = 0.001  # time in which the controller takes one point from its queue [s]
+#: least time in which the tool comes to rest: about what the watch of the state assumes [s]
+_BRAKING = 0.1
 
 
 class EnvelopeSpace:
@@ -61,13 +72,18 @@ class EnvelopeSpace:
             # convert from the axes of another frame to those of the tool
             back = POSE_SPACE.offset(self._turn, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
             config = POSE_SPACE.composed(POSE_SPACE.composed(back, config), self._turn)
-        x, y, z, w, a, b, c = POSE_SPACE.composed(self._base, config)
-        return (
-            *(1 - 2 * (b * b + c * c), 2 * (a * b - w * c), 2 * (a * c + w * b)),
-            *(2 * (a * b + w * c), 1 - 2 * (a * a + c * c), 2 * (b * c - w * a)),
-            *(2 * (a * c - w * b), 2 * (b * c + w * a), 1 - 2 * (a * a + b * b)),
-            *(x, y, z),
-        )
+        return _tip(POSE_SPACE.composed(self._base, config))
+
+
+def _tip(config: Config) -> Sequence[float]:
+    """A pose of the tool's tip in the base frame, as the checker takes it."""
+    x, y, z, w, a, b, c = config
+    return (
+        *(1 - 2 * (b * b + c * c), 2 * (a * b - w * c), 2 * (a * c + w * b)),
+        *(2 * (a * b + w * c), 1 - 2 * (a * a + c * c), 2 * (b * c - w * a)),
+        *(2 * (a * c - w * b), 2 * (b * c + w * a), 1 - 2 * (a * a + b * b)),
+        *(x, y, z),
+    )
 
 
 class CheckedPath:
@@ -108,3 +124,149 @@ class CheckedPath:
             self._seen = there
         self._last = target
         return None
+
+
+class SpeedCheck:
+    """Checks speeds: where the arm gets with them until a stop takes effect, and until it stands.
+
+    It reads the arm's position over the worker's connection, so it must not be used while a call
+    on that connection is not answered.
+
+    Args:
+        envelope: the envelope, and the work object in use.
+        config: the configuration of the stream.
+        connection: connection over which the arm's position is read.
+        directions: rotates speeds into the frame of the wire.
+    """
+
+    def __init__(
+        self,
+        envelope: EnvelopeSettings,
+        config: WorkerConfig,
+        connection: Connection,
+        directions: Directions,
+    ) -> None:
+        sent, drive = config.sent, config.sent.drive
+        self.checker: EnvelopeChecker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
+        self._in_joints = sent.in_joints
+        self._limits = tuple(zip(sent.space.groups, sent.limits.acceleration, strict=True))
+        self._connection = connection
+        self._timeout = config.options.timeout
+        self._directions = directions
+        #: orientation of the frame of the wire; empty for that of the tool
+        self._frame: Config = ()
+        #: time at a speed until a stop takes effect: the program's, after two ticks without any [s]
+        self._reach = envelope.reaction + 2 * config.period + _FRESH * 1e-9
+        if isinstance(drive, QueueDrive):
+            self._frame = POSE_SPACE.decode(envelope.wobj)
+            self._reach += drive.depth * _CYCLE
+        self._place: Config = ()
+        self._read_at = 0
+
+    def look(self, speeds: Config) -> tuple[Crossing | None, float]:
+        """Check speeds.
+
+        Args:
+            speeds: of the joints [rad/s], or of the tool, in the program's frame [m/s, rad/s].
+
+        Returns:
+            The limit that the arm would cross, if any; and the share of the speeds at which the
+            limits with the action "slow" are kept.
+        """
+        if not any(speeds):
+            return None, 1.0
+        braking = 0.0 if self._in_joints else _BRAKING
+        for group, a in self._limits:
+            top = math.hypot(*speeds[group])
+            braking = max(braking, top / a, top / STOPPING if self._in_joints else 0.0)
+        seconds = self._reach + braking / 2
+        checker = self.checker
+        place = self._position()
+        here = place if self._in_joints else _tip(place)
+        checker.begin(here, leaving=True)
+        share = 1.0
+        for there, passed in self._ahead(place, speeds, seconds):
+            speed = 0.0
+            if checker.times:
+                begin, end = checker.places(here)[0], checker.places_ahead(there)[0]
+                speed = math.dist(begin, end) / passed
+            while found := checker.too_fast(share * speed) or checker.sweep(
+                here, there, share * speed
+            ):
+                if found.action != "slow":
+                    return found, share
+                share *= checker.slow_speed(found.limit) / (share * speed) * (1 - 1e-9)
+            checker.arrived(there)
+            here = there
+        return checker.not_left(here), share
+
+    def _position(self) -> Config:
+        """The arm's joints, or its tip in the base frame, read at most 10 ms ago."""
+        now = time.monotonic_ns()
+        if not self._place or now - self._read_at > _FRESH:
+            call, timeout = self._connection.call, self._timeout
+            if self._in_joints or not self._place:
+                joints = tuple(call("get_actual_joints_position", (), timeout)[:6])
+                self._place = self.checker.seed = joints
+            if not self._in_joints:
+                self._place = POSE_SPACE.decode(call("get_tcp_pose", (), timeout))
+            self._read_at = now
+        return self._place
+
+    def _ahead(
+        self, place: Config, speeds: Config, seconds: float
+    ) -> Iterator[tuple[Sequence[float], float]]:
+        """Where the arm gets, in steps, and how long each takes [s]."""
+        count = min(_MOST_STEPS, math.ceil(seconds * math.hypot(*speeds) / _STEP))
+        step = seconds / count
+        if self._in_joints:
+            for number in range(1, count + 1):
+                passed = number * step
+                yield tuple([q + passed * v for q, v in zip(place, speeds, strict=True)]), step
+            return
+        wire = self._directions.turned(speeds)
+        for _ in range(count):
+            axes = (self._frame or place)[3:]
+            shift = (*rotated(axes, wire[:3]), *rotated(axes, wire[3:]))
+            place = POSE_SPACE.moved(place, tuple([step * each for each in shift]))
+            yield _tip(place), step
+
+
+class CheckedRates(Rates):
+    """Speeds within limits, with which the arm can come to rest within the envelope.
+
+    Speeds that break this are not sent; the stream brakes from those before them.
+
+    Args:
+        space: the space whose groups are limited, each by its length.
+        limits: `velocity` is the largest speed, `acceleration` its largest change per second.
+        period: time between two ticks [s].
+        check: checks speeds.
+        crossed: callback with the limit that would have been crossed; it must end the stream.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        limits: Limits,
+        period: float,
+        check: SpeedCheck,
+        crossed: Callable[[Crossing], None],
+    ) -> None:
+        super().__init__(space, limits, period)
+        self._check = check
+        self._crossed = crossed
+
+    def step(self) -> Config:
+        """Advance by one tick, or brake, and return the speed."""
+        before = self.config
+        config = super().step()
+        found, share = self._check.look(config)
+        if found is not None:
+            self.config = before
+            self._crossed(found)
+            return self.brake()
+        if share < 1.0:
+            self.config = tuple([share * each for each in config])
+            self.limited += 1
+        return self.config

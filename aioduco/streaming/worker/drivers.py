@@ -114,7 +114,8 @@ class CallDriver:
         if values is not None:
             values = self._directions.turned(values)
             start = time.monotonic_ns()
-            self._task = self._point.send(values, self._look_ahead if hurry else None)
+            ahead = hurry and not feed.reads
+            self._task = self._point.send(values, self._look_ahead if ahead else None)
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
             if self._task < 0:

@@ -344,6 +344,11 @@ class SetpointFeed:
             rates=self._meaning == "speed",
         )
 
+    @property
+    def reads(self) -> bool:
+        """Whether a step may read over the connection, which then must have no open call."""
+        return self._meaning == "speed" and self._config.envelope is not None
+
     def begin(self) -> bool:
         """Read the arm's position, as soon as there is a first set-point.
 
@@ -355,7 +360,9 @@ class SetpointFeed:
         if not self._block.ring.level:
             return False
         limits, space = self._config.sent.limits, self._space
-        if self._meaning == "speed":
+        if self._meaning == "speed" and self._config.envelope is not None:
+            self._follower = self._checked_rates(self._config.envelope)
+        elif self._meaning == "speed":
             self._follower = Rates(space, limits, self._period)
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
@@ -391,6 +398,16 @@ class SetpointFeed:
         if found is not None:
             self._crossed(found)
         return follower
+
+    def _checked_rates(self, envelope: EnvelopeSettings) -> Rates:
+        """A follower that checks each speed against the robot's envelope."""
+        # imported here: only a stream with an envelope needs it
+        from aioduco.streaming.worker.checked import CheckedRates, SpeedCheck  # noqa: PLC0415
+
+        config = self._config
+        directions = Directions(self._connection, config.sent.turning, config.options.timeout)
+        check = SpeedCheck(envelope, config, self._connection, directions)
+        return CheckedRates(self._space, config.sent.limits, self._period, check, self._crossed)
 
     def _crossed(self, found: Crossing) -> None:
         """Come to rest, if the arm moves: a set-point would have crossed the envelope."""

@@ -1,0 +1,339 @@
+"""The watch of the state against an envelope: it stops the arm before it would cross a limit.
+
+Every sample in which the arm moves is judged, also while a stop of the watch is being confirmed: an
+arm that begins to move again is stopped again. One task brings the arm to rest, whatever happens
+meanwhile.
+
+Where the path was checked before it was sent, only an arm that is beyond a limit by more than it
+may lag behind its set-points is stopped.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.controller_clock import release_nothing
+from aioduco.envelope.checker import STOPPING, EnvelopeChecker
+from aioduco.envelope.limits import Crossing, Envelope, ToolForce
+from aioduco.errors import DucoError, EnvelopeViolated
+from aioduco.models.samples import pose as pose_of
+from aioduco.reporting import BackgroundLogger
+from aioduco.supervision.events import EnvelopeLeft
+from aioduco.supervision.gate import Ending
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.envelope.velocities import Ahead
+    from aioduco.models.pose import Pose
+    from aioduco.supervision.concurrency import BackgroundTasks
+    from aioduco.supervision.events import Events
+    from aioduco.supervision.retry import RetryingReads
+    from aioduco.supervision.settings import RobotSettings
+    from aioduco.supervision.state_feed import Snapshot, StateFeed
+    from aioduco.supervision.stop_coordinator import StopCoordinator
+
+__all__ = ["EnvelopeWatch"]
+
+_log = BackgroundLogger(__name__)
+
+_NOWHERE = (math.nan, math.nan, math.nan)
+#: shortest period that is assumed for the samples [s]: a simulated controller's may be shorter
+_LEAST_PERIOD = 0.02
+#: time from a sample that requires a stop until the stop takes effect: in periods of the feed, and
+#: at least [s]: a busy computer may be late
+_PERIODS, _REACTION = 3.0, 0.1
+#: joint speed below which the arm stands [rad/s]
+_STILL = 1e-3
+#: rise of the fastest joint's speed after a stop at which the arm moves again [rad/s]
+_AGAIN = 0.02
+#: distance beyond a limit at which a checked motion may be seen, due to its lag [m, rad]
+_LAG = 3e-3
+#: depth by which an arm may seem to go deeper while it leaves a limit, because its joints swing;
+#: in what a sample predicts, and since it was first seen to move beyond the limit [m, rad]
+_SWING, _DEEPER = 2e-4, 1e-3
+_FRESH = 0.1  # largest age of a sample that says where a moving arm is [s]
+_MOST_CHECKERS = 8  # checkers that are kept, each for a tool
+#: factor by which a controller may exceed the requested tool speed
+_OVERSHOOT = 1.05
+#: force by which a force that is too large may vary without growing [N], and as a share of it
+_FORCE_NOISE, _FORCE_SHARE = 1.0, 0.05
+
+
+class EnvelopeWatch:
+    """Watches the state of one arm, and stops it if it would leave its envelope.
+
+    Args:
+        coordinator: brings the arm to rest.
+        reads: reads the tool and the work object in use.
+        feed: samples of the state.
+        events: gets an event when the arm is stopped.
+        background: runs the watch, and brings the arm to rest.
+        settings: times and limits, the clock.
+
+    Attributes:
+        envelope: the envelope; None for none.
+        unchecked: whether something moves the arm on a path that was not checked.
+        velocity: the motion at a velocity that was sent last, and the work object in use; None if
+            something else moves the arm.
+        tool: the tool in use, as last read.
+        wobj: the work object in use, as last read. None: it is not read with the samples.
+        reaction: time within which a stop takes effect after a sample that requires it [s].
+    """
+
+    def __init__(
+        self,
+        coordinator: StopCoordinator,
+        reads: RetryingReads,
+        feed: StateFeed,
+        events: Events,
+        background: BackgroundTasks,
+        settings: RobotSettings,
+    ) -> None:
+        self._coordinator = coordinator
+        self._reads = reads
+        self._feed = feed
+        self._events = events
+        self._background = background
+        self._settings = settings
+        self._clock = settings.clock
+        self.envelope: Envelope | None = None
+        self.unchecked: bool = False
+        self.velocity: tuple[Ahead, Pose] | None = None
+        self._newest: Snapshot | None = None
+        self.tool: Pose | None = None
+        self.wobj: Pose | None = None
+        #: period of the samples in the controller's time [s]
+        self._period = max(1.0 / feed.rate, _LEAST_PERIOD)
+        self.reaction: float = max(_PERIODS * self._period, _REACTION)
+        self._checkers: dict[tuple[Pose, bool], EnvelopeChecker] = {}
+        self._running = False
+        #: speed of the fastest joint in the last sample [rad/s]
+        self._fastest = 0.0
+        #: margins of the limits that the moving arm is beyond, when that was first seen
+        self._first: dict[str, float] = {}
+        #: force at which the arm was stopped, while it is too large [N]
+        self._force_at_stop = math.inf
+        #: whether a stop is being confirmed, and the lowest speed of the fastest joint since then
+        self._stopping = False
+        self._slowest = 0.0
+        #: stops that were sent, and after which the arm was not seen to stand yet
+        self._unconfirmed = 0
+        self._release_clock: Callable[[], None] = release_nothing
+
+    def use(self, envelope: Envelope | None) -> None:
+        """Judge samples by another envelope; None for none."""
+        self.envelope = envelope
+        self._checkers = {}
+        self._first = {}
+
+    def begin(self) -> None:
+        """Start to watch the state, unless it is watched."""
+        if not self._running:
+            self._running = True
+            self._background.start(self._run(), "aioduco envelope")
+
+    def checker(self, envelope: Envelope, tool: Pose, *, by_tip: bool = False) -> EnvelopeChecker:
+        """A checker for an envelope and a tool, which is made once."""
+        if envelope is not self.envelope:
+            return EnvelopeChecker(envelope.packed(tool), by_tip=by_tip)
+        found = self._checkers.get((tool, by_tip))
+        if found is None:
+            if len(self._checkers) > _MOST_CHECKERS:
+                self._checkers = {}
+            found = EnvelopeChecker(envelope.packed(tool), by_tip=by_tip)
+            self._checkers[tool, by_tip] = found
+        return found
+
+    def fresh(self) -> Snapshot | None:
+        """The newest sample, if it says where a moving arm is."""
+        newest = self._newest
+        return newest if newest is not None and newest.age <= _FRESH else None
+
+    def moves_unchecked(self) -> None:
+        """Note that something is about to move the arm on an unknown path."""
+        self.unchecked = True
+        self._hold()
+
+    def _hold(self) -> None:
+        """Hold the controller's time at the next sample, if the clock can be held."""
+        held = self._release_clock
+        self._release_clock = self._clock.hold(self._clock.now() + self._period)
+        held()
+
+    async def _run(self) -> None:
+        """Judge each sample, and stop the arm if necessary."""
+        try:
+            with self._feed.subscribe("latest") as samples:
+                async for sample in samples:
+                    self._newest = sample
+                    envelope = self.envelope
+                    if envelope is not None:
+                        await self._judge(envelope, sample)
+                    if self.unchecked and envelope is not None:
+                        self._hold()
+                    else:
+                        self._release_clock()
+        finally:
+            self._release_clock()
+            self._running = False
+
+    # -- samples -------------------------------------------------------------------------------
+
+    async def _judge(self, envelope: Envelope, sample: Snapshot) -> None:
+        fastest = max(map(abs, sample.status.joint_speeds.tolist()))
+        found = self._force(envelope, sample, fastest) or await self._place(
+            envelope, sample, fastest
+        )
+        again = fastest > self._slowest + _AGAIN
+        self._slowest = fastest if again else min(self._slowest, fastest)
+        self._fastest = fastest
+        if found is None:
+            return
+        if not self._stopping:
+            await self._stop(found, fastest)
+        elif again:
+            await self._stop_again(found)
+
+    def _force(self, envelope: Envelope, sample: Snapshot, fastest: float) -> Crossing | None:
+        """Return the limit of a force that is too large; None if there is none.
+
+        It counts when it becomes too large, and then while the arm moves and it grows: so the arm
+        can be led back.
+        """
+        if sample.read_forces is None:
+            return None
+        force = math.hypot(*sample.read_forces.tool[:3].tolist())
+        limits = zip(envelope.titles, envelope.limits, strict=True)
+        strong = [
+            Crossing(title, "tool", _NOWHERE, limit.most - force, "N", "stop")
+            for title, limit in limits
+            if isinstance(limit, ToolForce) and force > limit.most
+        ]
+        if not strong:
+            self._force_at_stop = math.inf
+            return None
+        first = self._force_at_stop == math.inf
+        most = self._force_at_stop * (1.0 + _FORCE_SHARE) + _FORCE_NOISE
+        if first:
+            self._force_at_stop = force
+        return strong[0] if first or (fastest > _STILL and force > most) else None
+
+    async def _place(self, envelope: Envelope, sample: Snapshot, fastest: float) -> Crossing | None:
+        """Return the limit that a moving arm has passed or is about to pass; None if none."""
+        if not fastest > _STILL:
+            self._first = {}
+            return None
+        try:
+            self.tool = tool = pose_of(await self._reads.rpc.get_tcp_offset())
+            if self.wobj is not None:
+                self.wobj = pose_of(await self._reads.rpc.get_wobj())
+        except DucoError:
+            return None  # a lost connection is handled elsewhere
+        status, checker = sample.status, self.checker(envelope, tool)
+        q, speeds = tuple(status.joints), status.joint_speeds.tolist()
+        speed = math.hypot(*status.tool_speed[:3].tolist()) / _OVERSHOOT
+        if found := checker.too_fast(speed):
+            return found
+        ahead = self.reaction + fastest / STOPPING / 2
+        there = tuple([a + ahead * v for a, v in zip(q, speeds, strict=True)])
+        coordinator = self._coordinator
+        # A checked motion may be on its way, and not be followed yet.
+        ours = bool(coordinator.pending) or bool(coordinator.streams)
+        ours = ours or any(task.motion for task in coordinator.follower.tasks)
+        checked = ours and not self.unchecked
+        if found := self._beyond(checker, q, there, _LAG if checked else 0.0):
+            return found
+        if checked:
+            return None
+        checker.begin(q, leaving=True, slack=math.inf)
+        found = checker.sweep(q, there, speed)
+        if found is None and not self._first and fastest > self._fastest:
+            found = self._speeding_up(envelope, tool, q)
+        return found
+
+    def _beyond(
+        self, checker: EnvelopeChecker, q: Sequence[float], there: Sequence[float], lag: float
+    ) -> Crossing | None:
+        """Return a limit that the arm is beyond, and does not move back from."""
+        beyond = {
+            each.limit: each
+            for each in checker.margins(q)
+            if each.margin < -lag and each.action != "slow"
+        }
+        self._first = {limit: self._first.get(limit, each.margin) for limit, each in beyond.items()}
+        if not beyond:
+            return None
+        then = {each.limit: each.margin for each in checker.margins(there)}
+        for limit, each in beyond.items():
+            led = then.get(limit, -math.inf) < each.margin - _SWING
+            if led or each.margin < self._first[limit] - _DEEPER:
+                return each
+        return None
+
+    def _speeding_up(self, envelope: Envelope, tool: Pose, q: tuple[float, ...]) -> Crossing | None:
+        """Return the limit that the arm will cross before a stop, once it has its full velocity."""
+        from aioduco.envelope import velocities, ways  # noqa: PLC0415  # loads numpy: only on use
+
+        if self.velocity is None:
+            return None
+        motion, wobj = self.velocity
+        start = ways.Start(q, tool, wobj)
+        way = velocities.velocity_way(envelope.arm, motion, start, self.reaction)
+        if way is None:
+            return None
+        checker = self.checker(envelope, tool, by_tip=way.by_tip)
+        checker.seed = q
+        found, _ = ways.check_way(checker, way)
+        return found
+
+    # -- stops ---------------------------------------------------------------------------------
+
+    async def _stop(self, found: Crossing, fastest: float) -> None:
+        _log.warning("the arm is stopped, since it would leave its envelope: %s", found)
+        self._events.tell(EnvelopeLeft(time.monotonic(), found))
+        self._name_cause(found)
+        # At once: what is on its way to a socket must not pass while the stop's task starts.
+        self._coordinator.gate.end(Ending.ENVELOPE)
+        self._stopping, self._slowest = True, fastest
+        accepted = anyio.Event()
+        self._background.start(self._rest(accepted), "aioduco stop at the envelope", accepted.set)
+        await accepted.wait()
+
+    async def _rest(self, accepted: anyio.Event) -> None:
+        """Stop the arm, and wait until it stands. The clock is held until a stop is accepted."""
+        settings = self._settings
+        try:
+            with self._coordinator.gate.stop(Ending.ENVELOPE):
+                self._unconfirmed = 1
+                await self._coordinator.send_stop(settings.stop_timeout)
+                accepted.set()
+                while self._unconfirmed:
+                    self._unconfirmed -= 1
+                    await self._coordinator.rest(settings.stop_timeout, settings.standstill_timeout)
+        except DucoError as exc:
+            _log.critical("the arm leaves its envelope, and %s", exc)
+        finally:
+            self._stopping = False
+
+    async def _stop_again(self, found: Crossing) -> None:
+        """Stop an arm that moves again while `_rest` waits for it to stand."""
+        _log.warning("the arm moves again, and is stopped again: %s", found)
+        self._name_cause(found)
+        self._unconfirmed += 1
+        try:
+            await self._coordinator.send_stop(self._settings.stop_timeout)
+        except DucoError as exc:
+            _log.critical("the arm leaves its envelope, and %s", exc)
+
+    def _name_cause(self, found: Crossing) -> None:
+        """Give the tasks that a stop ends the limit as its cause."""
+        why = EnvelopeViolated(
+            f"the arm was stopped, since it would have left its envelope: {found}", *found[:4]
+        )
+        for task in self._coordinator.follower.tasks:
+            task.stopped_by = why
