@@ -601,7 +601,10 @@ class StreamClosed(StreamError):
 
 
 class StreamStarved(StreamError):
-    """The program sent no set-point in time. The arm was brought to rest, and stopped."""
+    """The program sent no set-point in time, or hung, or its heartbeat was lost.
+
+    The arm was brought to rest, and stopped.
+    """
 
 
 class StreamStopped(StreamError):

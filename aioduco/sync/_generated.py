@@ -1790,6 +1790,10 @@ class Track(_Section):
 
     The manual asks for at least 10 points: when the pool is empty, the arm slows down and stands.
     Points that arrive after that may set it moving again.
+
+    A stop leaves points in the pool, and the next motion through it would follow them first. So a
+    stop by this program empties a pool into which it has put points. After any other stop, such as
+    that of a lost heartbeat, the pool is emptied before this program's next motion or points.
     """
 
     __slots__ = ()

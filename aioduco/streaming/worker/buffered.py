@@ -224,7 +224,7 @@ class RealtimeQueueDriver:
         self, queue: QueueDrive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
         options = block.config.options
-        self._feed = SetpointFeed(connection, block, permit)
+        self._feed = SetpointFeed(connection, block, permit.begin)
         self._connection = connection
         self._permit = permit.require
         self._timeout = options.timeout

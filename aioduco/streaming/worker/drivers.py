@@ -67,7 +67,7 @@ class CallDriver:
     def __init__(
         self, calls: CallDrive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
-        self._feed = SetpointFeed(connection, block, permit)
+        self._feed = SetpointFeed(connection, block, permit.begin)
         self._block = block
         options, sent = block.config.options, block.config.sent
 

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.chunks import ActionTimeline
-    from aioduco.streaming.worker.permit import WorkerPermit
 
 __all__ = [
     "ChunkSource",
@@ -295,12 +294,12 @@ class SetpointFeed:
     Args:
         connection: the worker's connection, open.
         block: the shared block.
-        permit: the worker's permit.
+        begun: called when the stream has begun, before its first set-point.
     """
 
-    def __init__(self, connection: Connection, block: Block, permit: WorkerPermit) -> None:
+    def __init__(self, connection: Connection, block: Block, begun: Callable[[], object]) -> None:
         config = block.config
-        self._permit = permit
+        self._begun = begun
         self._config = config
         self._connection = connection
         self._block = block
@@ -373,7 +372,7 @@ class SetpointFeed:
             else:
                 self._follower = self._checked(self._config.envelope, start)
         self.source.begin(self._follower)
-        self._permit.begin()
+        self._begun()
         return True
 
     def _checked(self, envelope: EnvelopeSettings, start: Config) -> Follower:
