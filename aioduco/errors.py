@@ -624,7 +624,7 @@ class FirstPointTooFar(StreamError):
 
 
 class LaneFailed(StreamError):
-    """The stream's lane ended by an internal error, or its process was killed."""
+    """The stream's lane ended by an internal error, stood still for too long, or was killed."""
 
 
 class PathToleranceViolated(StreamError):
