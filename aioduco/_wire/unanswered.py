@@ -22,8 +22,10 @@ from __future__ import annotations
 import enum
 from typing import Final
 
-__all__ = ["MAX_WATCH", "MIN_WATCH", "NextStep", "UnansweredMotion"]
+__all__ = ["LOOK_EVERY", "MAX_WATCH", "MIN_WATCH", "NextStep", "UnansweredMotion"]
 
+#: time between two polls whether the arm moves [s]
+LOOK_EVERY: Final = 0.01
 #: minimum time for which the arm must be watched after a stop was accepted [s]
 MIN_WATCH: Final = 0.3
 #: maximum time for which the arm must be watched after a stop was accepted [s]

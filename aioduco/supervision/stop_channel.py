@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
+from aioduco._wire.unanswered import LOOK_EVERY
 from aioduco.errors import DucoError, Refused, StopUnconfirmed
 from aioduco.supervision.concurrency import every
 
@@ -31,8 +32,6 @@ FIRST_ATTEMPT = 0.25
 #: the maximum of that: a connection that is made while the network is down detects late that it is
 #: up again
 _LONGEST_ATTEMPT = 1.0
-#: seconds between two polls whether the arm moves
-STANDSTILL_EVERY = 0.01
 #: seconds after which an arm that still moves is stopped once more
 STOP_AGAIN = 0.5
 #: answers "it does not move" in a row that count as standing
@@ -254,7 +253,7 @@ class StopChannel:
         """
         still = 0
         error: Exception | None = None
-        async for _ in every(STANDSTILL_EVERY):
+        async for _ in every(LOOK_EVERY):
             left = until - time.monotonic()
             limit = min(_ASK_LIMIT, left) if left > 0 else _LAST_LIMIT
             error = None

@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, Protocol
 import anyio
 import anyio.lowlevel
 
-from aioduco._wire.unanswered import NextStep, UnansweredMotion
+from aioduco._wire.unanswered import LOOK_EVERY, NextStep, UnansweredMotion
 from aioduco.errors import DucoError, NotSent, OutcomeUnknown, StopUnconfirmed
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import every
-from aioduco.supervision.stop_channel import STANDSTILL_EVERY
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
@@ -231,7 +230,7 @@ async def stop_until_certain(
     Returns:
         Whether that is certain; if not, the time is over, or the controller cannot be polled.
     """
-    ticker = every(STANDSTILL_EVERY)
+    ticker = every(LOOK_EVERY)
     while True:
         if not delivery.report(motion):
             return False

@@ -243,7 +243,8 @@ async def test_an_answer_that_meets_a_cancellation_goes_to_nobody_else() -> None
 
 
 def begun(lane: WireLane, task: asyncio.Task[Any]) -> bool:
-    return lane.statistics().busy == 1 or task.done()
+    """Whether the call is on its way: its connection may have to be opened first."""
+    return task.done() or (lane.statistics().busy == 1 and channel(lane)._stream is not None)
 
 
 def doubling_unless_negative(peer: Peer) -> None:

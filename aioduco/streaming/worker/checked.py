@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
     from aioduco.streaming.shared.space import Config, Limits, Space
-    from aioduco.streaming.worker.directions import Directions
 
 __all__ = ["CheckedPath", "CheckedRates", "EnvelopeSpace", "SpeedCheck"]
 
@@ -136,7 +135,7 @@ class SpeedCheck:
         envelope: the envelope, and the work object in use.
         config: the configuration of the stream.
         connection: connection over which the arm's position is read.
-        directions: rotates speeds into the frame of the wire.
+        turned: rotates speeds into the frame of the wire.
     """
 
     def __init__(
@@ -144,7 +143,7 @@ class SpeedCheck:
         envelope: EnvelopeSettings,
         config: WorkerConfig,
         connection: Connection,
-        directions: Directions,
+        turned: Callable[[tuple[float, ...]], tuple[float, ...]],
     ) -> None:
         sent, drive = config.sent, config.sent.drive
         self.checker: EnvelopeChecker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
@@ -152,7 +151,7 @@ class SpeedCheck:
         self._limits = tuple(zip(sent.space.groups, sent.limits.acceleration, strict=True))
         self._connection = connection
         self._timeout = config.options.timeout
-        self._directions = directions
+        self._turned = turned
         #: orientation of the frame of the wire; empty for that of the tool
         self._frame: Config = ()
         #: time at a speed until a stop takes effect: the program's, after two ticks without any [s]
@@ -224,7 +223,7 @@ class SpeedCheck:
                 passed = number * step
                 yield tuple([q + passed * v for q, v in zip(place, speeds, strict=True)]), step
             return
-        wire = self._directions.turned(speeds)
+        wire = self._turned(speeds)
         for _ in range(count):
             axes = (self._frame or place)[3:]
             shift = (*rotated(axes, wire[:3]), *rotated(axes, wire[3:]))

@@ -405,7 +405,7 @@ class SetpointFeed:
 
         config = self._config
         directions = Directions(self._connection, config.sent.turning, config.options.timeout)
-        check = SpeedCheck(envelope, config, self._connection, directions)
+        check = SpeedCheck(envelope, config, self._connection, directions.turned)
         return CheckedRates(self._space, config.sent.limits, self._period, check, self._crossed)
 
     def _crossed(self, found: Crossing) -> None:
