@@ -21,7 +21,7 @@ import inspect
 import re
 import sys
 import textwrap
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -483,7 +483,7 @@ class Generator:
             if not issubclass(owner, families) or owner is Section:
                 continue
             for name, doc in _documented(owner).items():
-                if name not in seen and not hasattr(owner, name) and mirror.shown != "Robot":
+                if name not in seen and not hasattr(owner, name):
                     seen.add(name)
                     lines += self.property(mirror, owner, name, doc)
             for name, attribute in vars(owner).items():
@@ -526,21 +526,18 @@ class Generator:
 
     def robot(self, sections: dict[str, str]) -> list[str]:
         """The lines of the class that holds the sections."""
-        source, said = self.source("aioduco.robot"), _documented(Robot)
+        said = _documented(Robot)
         doc = [inspect.cleandoc(DOCS["Robot"]), "", "Attributes:"]
-        doc += [f"    {name}: {text}" for name, text in said.items()]
+        doc += [f"    {name}: {said[name]}" for name in sections]
         lines = ["", "", "class Robot(RobotLifecycle, ManualNames):"]
         lines += _doc("\n".join(doc), indent=4)
         lines += ["", "    def __init__(self, runner: Runner) -> None:"]
         lines += ["        robot = runner.robot", "        super().__init__(runner, robot)"]
-        for name in (each for each in said if each not in sections):
-            kind = self.need(source.attribute("Robot", name), source)
-            lines += [f"        self.{name}: {kind} = robot.{name}"]
         lines += [
             f"        self.{name}: {shown} = {shown}(runner, robot.{name})"
             for name, shown in sections.items()
         ]
-        return lines + self.members(ROBOT, (Robot,))
+        return lines + self.members(replace(ROBOT, left_out=ROBOT.left_out | {*sections}), (Robot,))
 
     def connect(self) -> list[str]:
         """The lines of the function that makes a robot."""

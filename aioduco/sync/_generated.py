@@ -4750,8 +4750,6 @@ class Robot(RobotLifecycle, ManualNames):
     did not close the robot does the same.
 
     Attributes:
-        host: name or address of the controller.
-        port: its TCP port.
         system: power, brakes, operation mode.
         motion: motions, jogs, hand guiding, joint trajectories.
         servo: streams of positions to follow.
@@ -4779,8 +4777,6 @@ class Robot(RobotLifecycle, ManualNames):
     def __init__(self, runner: Runner) -> None:
         robot = runner.robot
         super().__init__(runner, robot)
-        self.host: str = robot.host
-        self.port: int = robot.port
         self.system: System = System(runner, robot.system)
         self.motion: Motion = Motion(runner, robot.motion)
         self.servo: Servo = Servo(runner, robot.servo)
@@ -4803,6 +4799,16 @@ class Robot(RobotLifecycle, ManualNames):
         self.log: Log = Log(runner, robot.log)
         self.service: Service = Service(runner, robot.service)
         self.version: Version = Version(runner, robot.version)
+
+    @property
+    def host(self) -> str:
+        """Name or address of the controller."""
+        return self._made.host
+
+    @property
+    def port(self) -> int:
+        """Its TCP port."""
+        return self._made.port
 
     @property
     def tasks(self) -> tuple[Task, ...]:
