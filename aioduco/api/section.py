@@ -29,17 +29,18 @@ from aioduco.errors import (
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.names import ManualNames
-from aioduco.supervision.command import Command, HeldMotion, MotionCommand
+from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
+from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco._wire.rpc import WireCall
-    from aioduco.supervision.command import Aim
     from aioduco.supervision.supervisor import Supervisor
+    from aioduco.supervision.task_command import Aim
     from aioduco.supervision.task_state import JointEta
 
 __all__ = [

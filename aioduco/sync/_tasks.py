@@ -10,7 +10,8 @@ import anyio
 
 from aioduco.errors import TaskError
 from aioduco.models.ranges import WAIT
-from aioduco.supervision.command import check_motions, shown
+from aioduco.supervision.command import check_motions
+from aioduco.supervision.task_command import shown
 from aioduco.sync import _generated_objects as generated
 from aioduco.sync._blocking import Blocking
 

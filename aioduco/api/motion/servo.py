@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.motion.aiming import ToolAim
+from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.streaming.directions import into_tool
@@ -172,7 +172,7 @@ class ServoMotions(Section):
         turning = into_tool(frame, wobj, tool_)
         aim = None
         if turning is not None:
-            aim = ToolAim(self._supervisor, frame, turning, in_tool)
+            aim = tool_aim(self._supervisor, frame, turning, in_tool)
         return self._motion(
             calls.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True, aim=aim
         )

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.motion.aiming import ToolAim, twist_in_tool
+from aioduco.api.motion.aiming import tool_aim, twist_in_tool
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
@@ -125,7 +125,7 @@ class Velocity(Section):
                     f"along or about one direction with frame={frame!r}: as the tool turns, this "
                     "velocity would have to change; robot.speed.linear does that",
                 )
-            aim = ToolAim(self._supervisor, frame, turning, twist_in_tool)
+            aim = tool_aim(self._supervisor, frame, turning, twist_in_tool)
         return self._held(calls.speedl(twist_, a_, time_, False), _ENDING, time=time, aim=aim)
 
     async def speed_stop(self) -> None:
