@@ -52,7 +52,7 @@ class Mirror:
 
     Attributes:
         source: the class.
-        shown: its name here.
+        shown: its name here; one by hand inherits it if it ends in Calls.
         base: its base class here.
         inherited: whether it gets what the bases of `source` have.
         left_out: what is by hand, or for the package alone.
@@ -76,22 +76,22 @@ OBJECTS = (
     Mirror(Events, "Events", left_out={"close", "tell"}),
     Mirror(Recording, "Recording", "Started", left_out={"start", "stop"}),
     Mirror(Publication, "Publication", "Started", left_out={"start", "stop"}),
-    Mirror(PolledGripper, "Gripper", left_out={"start", "aclose", "carrying"}),
+    Mirror(PolledGripper, "GripperCalls", left_out={"start", "aclose", "carrying"}),
     Mirror(
         Task,
-        "Task",
+        "TaskCalls",
         left_out={"result", "wait", "progress", "time_over", "hold_at_end", "release_clock"},
     ),
-    Mirror(MotionPath, "MotionPath", left_out={"tasks", "add"}),
+    Mirror(MotionPath, "MotionPathCalls", left_out={"tasks", "add"}),
     Mirror(
         Stream,
-        "Stream",
+        "StreamCalls",
         left_out={"follow", "ticks"},
         on_loop={"state", "reason", "commanded", "taken", "pid"},
         direct={"halt"},
     ),
-    Mirror(OffsetStream, "OffsetStream", "Stream", inherited=False),
-    Mirror(TrackStream, "TrackStream", "Stream", inherited=False),
+    Mirror(OffsetStream, "OffsetStreamCalls", "StreamCalls", inherited=False),
+    Mirror(TrackStream, "TrackStreamCalls", "StreamCalls", inherited=False),
 )
 ROBOT = Mirror(
     Robot,
@@ -149,9 +149,8 @@ DOCS = {
     did not close the robot does the same.
     """,
 }
-#: classes of which a class by hand, of the same name, has the rest
-BY_HAND = {"Gripper", "MotionPath", "OffsetStream", "Stream", "Task", "TrackStream"}
-PART = "What `{0}` has in common with the one for asyncio programs."
+#: what is said of a class that one by hand inherits
+PART = "What `{0}` only passes on to the one for asyncio programs."
 
 #: arguments that `connect` has here besides, and what is said of them
 CONNECT = "hold_limit: float | None = 1.0, program_limit: float | None = None"
@@ -503,14 +502,13 @@ class Generator:
     def object(self, mirror: Mirror) -> list[str]:
         """The lines of the class of something that a robot hands out."""
         source, shown = mirror.source, mirror.shown
-        doc = PART.format(shown) if shown in BY_HAND else _own_doc(source)
+        part, alias = shown.removesuffix("Calls"), f"Aio{source.__name__}"
+        doc = _own_doc(source) if part == shown else PART.format(part)
         if mirror.inherited:
-            self.imports[f"Aio{shown}"] = (
-                f"from {source.__module__} import {source.__name__} as Aio{shown}"
-            )
+            self.imports[alias] = f"from {source.__module__} import {source.__name__} as {alias}"
         lines = ["", "", f"class {shown}({mirror.base}):", *_doc(doc, indent=4)]
         # type checkers let no attribute have a narrower type than in a base, except for Any
-        lines += ["", f"    _made: {f'Aio{shown}' if mirror.inherited else 'Any'}"]
+        lines += ["", f"    _made: {alias if mirror.inherited else 'Any'}"]
         families = tuple(each for each in source.__mro__ if each.__module__.startswith("aioduco"))
         return lines + self.members(mirror, families)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from aioduco.errors import DucoError
-    from aioduco.grippers.gripper import GripperState, PolledGripper as AioGripper
+    from aioduco.grippers.gripper import GripperState, PolledGripper as AioPolledGripper
     from aioduco.models.enums import Outcome, TaskState
     from aioduco.models.gripper_models import GripperModel
     from aioduco.models.op import Op
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
         FeedStatistics,
         Policy,
         Snapshot,
-        StateFeed as AioFeed,
+        StateFeed as AioStateFeed,
     )
     from aioduco.supervision.task import OnCancel, Task as AioTask
     from aioduco.sync._runner import Runner
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 class Feed(Blocking):
     """Samples of the robot's state. It starts on first use."""
 
-    _made: AioFeed
+    _made: AioStateFeed
 
     @property
     def forces(self) -> bool:
@@ -227,10 +227,10 @@ class Publication(Started):
         return self._made.error
 
 
-class Gripper(Blocking):
-    """What `Gripper` has in common with the one for asyncio programs."""
+class GripperCalls(Blocking):
+    """What `Gripper` only passes on to the one for asyncio programs."""
 
-    _made: AioGripper
+    _made: AioPolledGripper
 
     def activate(self) -> None:
         """Make the gripper ready; if the gripper is always ready, only read its state.
@@ -318,8 +318,8 @@ class Gripper(Blocking):
         self._runner.call_sync(self._made.check_held)
 
 
-class Task(Blocking):
-    """What `Task` has in common with the one for asyncio programs."""
+class TaskCalls(Blocking):
+    """What `Task` only passes on to the one for asyncio programs."""
 
     _made: AioTask
 
@@ -444,8 +444,8 @@ class Task(Blocking):
         self._call(self._made.resume())
 
 
-class MotionPath(Blocking):
-    """What `MotionPath` has in common with the one for asyncio programs."""
+class MotionPathCalls(Blocking):
+    """What `MotionPath` only passes on to the one for asyncio programs."""
 
     _made: AioMotionPath
 
@@ -460,8 +460,8 @@ class MotionPath(Blocking):
         return self._made.outcomes
 
 
-class Stream(Blocking):
-    """What `Stream` has in common with the one for asyncio programs."""
+class StreamCalls(Blocking):
+    """What `Stream` only passes on to the one for asyncio programs."""
 
     _made: AioStream
 
@@ -577,8 +577,8 @@ class Stream(Blocking):
         self._call(self._made.play(trajectory, times))
 
 
-class OffsetStream(Stream):
-    """What `OffsetStream` has in common with the one for asyncio programs."""
+class OffsetStreamCalls(StreamCalls):
+    """What `OffsetStream` only passes on to the one for asyncio programs."""
 
     _made: Any
 
@@ -609,8 +609,8 @@ class OffsetStream(Stream):
         self._call(self._made.play(trajectory, times))
 
 
-class TrackStream(Stream):
-    """What `TrackStream` has in common with the one for asyncio programs."""
+class TrackStreamCalls(StreamCalls):
+    """What `TrackStream` only passes on to the one for asyncio programs."""
 
     _made: Any
 

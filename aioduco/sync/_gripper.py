@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Concatenate, ParamSpec
 
-from aioduco.sync import _generated_objects as generated
+from aioduco.sync._generated_objects import GripperCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,7 +20,7 @@ __all__ = ["Gripper"]
 P = ParamSpec("P")
 
 
-class Gripper(generated.Gripper):
+class Gripper(GripperCalls):
     """A gripper of `aioduco.grippers`, whose functions return when they are done.
 
         with aioduco.sync.Gripper(robot, Robotiq.at_tool, "robotiq_2f85") as gripper:

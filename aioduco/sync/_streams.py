@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import StreamError
-from aioduco.sync import _generated_objects as generated
+from aioduco.sync._generated_objects import OffsetStreamCalls, StreamCalls, TrackStreamCalls
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable, Iterator
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["OffsetStream", "Stream", "TrackStream"]
 
 
-class Stream(generated.Stream):
+class Stream(StreamCalls):
     """A stream of set-points to the controller. Use it in `with`.
 
     Entering starts the worker and connects it; the arm does not move before the first set-point.
@@ -121,11 +121,11 @@ class Stream(generated.Stream):
             yield self._runner.call(following())
 
 
-class OffsetStream(generated.OffsetStream, Stream):
+class OffsetStream(OffsetStreamCalls, Stream):
     """A stream of offsets in the tool's frame, each from the target of the one before."""
 
 
-class TrackStream(generated.TrackStream, Stream):
+class TrackStream(TrackStreamCalls, Stream):
     """A stream into the track pool: points of a path, optionally with outputs to set.
 
     `play` takes no times: the controller plans them from speed and acceleration. It returns when

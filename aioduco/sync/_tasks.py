@@ -12,8 +12,8 @@ from aioduco.errors import TaskError
 from aioduco.models.ranges import WAIT
 from aioduco.supervision.command import check_motions
 from aioduco.supervision.task_command import shown
-from aioduco.sync import _generated_objects as generated
 from aioduco.sync._blocking import Blocking
+from aioduco.sync._generated_objects import MotionPathCalls, TaskCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable, Iterator
@@ -32,7 +32,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-class Task(generated.Task):
+class Task(TaskCalls):
     """A task that the controller accepted. `with task:` ties it to a block.
 
     Leaving the block waits for a motion with an end of its own, and ends a motion without one. If
@@ -215,7 +215,7 @@ class MotionCommand(Blocking):
         return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
 
-class MotionPath(generated.MotionPath):
+class MotionPath(MotionPathCalls):
     """A path of motions that blend, for use in `with`. `robot.motion.path` makes it.
 
     When the block is left, the arm has reached the end of the last motion. If the block raises, the
