@@ -4,8 +4,9 @@
     python idl/generate.py --check    compare the whole text with what is committed
 
 The generated module holds one dataclass per struct and one method per function of the wire
-(`Functions`), for callers on a thread; `AsyncRpc` takes each of them over, awaited. It imports
-nothing of Thrift, so that a type checker finds a wrong call anywhere in the package.
+(`Functions`), for callers on a thread. `AsyncRpc` and `WireCalls` take each of them over: awaited,
+and as a value that was not sent. It imports nothing of Thrift, so that a type checker finds a wrong
+call anywhere in the package.
 """
 
 from __future__ import annotations
@@ -51,10 +52,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Concatenate, Final, ParamSpec, TypeVar, cast
+from typing import Any, ClassVar, Concatenate, Final, Generic, ParamSpec, Protocol, TypeVar
+from typing import cast, overload
 
 P = ParamSpec("P")
 R = TypeVar("R")
+R_co = TypeVar("R_co", covariant=True)
 Spec = dict[int, tuple[Any, ...]]
 '''
 
@@ -82,21 +85,68 @@ class RpcClient(Functions):
         return self._send(name, args)
 
 
-def awaited(
-    function: Callable[Concatenate[Functions, P], R],
-) -> Callable[Concatenate[AsyncRpc, P], Coroutine[Any, Any, R]]:
-    """The same function: it returns what `_call` returns, which is a coroutine in `AsyncRpc`."""
-    return cast("Callable[Concatenate[AsyncRpc, P], Coroutine[Any, Any, R]]", function)
+@dataclass(frozen=True, slots=True)
+class WireCall(Generic[R_co]):
+    """A call of the wire as a value; `R_co` is the type of its answer.
+
+    Attributes:
+        name: the function.
+        args: one value per parameter.
+    """
+
+    name: str
+    args: tuple[Any, ...]
 
 
-class AsyncRpc:
+class WireFunction(Protocol[P, R_co]):
+    """A function of the wire, as type checkers see it in `AsyncRpc` and in `WireCalls`."""
+
+    @overload
+    def __get__(
+        self, client: AsyncRpc, kind: type | None = None
+    ) -> Callable[P, Coroutine[Any, Any, R_co]]: ...
+
+    @overload
+    def __get__(
+        self, client: WireCalls, kind: type | None = None
+    ) -> Callable[P, WireCall[R_co]]: ...
+
+
+def taken_over(function: Callable[Concatenate[Functions, P], R]) -> WireFunction[P, R]:
+    """The same function: it returns what `_call` of its new class returns."""
+    return cast("WireFunction[P, R]", function)
+
+
+class _TakenOver:
+    """Every function of the wire, for classes whose `_call` returns something else."""
+
+    __slots__ = ()
+'''
+
+
+TAKEN_OVER = '''
+
+class AsyncRpc(_TakenOver):
     """Every function of the wire, awaited; `call` is a coroutine function."""
 
     __slots__ = ("_call",)
 
     def __init__(self, call: Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]) -> None:
         self._call = call
-'''
+
+    def send(self, call: WireCall[R]) -> Coroutine[Any, Any, R]:
+        """Send a call that was made as a value."""
+        return self._call(call.name, call.args)
+
+
+class WireCalls(_TakenOver):
+    """Every function of the wire, as a value: it checks the types, and sends nothing."""
+
+    __slots__ = ()
+    _call = WireCall
+
+
+calls: Final = WireCalls()'''
 
 
 def py_type(spec: Any, container: str) -> str:
@@ -182,7 +232,8 @@ def generate() -> str:
         out.append(f'        """{notes[name]}"""')
         out.append(call(name, entries) + "\n")
     out.append(CLIENTS)
-    out += [f"    {name}: Final = awaited(Functions.{name})" for name in service.thrift_services]
+    out += [f"    {name}: Final = taken_over(Functions.{name})" for name in service.thrift_services]
+    out.append(TAKEN_OVER)
     return "\n".join(out) + "\n"
 
 

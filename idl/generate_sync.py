@@ -1,11 +1,14 @@
-"""Generate `aioduco/sync/_generated.py`: the sections of the robot for programs that wait.
+"""Generate the robot for programs that wait: `_generated_objects.py`, `_generated.py` of `sync/`.
 
-    python idl/generate_sync.py            write the module
-    python idl/generate_sync.py --check    compare the whole text with what is committed
+    python idl/generate_sync.py            write the modules
+    python idl/generate_sync.py --check    compare their whole text with what is committed
 
-Each section of `aioduco.robot.Robot`, those of streams alone included, and each coroutine of the
-robot itself, becomes a class or a method with the same signature and docstring. A shape that has
-no rule here ends the generator.
+Two rules make nearly all of it: a coroutine becomes a call that waits, and a property passes on.
+`_generated_objects` has what a robot hands out: feed, tasks, streams, recordings. `_generated` has
+the robot itself, its sections (those of streams alone included), `connect`, and the functions that
+take a robot. Signatures and docstrings are those of the asyncio interface, the latter in the words
+of `WORDS`. What really differs is by hand: the classes of `sync/` that inherit these, or that these
+inherit. A shape that has no rule here ends the generator.
 """
 
 from __future__ import annotations
@@ -18,35 +21,109 @@ import inspect
 import re
 import sys
 import textwrap
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from aioduco.api.section import Section  # noqa: E402  # of this checkout
-from aioduco.robot import Robot  # noqa: E402  # of this checkout
+from aioduco.grippers.gripper import PolledGripper  # noqa: E402  # of this checkout
+from aioduco.recording.publication import Publication  # noqa: E402  # of this checkout
+from aioduco.recording.recorder import Recording  # noqa: E402  # of this checkout
+from aioduco.robot import Robot, connect  # noqa: E402  # of this checkout
 from aioduco.streaming.realtime import RealtimeStreams  # noqa: E402  # of this checkout
-from aioduco.streaming.servo import Servo  # noqa: E402  # of this checkout
+from aioduco.streaming.servo import OffsetStream, Servo  # noqa: E402  # of this checkout
 from aioduco.streaming.speed import Speed  # noqa: E402  # of this checkout
-from aioduco.streaming.track import TrackStreams  # noqa: E402  # of this checkout
+from aioduco.streaming.stream import Stream  # noqa: E402  # of this checkout
+from aioduco.streaming.track import TrackStream, TrackStreams  # noqa: E402  # of this checkout
+from aioduco.supervision.events import Events  # noqa: E402  # of this checkout
+from aioduco.supervision.motion_path import MotionPath  # noqa: E402  # of this checkout
+from aioduco.supervision.state_feed import StateFeed  # noqa: E402  # of this checkout
+from aioduco.supervision.task import Task  # noqa: E402  # of this checkout
 
-TARGET = ROOT / "aioduco" / "sync" / "_generated.py"
+SYNC = ROOT / "aioduco" / "sync"
+Function = ast.AsyncFunctionDef | ast.FunctionDef
 
-#: coroutines of the robot that `aioduco/sync/_robot.py` has in its own way
-BY_HAND = {"open", "aclose"}
-MOTIONS = {"MotionCommand", "HeldMotion"}
+
+@dataclass(frozen=True)
+class Mirror:
+    """A class of the asyncio interface that programs that wait get, too.
+
+    Attributes:
+        source: the class.
+        shown: its name here; one by hand inherits it if it ends in Calls.
+        base: its base class here.
+        inherited: whether it gets what the bases of `source` have.
+        left_out: what is by hand, or for the package alone.
+        on_loop: properties that must be read on the event loop.
+        direct: functions that any thread may call at once.
+        settable: attributes that may be set.
+    """
+
+    source: type
+    shown: str
+    base: str = "Blocking"
+    inherited: bool = True
+    left_out: set[str] = field(default_factory=set)
+    on_loop: set[str] = field(default_factory=set)
+    direct: set[str] = field(default_factory=set)
+    settable: set[str] = field(default_factory=set)
+
+
+OBJECTS = (
+    Mirror(StateFeed, "Feed", left_out={"close"}, settable={"forces"}),
+    Mirror(Events, "Events", left_out={"close", "tell"}),
+    Mirror(Recording, "Recording", "Started", left_out={"start", "stop"}),
+    Mirror(Publication, "Publication", "Started", left_out={"start", "stop"}),
+    Mirror(PolledGripper, "GripperCalls", left_out={"start", "aclose", "carrying"}),
+    Mirror(
+        Task,
+        "TaskCalls",
+        left_out={"result", "wait", "progress", "time_over", "hold_at_end", "release_clock"},
+    ),
+    Mirror(MotionPath, "MotionPathCalls", left_out={"tasks", "add"}),
+    Mirror(
+        Stream,
+        "StreamCalls",
+        left_out={"follow", "ticks"},
+        on_loop={"state", "reason", "commanded", "taken", "pid"},
+        direct={"halt"},
+    ),
+    Mirror(OffsetStream, "OffsetStreamCalls", "StreamCalls", inherited=False),
+    Mirror(TrackStream, "TrackStreamCalls", "StreamCalls", inherited=False),
+)
+ROBOT = Mirror(
+    Robot,
+    "Robot",
+    "RobotLifecycle",
+    left_out={"open", "aclose"},
+    direct={"permit", "stop_now"},
+)
+#: functions that take a robot: the module that is imported when they are called, and their names
+FUNCTIONS = {
+    "aioduco.playback": ("play", "check_path_on", "check_waypoints_on", "run_waypoints"),
+    "aioduco.teleoperation": ("teleoperate",),
+}
 #: classes whose methods make streams: bases of sections, or sections by themselves
 STREAM_MAKERS = (Servo, Speed, RealtimeStreams, TrackStreams)
-#: what functions return that do not wait; what ties it to a block is in these modules
-TIED = {
-    "MotionPath": "aioduco.sync._tasks",
-    "OffsetStream": "aioduco.sync._streams",
-    "Stream": "aioduco.sync._streams",
-    "TrackStream": "aioduco.sync._streams",
+MOTIONS = {"MotionCommand", "HeldMotion"}
+#: class of the asyncio interface -> the class here, and its module
+HERE = {
+    "Events": ("Events", "_generated_objects"),
+    "MotionPath": ("MotionPath", "_tasks"),
+    "OffsetStream": ("OffsetStream", "_streams"),
+    "Publication": ("Publication", "_generated_objects"),
+    "Recording": ("Recording", "_generated_objects"),
+    "StateFeed": ("Feed", "_generated_objects"),
+    "Stream": ("Stream", "_streams"),
+    "Subscription": ("Subscription", "_feeds"),
+    "Task": ("Task", "_tasks"),
+    "TrackStream": ("TrackStream", "_streams"),
 }
 
 DOCS = {
-    "Motion": '''"""Motions of the arm (移动控制, manual 1.3.5).
+    "Motion": """Motions of the arm (移动控制, manual 1.3.5).
 
     Each function checks its arguments, sends the motion, and returns when it has ended; `.start`
     returns its task as soon as the controller has accepted it; `.prepare` sends nothing:
@@ -63,66 +140,97 @@ DOCS = {
 
         with robot.motion.speedl.start([0, 0, -0.02, 0, 0, 0], a=0.5, time=5.0):
             ...
-    """''',
+    """,
+    "Robot": """A robot arm and its controller. Made by `connect`, used in `with`.
+
+    Any thread may use it. Calls return when they are done; an interrupt (Ctrl-C) in a call that
+    waits for a motion stops the arm before it is raised. Leaving the `with` block stops this
+    program's motions, waits until the arm stands, and closes the robot. The end of a program that
+    did not close the robot does the same.
+    """,
 }
+#: what is said of a class that one by hand inherits
+PART = "What `{0}` only passes on to the one for asyncio programs."
+
+#: arguments that `connect` has here besides, and what is said of them
+CONNECT = "hold_limit: float | None = 1.0, program_limit: float | None = None"
+CONNECT_DOC = """\
+    hold_limit: seconds for which the thread that started a motion without an end of its own (a
+        jog, a velocity, with `time=None`) may make no call on the robot. After that the motion
+        is stopped. None for no limit. A call in progress counts, and so does `Robot.sleep`.
+    program_limit: the same for every motion that was started; None for no limit: a motion
+        to a target then continues to its target, whatever the program does.
+"""
+CONNECT_THREAD = """\
+The robot runs in an event loop on a thread of its own. So the heartbeat shows the controller
+that this thread is alive, not that the program's own thread is. `hold_limit` and
+`program_limit` stop motions when the program's own thread makes no calls.
+
+"""
 
 #: what is said otherwise to a program that waits
 WORDS = (
-    (r"async with (robot\.motion\.path)\(", r"with \1("),
+    (r"async with (robot\.(?:motion\.path|record|publish|permit))\(", r"with \1("),
     (r"await path\.add\((robot\.[\w.]+)\(", r"path.add(\1.prepare("),
     (r"async with (robot\.(?:servo|speed)\.\w+|robot\.\w+\.stream)\(", r"with \1("),
     (r"async with (robot\.[\w.]+)\(", r"with \1.start("),
     (r"await (robot\.[\w.]+)\((.*)\)\.start\(\)", r"\1.start(\2)"),
     (r"async (with|for) ", r"\1 "),
+    (r"`async (with|for)`", r"`\1`"),
     (r"\bawait (?=[\w.]+\()", ""),
-    (r"[Cc]ancelling its await", "An interrupt while it waits"),
-    (r"Cancelling this brings", "An interrupt brings"),
-    (r"if this is cancelled", "if this is interrupted"),
-    (r"If this is cancelled", "If this is interrupted"),
-    (r"goes on to its end even if this is interrupted", "goes on to its end even if interrupted"),
+    (r"async iterator", "iterator"),
+    (r"Yields:\n    The subscription, for `for`\.", "Returns:\n    The subscription, for `with`."),
     (r"The motion, not sent yet\.", "How it ended: finished or blended."),
+    (r"the motions before those of `tasks` ended:", "the motions that have ended did so:"),
+    # what is a cancellation there
+    (r"[Cc]ancelling its await", "An interrupt while it waits"),
+    (r"[Cc]ancelling this", "An interrupt"),
+    (r"A cancellation (?=brings|stops)", "An interrupt (Ctrl-C) "),
+    (r"An interrupt while it waits cancels", "An interrupt while it waits ends"),
+    (r"ends by itself is cancelled", "ends by itself is stopped"),
+    (r"A motion that is awaited alone", "A motion that is carried out alone"),
+    (r"when the caller is cancelled", "when an interrupt comes"),
+    (r"goes on to its end even if this is cancelled", "goes on to its end even if interrupted"),
+    (r"([Ii]f) this is cancelled", r"\1 this is interrupted"),
+    (r"when the await of a motion is cancelled", "when a wait for a motion is interrupted"),
+    (r"when its await is cancelled", "when a wait for it is interrupted"),
+    (r"an await of it returns only", "a wait for it returns only"),
+    (r"The awaits of running motions raise", "Calls that wait for a running motion raise"),
+    # what runs on the event loop there
+    (r"a stall of the program's event loop", "a stall of the program"),
+    (r"the event loop (?=may|hung)", "the robot's thread "),
+    (r"sign of life of this program", "heartbeat of the robot's thread"),
+    (r"another task", "another thread"),
+    (r"in the tasks that the block starts, too", "for the calls of this thread alone"),
+    (
+        r"predicate: called with each (?:new )?sample(?:, on the event loop)?\.",
+        "predicate: called on the robot's thread with each new sample; it must not call the robot.",
+    ),
+    (r"feedback: (called|callback) ", r"feedback: \1 on the robot's thread "),
+    (r"callback on the robot's thread that gets", "callback on the robot's thread, which gets"),
+    (r"on_reading: callback ", "on_reading: callback on the robot's thread "),
+    (r"a hook that is called for", "a hook that is called on the robot's threads for"),
 )
 
-HEADER = '''"""The sections of the robot for programs that wait.
+HEADER = '''"""{title}
 
-Generated from `aioduco/api/` and `aioduco/robot.py` by `idl/generate_sync.py`; change those, not
-this.
+Generated by `idl/generate_sync.py` from {sources}; change those, not this.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-from aioduco.models.names import ManualNames
-from aioduco.sync._tasks import awaitables, moves
+{run_time}
 
 if TYPE_CHECKING:
 {imports}
+'''
+SECTION = '''
 
-
-class _Section(ManualNames):
+class _Section(ManualNames, Blocking):
     """A section of the manual: functions of one robot."""
 
-    __slots__ = ("_runner", "_section")
-
-    def __init__(self, runner: Runner, section: Any) -> None:
-        self._runner = runner
-        self._section = section
-
-    def __repr__(self) -> str:
-        return repr(self._section)
+    __slots__ = ()
 '''
-
-
-#: what it needs of the package when it is imported
-RUN_TIME = "from aioduco.sync._tasks import MotionPath, awaitables, moves"
-#: what the module needs besides
-OWN = {
-    "from aioduco import robot as aio_robot",
-    "from aioduco.supervision import command as aio_command",
-    "from aioduco.sync._runner import Runner",
-    "from aioduco.sync._tasks import MotionCommand",
-}
 
 
 class Source:
@@ -134,9 +242,11 @@ class Source:
         self.tree = ast.parse(text)
         self.imported: dict[str, str] = {}
         for node in ast.walk(self.tree):
-            if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                before = f"from {node.module} " if isinstance(node, ast.ImportFrom) else ""
                 for alias in node.names:
-                    self.imported[alias.asname or alias.name] = _import(node.module, alias)
+                    line = f"{before}import {ast.unparse(alias)}"
+                    self.imported[alias.asname or alias.name] = line
         #: names of the module's own for types, which it keeps to itself
         self.aliases: dict[str, ast.expr] = {
             node.targets[0].id: node.value
@@ -146,26 +256,37 @@ class Source:
             and node.targets[0].id.startswith("_")
         }
         self.own = {
-            target
+            ast.unparse(name)
             for node in self.tree.body
-            for target in (
-                [node.name]
-                if isinstance(node, ast.ClassDef)
-                else [
-                    each.id for each in getattr(node, "targets", []) if isinstance(each, ast.Name)
-                ]
+            for name in (
+                *getattr(node, "targets", ()),
+                *([node.target] if isinstance(node, ast.AnnAssign) else ()),
+                *([ast.Name(node.name)] if isinstance(node, ast.ClassDef) else ()),
             )
         }
 
-    def function(self, owner: str, name: str) -> ast.AsyncFunctionDef | ast.FunctionDef:
-        for node in self.tree.body:
-            if isinstance(node, ast.ClassDef) and node.name == owner:
-                for each in node.body:
-                    if not isinstance(each, ast.AsyncFunctionDef | ast.FunctionDef):
-                        continue
-                    if each.name == name:
-                        return each
+    def function(self, owner: str, name: str) -> Function:
+        """A method of a class, or, with an empty owner, a function of the module."""
+        classes = [node for node in self.tree.body if isinstance(node, ast.ClassDef)]
+        for each in next((node.body for node in classes if node.name == owner), self.tree.body):
+            if isinstance(each, Function) and each.name == name:
+                return each
         raise SystemExit(f"{self.module}: {owner}.{name} is not to be found")
+
+    def attribute(self, owner: str, name: str) -> ast.expr:
+        """The type of an attribute that the constructor sets."""
+        init = self.function(owner, "__init__")
+        arguments = (*init.args.args, *init.args.kwonlyargs)
+        given = {arg.arg: arg.annotation for arg in arguments if arg.annotation is not None}
+        for node in ast.walk(init):
+            if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == f"self.{name}":
+                return node.annotation
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == f"self.{name}":
+                if isinstance(node.value, ast.Name) and node.value.id in given:
+                    return given[node.value.id]
+                if isinstance(node.value, ast.Constant):
+                    return ast.Name(type(node.value.value).__name__)
+        raise SystemExit(f"{self.module}: of which type is {owner}.{name}?")
 
 
 class _Unfolded(ast.NodeTransformer):
@@ -178,30 +299,26 @@ class _Unfolded(ast.NodeTransformer):
         return self._aliases.get(node.id, node)
 
 
-def _import(module: str, alias: ast.alias) -> str:
-    renamed = f" as {alias.asname}" if alias.asname else ""
-    return f"from {module} import {alias.name}{renamed}"
-
-
 class Generator:
-    """Collects the text of classes, and the imports that their annotations need."""
+    """Collects the text of one module, and the imports that its annotations need."""
 
-    def __init__(self) -> None:
-        self.imports: dict[str, str] = {}
+    def __init__(self, target: str) -> None:
+        self.target = target
+        self.imports: dict[str, str] = {"Runner": "from aioduco.sync._runner import Runner"}
         self.sources: dict[str, Source] = {}
         #: imports of what is evaluated
-        self.run_time: set[str] = {
-            "from aioduco.models.names import ManualNames",
-            "from aioduco.sync._tasks import awaitables, moves",
-        }
+        self.run_time: set[str] = {"from typing import TYPE_CHECKING"}
 
     def source(self, module: str) -> Source:
         return self.sources.setdefault(module, Source(module))
 
-    def need(self, node: ast.expr, source: Source, *, default: bool) -> str:
+    # -- types and arguments -----------------------------------------------------------------------
+
+    def need(self, node: ast.expr, source: Source, *, default: bool = False) -> str:
         """The text of an annotation or a default, whose names are imported."""
         if not default:
-            node = _Unfolded(source.aliases).visit(node)
+            here = {name: ast.Name(shown) for name, (shown, _) in HERE.items()}
+            node = _Unfolded(source.aliases | here).visit(node)
         for each in ast.walk(node):
             if not isinstance(each, ast.Name) or each.id in vars(__import__("builtins")):
                 continue
@@ -209,62 +326,27 @@ class Generator:
                 value = getattr(sys.modules[source.module], each.id)
                 if isinstance(value, int | float | str | None) and each is node:
                     return repr(value)
-            wanted = source.imported.get(each.id)
-            if wanted is None and each.id in source.own:
-                wanted = f"from {source.module} import {each.id}"
-            if wanted is None:
-                raise SystemExit(f"{source.module}: where does {each.id} come from?")
-            if each.id in MOTIONS | TIED.keys():
-                continue
-            if self.imports.setdefault(each.id, wanted) != wanted:
-                raise SystemExit(f"two things are called {each.id}")
+            if not self.is_here(each.id):
+                self.need_name(each.id, source)
         return ast.unparse(node)
 
-    def method(self, owner: type, name: str, target: str) -> list[str]:
-        """The lines of one method."""
-        source = self.source(owner.__module__)
-        node = source.function(owner.__name__, name)
-        if node.returns is None:
-            raise SystemExit(f"{owner.__name__}.{name} does not say what it returns")
-        returns = self.need(node.returns, source, default=False)
-        tied = returns in TIED
-        motion = isinstance(node, ast.FunctionDef) and not tied
-        if motion and returns not in MOTIONS:
-            raise SystemExit(f"{owner.__name__}.{name}: no rule for what returns {returns}")
-        if node.decorator_list:
-            raise SystemExit(f"{owner.__name__}.{name}: no rule for decorators")
-        declared, sent = self.arguments(node.args, source)
-        returned = "aio_command.MotionCommand" if motion else returns
-        lines = ["", "    @moves"] if motion else [""]
-        lines += _broken(f"    def {name}", ["self", *declared], f" -> {returned}:")
-        lines += _doc(inspect.getdoc(getattr(owner, name)), motion=motion)
-        call = f"{target}.{name}"
-        if tied:
-            self.run_time.add(f"from {TIED[returns]} import {returns}")
-            return [
-                *lines,
-                *_broken(f"        made = {call}", sent, ""),
-                f"        return {returns}(self._runner, made)",
-            ]
-        if motion:
-            return lines + _broken(f"        return {call}", sent, "")
-        back = "" if returns == "None" else "return "
-        line = f"        {back}self._runner.call({call}({', '.join(sent)}))"
-        if len(line) <= 100:
-            return [*lines, line]
-        lines += _broken(f"        work = {call}", sent, "")
-        return [*lines, f"        {back}self._runner.call(work)"]
+    def is_here(self, name: str) -> bool:
+        """Whether a name is that of a class of `sync`, which is imported then."""
+        for shown, module in (*HERE.values(), ("MotionCommand", "_tasks")):
+            if name == shown:
+                if module != self.target:
+                    self.run_time.add(f"from aioduco.sync.{module} import {name}")
+                return True
+        return name in {"HeldMotion", "Robot"}
 
-    def property(self, owner: type, name: str) -> list[str]:
-        """The lines of one property."""
-        source = self.source(owner.__module__)
-        node = source.function(owner.__name__, name)
-        if node.returns is None:
-            raise SystemExit(f"{owner.__name__}.{name} does not say what it is")
-        returns = self.need(node.returns, source, default=False)
-        lines = ["", "    @property", f"    def {name}(self) -> {returns}:"]
-        lines += _doc(inspect.getdoc(getattr(owner, name)), motion=False)
-        return [*lines, f"        return self._section.{name}"]
+    def need_name(self, name: str, source: Source) -> None:
+        wanted = source.imported.get(name)
+        if wanted is None and name in source.own:
+            wanted = f"from {source.module} import {name}"
+        if wanted is None:
+            raise SystemExit(f"{source.module}: where does {name} come from?")
+        if self.imports.setdefault(name, wanted) != wanted:
+            raise SystemExit(f"two things are called {name}")
 
     def arguments(self, args: ast.arguments, source: Source) -> tuple[list[str], list[str]]:
         """What is declared, and what is handed on."""
@@ -274,7 +356,7 @@ class Generator:
         def declare(arg: ast.arg, value: ast.expr | None, before: str = "") -> str:
             if arg.annotation is None:
                 raise SystemExit(f"{source.module}: {arg.arg} has no type")
-            text = f"{before}{arg.arg}: {self.need(arg.annotation, source, default=False)}"
+            text = f"{before}{arg.arg}: {self.need(arg.annotation, source)}"
             if value is None:
                 return text
             shown = self.need(value, source, default=True)
@@ -282,15 +364,17 @@ class Generator:
                 self.at_run_time(value)
             return f"{text} = {shown}"
 
-        positional = args.posonlyargs + args.args
+        positional = [arg for arg in args.posonlyargs + args.args if arg.arg != "self"]
         missing: list[ast.expr | None] = [None] * (len(positional) - len(args.defaults))
-        for arg, value in list(zip(positional, missing + list(args.defaults), strict=True))[1:]:
+        for arg, value in zip(positional, missing + list(args.defaults), strict=True):
             declared.append(declare(arg, value))
-            sent.append(arg.arg)
+            sent.append("robot._made" if declared[-1] == "robot: Robot" else arg.arg)
         if args.vararg is not None:
             declared.append(declare(args.vararg, None, "*"))
             name = args.vararg.arg
             motions = ast.unparse(args.vararg.annotation or ast.Constant(None)) == "MotionCommand"
+            if motions:
+                self.run_time.add("from aioduco.sync._tasks import awaitables")
             sent.append(f"*awaitables({name})" if motions else f"*{name}")
         elif args.kwonlyargs:
             declared.append("*")
@@ -308,64 +392,190 @@ class Generator:
             if isinstance(each, ast.Name):
                 self.run_time.add(self.imports[each.id])
 
+    # -- members -----------------------------------------------------------------------------------
+
+    def method(self, mirror: Mirror, owner: type, name: str) -> list[str]:
+        """The lines of one method."""
+        source = self.source(owner.__module__)
+        node = source.function(owner.__name__, name)
+        if node.returns is None:
+            raise SystemExit(f"{owner.__name__}.{name} does not say what it returns")
+        declared, sent = self.arguments(node.args, source)
+        call = f"self._made.{name}"
+        doc = inspect.getdoc(getattr(owner, name))
+        decorators = [ast.unparse(each) for each in node.decorator_list]
+        if decorators == ["contextmanager"]:
+            (item,) = re.findall(r"^Iterator\[(.+)\]$", self.need(node.returns, source))
+            manager = "AbstractContextManager"
+            self.imports[manager] = f"from contextlib import {manager}"
+            self.run_time.add("from aioduco.sync._feeds import reading")
+            returned = f"{manager}[{item}]"
+            work = f"return reading(self._runner, {call}({', '.join(sent)}))"
+            return _function(name, ["self", *declared], returned, doc, [f"        {work}"])
+        if decorators:
+            raise SystemExit(f"{owner.__name__}.{name}: no rule for decorators")
+        returns = self.need(node.returns, source)
+        if returns in MOTIONS:
+            self.imports["aio_command"] = "from aioduco.supervision import command as aio_command"
+            self.run_time.add("from aioduco.sync._tasks import moves")
+            returned, body = (
+                "aio_command.MotionCommand",
+                _broken(f"        return {call}", sent, ""),
+            )
+            return _function(name, ["self", *declared], returned, doc, body, motion=True)
+        work = f"{call}({', '.join(sent)})"
+        if isinstance(node, ast.AsyncFunctionDef):
+            work = f"self._call({work})"
+        elif name not in mirror.direct and not issubclass(mirror.source, (Section, *STREAM_MAKERS)):
+            work = f"self._runner.call_sync({f'lambda: {work}' if sent else call})"
+        body = self.returned(returns, work)
+        if len(body[0]) > 100:
+            waits = isinstance(node, ast.AsyncFunctionDef)
+            first = _broken(f"        {'work' if waits else 'made'} = {call}", sent, "")
+            rest = self.returned(returns, "self._call(work)") if waits else body[1:]
+            body = [*first, *rest]
+        return _function(name, ["self", *declared], returns, doc, body)
+
+    def returned(self, returns: str, work: str) -> list[str]:
+        """The lines that return what some work results in, as an object of `sync` if it is one."""
+        inner = returns.removesuffix(" | None").removeprefix("tuple[").removesuffix(", ...]")
+        if inner not in {shown for shown, _ in HERE.values()}:
+            return [f"        {'' if returns == 'None' else 'return '}{work}"]
+        if returns.startswith("tuple["):
+            return [f"        return tuple({inner}(self._runner, each) for each in {work})"]
+        lines = [f"        made = {work}", f"        return {inner}(self._runner, made)"]
+        if returns.endswith("| None"):
+            lines[1] = f"        return None if made is None else {inner}(self._runner, made)"
+        return lines
+
+    def property(self, mirror: Mirror, owner: type, name: str, doc: str = "") -> list[str]:
+        """The lines of one property, or of an attribute that the class documents."""
+        source = self.source(owner.__module__)
+        if doc:
+            annotation: ast.expr | None = source.attribute(owner.__name__, name)
+            settable = name in mirror.settable
+        else:
+            annotation = source.function(owner.__name__, name).returns
+            settable = getattr(owner, name).fset is not None
+            doc = inspect.getdoc(getattr(owner, name)) or ""
+        if annotation is None:
+            raise SystemExit(f"{owner.__name__}.{name} does not say what it is")
+        returns = self.need(annotation, source)
+        work = f"self._made.{name}"
+        if name in mirror.on_loop:
+            work = f"self._runner.call_sync(lambda: {work})"
+        lines = ["", "    @property", f"    def {name}(self) -> {returns}:"]
+        lines += [*_doc(doc), *self.returned(returns, work)]
+        if settable:
+            lines += ["", f"    @{name}.setter", f"    def {name}(self, value: {returns}) -> None:"]
+            lines += [
+                f'        self._runner.call_sync(lambda: setattr(self._made, "{name}", value))'
+            ]
+        return lines
+
+    def members(self, mirror: Mirror, families: tuple[type, ...]) -> list[str]:
+        """The lines of all that a class has, and its bases of these families."""
+        lines: list[str] = []
+        seen = set(mirror.left_out)
+        owners = mirror.source.__mro__ if mirror.inherited else (mirror.source,)
+        for owner in owners:
+            if not issubclass(owner, families) or owner is Section:
+                continue
+            for name, doc in _documented(owner).items():
+                if name not in seen and not hasattr(owner, name):
+                    seen.add(name)
+                    lines += self.property(mirror, owner, name, doc)
+            for name, attribute in vars(owner).items():
+                if name.startswith("_") or name in seen:
+                    continue
+                seen.add(name)
+                if isinstance(attribute, property):
+                    lines += self.property(mirror, owner, name)
+                elif inspect.isfunction(attribute):
+                    lines += self.method(mirror, owner, name)
+                else:
+                    raise SystemExit(f"{owner.__name__}.{name}: no rule for this")
+        return lines
+
+    # -- classes and functions ---------------------------------------------------------------------
+
+    def object(self, mirror: Mirror) -> list[str]:
+        """The lines of the class of something that a robot hands out."""
+        source, shown = mirror.source, mirror.shown
+        part, alias = shown.removesuffix("Calls"), f"Aio{source.__name__}"
+        doc = _own_doc(source) if part == shown else PART.format(part)
+        if mirror.inherited:
+            self.imports[alias] = f"from {source.__module__} import {source.__name__} as {alias}"
+        lines = ["", "", f"class {shown}({mirror.base}):", *_doc(doc, indent=4)]
+        # type checkers let no attribute have a narrower type than in a base, except for Any
+        lines += ["", f"    _made: {alias if mirror.inherited else 'Any'}"]
+        families = tuple(each for each in source.__mro__ if each.__module__.startswith("aioduco"))
+        return lines + self.members(mirror, families)
+
     def section(self, shown: str, section: type) -> list[str]:
         """The lines of one section's class."""
-        doc = DOCS.get(shown)
-        text = inspect.cleandoc(section.__doc__ or "")
-        if not issubclass(section, Section):
-            text = text.partition("\n\nArgs:")[0]  # of its making
-        lines = ["", "", f"class {shown}(_Section):"]
-        lines += [f"    {doc}"] if doc else _doc(text, motion=False, indent=4)
-        lines += ["", "    __slots__ = ()", f"    _section: Aio{shown}"]
+        doc = DOCS.get(shown) or _own_doc(section)
+        lines = ["", "", f"class {shown}(_Section):", *_doc(inspect.cleandoc(doc), indent=4)]
+        lines += ["", "    __slots__ = ()", f"    _made: Aio{shown}"]
         self.imports[f"Aio{shown}"] = (
             f"from {section.__module__} import {section.__name__} as Aio{shown}"
         )
-        seen: set[str] = set()
-        for base in section.__mro__:
-            if not issubclass(base, (Section, *STREAM_MAKERS)) or base is Section:
-                continue
-            for name, attribute in vars(base).items():
-                if name.startswith("_") or name in seen:
-                    continue
-                if isinstance(attribute, property):
-                    seen.add(name)
-                    lines += self.property(base, name)
-                    continue
-                if not inspect.isfunction(attribute):
-                    raise SystemExit(f"{base.__name__}.{name}: no rule for this")
-                seen.add(name)
-                lines += self.method(base, name, "self._section")
-        return lines
+        return lines + self.members(Mirror(section, shown), (Section, *STREAM_MAKERS))
 
     def robot(self, sections: dict[str, str]) -> list[str]:
         """The lines of the class that holds the sections."""
-        doc = inspect.getdoc(Robot) or ""
-        said = dict(re.findall(r"^    (\w+): (.+)$", doc, re.MULTILINE))
-        lines = [
-            "",
-            "",
-            "class Sections(ManualNames):",
-            '    """The sections of a robot, and what it does.',
-            "",
-        ]
-        lines += ["    Attributes:"]
-        lines += [f"        {name}: {said[name]}" for name in sections]
-        lines += ['    """', ""]
-        lines += ["    def __init__(self, runner: Runner, robot: aio_robot.Robot) -> None:"]
-        lines += ["        self._runner = runner", "        self._robot = robot"]
+        said = _documented(Robot)
+        doc = [inspect.cleandoc(DOCS["Robot"]), "", "Attributes:"]
+        doc += [f"    {name}: {said[name]}" for name in sections]
+        lines = ["", "", "class Robot(RobotLifecycle, ManualNames):"]
+        lines += _doc("\n".join(doc), indent=4)
+        lines += ["", "    def __init__(self, runner: Runner) -> None:"]
+        lines += ["        robot = runner.robot", "        super().__init__(runner, robot)"]
         lines += [
             f"        self.{name}: {shown} = {shown}(runner, robot.{name})"
             for name, shown in sections.items()
         ]
-        for name, attribute in vars(Robot).items():
-            if name.startswith("_") or name in BY_HAND or isinstance(attribute, property):
-                continue
-            if inspect.iscoroutinefunction(attribute):
-                lines += self.method(Robot, name, "self._robot")
-        return lines
+        return lines + self.members(replace(ROBOT, left_out=ROBOT.left_out | {*sections}), (Robot,))
 
-    def generate(self) -> str:
-        """The whole text of the module."""
+    def connect(self) -> list[str]:
+        """The lines of the function that makes a robot."""
+        source = self.source("aioduco.robot")
+        declared, sent = self.arguments(source.function("", "connect").args, source)
+        doc = inspect.getdoc(connect) or ""
+        doc = doc.replace("Args:\n", f"{CONNECT_THREAD}Args:\n")
+        doc = doc.replace("\nReturns:\n", f"{CONNECT_DOC}\nReturns:\n").replace(
+            "aioduco.connect(", "aioduco.sync.connect("
+        )
+        body = _broken("    robot = aio_robot.connect", sent, "")
+        body += ["    return Robot(Runner(robot, hold_limit, program_limit))"]
+        declared += CONNECT.split(", ")
+        return _function("connect", declared, "Robot", doc, body, indent=0)
+
+    def function(self, module: str, name: str) -> list[str]:
+        """The lines of a function that takes a robot."""
+        function = getattr(importlib.import_module(module), name)
+        source = self.source(function.__module__)
+        node = source.function("", name)
+        assert node.returns is not None
+        declared, sent = self.arguments(node.args, source)
+        package, _, short = module.rpartition(".")
+        body = [f"    from {package} import {short}  # noqa: PLC0415  # only when it is used"]
+        body += ["", *_broken(f"    work = {short}.{name}", sent, "")]
+        body += ["    return robot._runner.call(work)"]
+        returns = self.need(node.returns, source)
+        return _function(name, declared, returns, inspect.getdoc(function), body, indent=0)
+
+    # -- modules -----------------------------------------------------------------------------------
+
+    def objects(self) -> str:
+        """The whole text of the module of what a robot hands out."""
+        self.run_time.add("from aioduco.sync._blocking import Blocking, Started")
+        lines = [line for mirror in OBJECTS for line in self.object(mirror)]
+        title = "What a robot hands out to programs that wait: feed, tasks, streams, recordings."
+        return self.text(title, "the asyncio interface", lines)
+
+    def everything(self) -> str:
+        """The whole text of the module of the robot."""
         robot = self.source("aioduco.robot")
         declared = {
             node.target.id: ast.unparse(node.annotation)
@@ -374,40 +584,78 @@ class Generator:
             for node in each.body
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
         }
-        lines: list[str] = []
+        lines = SECTION.rstrip("\n").split("\n")
         shown_as: dict[str, str] = {}
         for name, alias in declared.items():
             _, module, _, kind, *_ = robot.imported[alias].split()
             section = getattr(importlib.import_module(module), kind)
             shown_as[name] = kind
             lines += self.section(kind, section)
-        lines += self.robot(shown_as)
-        text = "\n".join(lines)
-        header = HEADER.replace(
-            "from aioduco.models.names import ManualNames\n"
-            "from aioduco.sync._tasks import awaitables, moves",
-            "\n".join(_grouped(self.run_time, indent="")),
-            1,
+        lines += [*self.robot(shown_as), *self.connect()]
+        for module, names in FUNCTIONS.items():
+            for name in names:
+                lines += self.function(module, name)
+        self.run_time |= {
+            "from aioduco import robot as aio_robot",
+            "from aioduco.models.names import ManualNames",
+            "from aioduco.sync._blocking import Blocking",
+            "from aioduco.sync._robot import RobotLifecycle",
+            "from aioduco.sync._runner import Runner",
+        }
+        title = "The robot for programs that wait, its sections, and what takes a robot."
+        return self.text(title, "`api/` and `robot.py`", lines)
+
+    def text(self, title: str, sources: str, lines: list[str]) -> str:
+        imports = {*self.imports.values()} - self.run_time
+        if "from typing import Any" in imports:
+            imports.remove("from typing import Any")
+            self.run_time.add("from typing import Any")
+        header = HEADER.format(
+            title=title,
+            sources=sources,
+            run_time="\n".join(_grouped(self.run_time, indent="")),
+            imports="\n".join(_grouped(imports)),
         )
-        imports = {*self.imports.values(), *OWN} - self.run_time - {"from typing import Any"}
-        return header.format(imports="\n".join(_grouped(imports))) + text + "\n"
+        return header + "\n".join(lines) + "\n"
+
+
+# -- text ------------------------------------------------------------------------------------------
 
 
 def _grouped(imports: set[str], indent: str = "    ") -> list[str]:
-    """The lines that import the same, each module once."""
+    """The lines that import the same, each module once; the package's own come last."""
     names: dict[str, list[str]] = {}
-    for each in sorted(imports):
+    for each in sorted(each for each in imports if each.startswith("from ")):
         module, name = each.removeprefix("from ").split(" import ")
         names.setdefault(module, []).append(name)
-    lines: list[str] = []
+    lines = [f"{indent}{each}" for each in sorted(imports) if each.startswith("import ")]
+    own: list[str] = []
     for module, imported in names.items():
+        imported.sort(key=lambda name: (not name.isupper(), name))
+        group = own if module.startswith("aioduco") else lines
         line = f"{indent}from {module} import {', '.join(imported)}"
         if len(line) <= 100:
-            lines.append(line)
+            group.append(line)
         else:
             each_on_its_own = [f"{indent}    {one}," for one in imported]
-            lines += [f"{indent}from {module} import (", *each_on_its_own, f"{indent})"]
-    return lines
+            group += [f"{indent}from {module} import (", *each_on_its_own, f"{indent})"]
+    return [*lines, "", *own]
+
+
+def _function(
+    name: str,
+    declared: list[str],
+    returns: str,
+    doc: str | None,
+    body: list[str],
+    *,
+    motion: bool = False,
+    indent: int = 4,
+) -> list[str]:
+    """The lines of a function: of a method, or, without an indent, of the module."""
+    before = ["", "    @moves"] if motion else [""] if indent else ["", ""]
+    head = _broken(f"{' ' * indent}def {name}", declared, f" -> {returns}:")
+    return [*before, *head, *_doc(doc, motion=motion, indent=indent + 4), *body]
 
 
 def _broken(head: str, arguments: list[str], tail: str) -> list[str]:
@@ -428,38 +676,82 @@ def _broken(head: str, arguments: list[str], tail: str) -> list[str]:
     return [f"{head}(", *body, f"{indent}    {arguments[-1]}{comma}", f"{indent}){tail}"]
 
 
-def _doc(doc: str | None, *, motion: bool, indent: int = 8) -> list[str]:
+def _own_doc(source: type) -> str:
+    """A class's docstring, without what is said of its making and of its attributes."""
+    return re.split(r"\n\n(?:Args|Attributes):", inspect.cleandoc(source.__doc__ or ""))[0]
+
+
+def _documented(owner: type) -> dict[str, str]:
+    """The attributes that the docstring of a class names, and what it says of them."""
+    doc = inspect.cleandoc(owner.__doc__ or "")
+    _, _, text = doc.partition("Attributes:\n")
+    found = re.findall(r"^    (\w+): (.+(?:\n     +.+)*)", text, re.MULTILINE)
+    return {name: re.sub(r"\s+", " ", about) for name, about in found}
+
+
+def _doc(doc: str | None, *, motion: bool = False, indent: int = 8) -> list[str]:
     if not doc:
         raise SystemExit("something has no docstring")
     for pattern, other in WORDS:
-        doc = re.sub(pattern, other, doc)
+        doc = re.sub(pattern.replace(" ", r"\s+"), other, doc)
     if motion:
         errors = "Raises:\n    TaskError: it ended otherwise: one of the subclasses.\n"
         doc = doc.replace("Raises:\n", errors, 1)
+    doc = _filled(doc[0].upper() + doc[1:], 100 - indent)
     raw = "r" if "\\" in doc else ""
     body = f'{raw}"""{doc}\n"""' if "\n" in doc else f'{raw}"""{doc}"""'
     return textwrap.indent(body, " " * indent).split("\n")
 
 
+def _filled(doc: str, width: int) -> str:
+    """The same text, with its long lines broken anew, each with the rest of its paragraph."""
+    lines = doc.split("\n")
+    if len(lines) == 1 and len(doc) + 6 > width:  # the first sentence alone, then the rest
+        first, rest = re.split(r"[.;] ", doc, maxsplit=1)
+        lines = [f"{first}.", "", rest[0].upper() + rest[1:]]
+    done: list[str] = []
+    while lines:
+        line = lines.pop(0)
+        if len(line) <= width:
+            done.append(line)
+            continue
+        first = " " * (len(line) - len(line.lstrip()))
+        rest = first + ("    " if re.match(r" *\w+: ", line) else "")
+        while lines and re.match(rest + r"\S", lines[0]):
+            line += f" {lines.pop(0).strip()}"
+        done += textwrap.wrap(
+            line.strip(),
+            width,
+            initial_indent=first,
+            subsequent_indent=rest,
+            break_on_hyphens=False,
+        )
+    return "\n".join(done)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--check", action="store_true", help="fail if the module is out of date")
+    parser.add_argument("--check", action="store_true", help="fail if a module is out of date")
     options = parser.parse_args()
-    text = Generator().generate()
+    texts = {
+        SYNC / "_generated_objects.py": Generator("_generated_objects").objects(),
+        SYNC / "_generated.py": Generator("_generated").everything(),
+    }
     if not options.check:
-        TARGET.write_text(text, encoding="utf-8")
+        for target, text in texts.items():
+            target.write_text(text, encoding="utf-8")
         return 0
-    committed = TARGET.read_text(encoding="utf-8") if TARGET.exists() else ""
-    diff = list(
-        difflib.unified_diff(
-            committed.splitlines(), text.splitlines(), str(TARGET), "generated", lineterm=""
+    diff: list[str] = []
+    for target, text in texts.items():
+        committed = target.read_text(encoding="utf-8") if target.exists() else ""
+        diff += difflib.unified_diff(
+            committed.splitlines(), text.splitlines(), str(target), "generated", lineterm=""
         )
-    )
     if diff:
         print("\n".join(diff[:80]))
-        print("sync/_generated.py is out of date: run python idl/generate_sync.py")
+        print("sync/ is out of date: run python idl/generate_sync.py")
         return 1
-    print("sync/_generated.py is up to date")
+    print("the generated modules of sync/ are up to date")
     return 0
 
 

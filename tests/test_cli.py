@@ -526,9 +526,9 @@ def test_a_call_that_cannot_be_made_says_why() -> None:
 def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:
     """The command, the page of functions and the objects agree."""
     page = (Path(__file__).parents[1] / "docs" / "functions.md").read_text("utf-8")
+    robot = aioduco.sync.connect("192.0.2.1")
     names = [*SPELLINGS, *(name for name in idl.functions() if place(name))]
     assert len(names) > 226
-    robot = aioduco.sync.connect("192.0.2.1")
     for name in names:
         where = place(name)
         assert where is not None

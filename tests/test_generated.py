@@ -170,12 +170,18 @@ def test_each_method_calls_its_own_function_with_its_arguments_in_order(name: st
     coroutine = getattr(rpc.AsyncRpc(awaited), name)(*args)
     with pytest.raises(StopIteration, match="an answer"):
         coroutine.send(None)
+    value = getattr(rpc.calls, name)(*args)
+    assert (value.name, value.args) == (name, args)
     assert seen == [(name, args)] * 2
+    with pytest.raises(StopIteration, match="an answer"):
+        rpc.AsyncRpc(awaited).send(value).send(None)
+    assert seen == [(name, args)] * 3
 
 
-@pytest.mark.parametrize("face", [rpc.Functions, rpc.AsyncRpc])
+@pytest.mark.parametrize("face", [rpc.Functions, rpc.AsyncRpc, rpc.WireCalls])
 def test_every_function_of_the_wire_can_be_called(face: type) -> None:
-    assert {name for name in vars(face) if not name.startswith("_")} == set(FACTS["methods"])
+    names = {name for name in dir(face) if not name.startswith("_")}
+    assert names - {"send"} == set(FACTS["methods"])
 
 
 async def what_a_type_checker_says(waiting: rpc.RpcClient, awaited: rpc.AsyncRpc) -> None:
@@ -192,6 +198,11 @@ async def what_a_type_checker_says(waiting: rpc.RpcClient, awaited: rpc.AsyncRpc
     await awaited.stop("now")  # type: ignore[arg-type]
     await awaited.stop(blocks=True)  # type: ignore[call-arg]
     await awaited.stops(True)  # type: ignore[attr-defined]
+    assert_type(rpc.calls.stop(True), rpc.WireCall[int])
+    assert_type(await awaited.send(rpc.calls.get_files_list("/")), dict[str, int])
+    rpc.calls.movej2(joints, 1.0, 1.0, 0.0, True, op)  # type: ignore[call-arg]
+    rpc.calls.stop("now")  # type: ignore[arg-type]
+    rpc.calls.stops(True)  # type: ignore[attr-defined]
     waiting.movej2(joints, 1.0, 1.0, 0.0, True, op)  # type: ignore[call-arg]
     waiting.stop("now")  # type: ignore[arg-type]
     waiting.stop(blocks=True)  # type: ignore[call-arg]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.points import listed
-from aioduco.api.section import Section, check_finished
+from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
 
@@ -72,19 +73,20 @@ class Compound(Section):
         Manual section 1.3.13. It prints no unit for `time`. Manual 4.3 prints milliseconds, so
         the times are sent in milliseconds.
         """
-        answer = await self._rpc.combine_motion_config(
-            ranges.WEAVE_TYPE("type", type),
-            ranges.WEAVE_PLANE("ref_plane", ref_plane),
-            ranges.WEAVE_FREQUENCY("fq", fq),
-            ranges.WEAVE_AMPLITUDE("amp", amp),
-            ranges.WEAVE_OFFSET("el_offset", el_offset),
-            ranges.WEAVE_OFFSET("az_offset", az_offset),
-            ranges.WEAVE_OFFSET("up_height", up_height),
-            ranges.weave_dwells("time", time),
-            ranges.FLAG("path_dwell", path_dwell),
-            _ops(op_list),
+        await self._finish(
+            calls.combine_motion_config(
+                ranges.WEAVE_TYPE("type", type),
+                ranges.WEAVE_PLANE("ref_plane", ref_plane),
+                ranges.WEAVE_FREQUENCY("fq", fq),
+                ranges.WEAVE_AMPLITUDE("amp", amp),
+                ranges.WEAVE_OFFSET("el_offset", el_offset),
+                ranges.WEAVE_OFFSET("az_offset", az_offset),
+                ranges.WEAVE_OFFSET("up_height", up_height),
+                ranges.weave_dwells("time", time),
+                ranges.FLAG("path_dwell", path_dwell),
+                _ops(op_list),
+            )
         )
-        check_finished("combine_motion_config", answer)
 
     async def enable_combine_motion(self) -> None:
         """Lay the weave over the motions that follow (开启复合运动); the arm must stand.
@@ -94,7 +96,7 @@ class Compound(Section):
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
-        check_finished("enable_combine_motion", await self._rpc.enable_combine_motion())
+        await self._finish(calls.enable_combine_motion())
 
     async def disable_combine_motion(self) -> None:
         """End the weave (结束复合运动); the arm must stand.
@@ -104,7 +106,7 @@ class Compound(Section):
 
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
-        check_finished("disable_combine_motion", await self._rpc.disable_combine_motion())
+        await self._finish(calls.disable_combine_motion())
 
 
 def _ops(ops: Sequence[Op]) -> list[rpc.Op]:

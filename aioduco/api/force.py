@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Refused, RobotStateError, TaskError, TaskUnknown
 from aioduco.models import ranges
@@ -55,7 +56,7 @@ class Force(Section):
         was_on = "fc_stop" in modes
         modes.add("fc_stop")  # before the call is sent, since its answer may be lost
         try:
-            await self._settle(lambda rpc: rpc.fc_start(), _LIMIT)
+            await self._settle(calls.fc_start(), _LIMIT)
         except (TaskError, Refused, ControllerError, RobotStateError) as exc:
             if not was_on and not isinstance(exc, TaskUnknown):
                 modes.discard("fc_stop")
@@ -74,7 +75,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         await self._check_standstill("fc_stop")
-        await self._settle(lambda rpc: rpc.fc_stop(), _LIMIT)
+        await self._settle(calls.fc_stop(), _LIMIT)
         self._supervisor.stop_coordinator.modes.left_at_standstill.discard("fc_stop")
 
     async def fc_config(
@@ -120,9 +121,7 @@ class Force(Section):
         band = ranges.FORCE_DEAD_BAND("dead_band", dead_band)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         frame_ = ranges.FORCE_FRAME("frame", frame)
-        await self._settle(
-            lambda rpc: rpc.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_), _LIMIT
-        )
+        await self._settle(calls.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_), _LIMIT)
 
     def fc_move(self) -> MotionCommand:
         """Move by force control alone (仅基于末端力控产生的补偿运动).
@@ -135,7 +134,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        return self._motion(lambda rpc: rpc.fc_move(False))
+        return self._motion(calls.fc_move(False))
 
     async def fc_guard_act(
         self,
@@ -168,9 +167,7 @@ class Force(Section):
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         frame_ = ranges.FORCE_FRAME("frame", frame)
         property_ = ranges.FORCE_PROPERTY("force_property", force_property)
-        await self._settle(
-            lambda rpc: rpc.fc_guard_act(on, ft, tool_, wobj_, frame_, property_), _LIMIT
-        )
+        await self._settle(calls.fc_guard_act(on, ft, tool_, wobj_, frame_, property_), _LIMIT)
 
     async def fc_guard_deact(self) -> None:
         """End the monitoring of the force (禁用力安全监控).
@@ -180,7 +177,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._settle(lambda rpc: rpc.fc_guard_deact(), _LIMIT)
+        await self._settle(calls.fc_guard_deact(), _LIMIT)
 
     async def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
         """Set the force sensor's present reading (力传感器读数设置为指定值), to tare it.
@@ -196,7 +193,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         on, ft = ranges.DIRECTIONS("direction", direction), ranges.SENSOR_WRENCH("ref_ft", ref_ft)
-        await self._settle(lambda rpc: rpc.fc_force_set_value(on, ft), _LIMIT)
+        await self._settle(calls.fc_force_set_value(on, ft), _LIMIT)
 
     async def fc_wait_pos(
         self,
@@ -234,7 +231,7 @@ class Force(Section):
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
         await self._settle(
-            lambda rpc: rpc.fc_wait_pos(middle_, range_, absolute_, duration_, timeout_), _LIMIT
+            calls.fc_wait_pos(middle_, range_, absolute_, duration_, timeout_), _LIMIT
         )
 
     async def fc_wait_vel(
@@ -273,7 +270,7 @@ class Force(Section):
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
         await self._settle(
-            lambda rpc: rpc.fc_wait_vel(middle_, range_, absolute_, duration_, timeout_), _LIMIT
+            calls.fc_wait_vel(middle_, range_, absolute_, duration_, timeout_), _LIMIT
         )
 
     async def fc_wait_ft(
@@ -312,7 +309,7 @@ class Force(Section):
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
         await self._settle(
-            lambda rpc: rpc.fc_wait_ft(middle_, range_, absolute_, duration_, timeout_), _LIMIT
+            calls.fc_wait_ft(middle_, range_, absolute_, duration_, timeout_), _LIMIT
         )
 
     async def fc_wait_logic(self, logic: WholesLike | tuple[ForceLogic, ...]) -> None:
@@ -329,7 +326,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         logic_ = ranges.WAIT_LOGIC("logic", logic)
-        await self._settle(lambda rpc: rpc.fc_wait_logic(logic_), _LIMIT)
+        await self._settle(calls.fc_wait_logic(logic_), _LIMIT)
 
     async def fc_get_ft(self) -> Vector:
         """Read the force sensor (末端传感器的原始反馈读数), tared, in its own frame [N, N·m].

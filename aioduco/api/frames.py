@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_accepted, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 from aioduco.errors import StaleState
 from aioduco.models import ranges
 from aioduco.models.load import Load
@@ -54,13 +55,14 @@ class Frames(Section):
 
         Manual section 1.3.7.
         """
-        answer = await self._rpc.set_tool_data(
-            ranges.NAME("name", name),
-            ranges.POSE("tool_offset", tool_offset),
-            ranges.PAYLOAD("payload", payload),
-            ranges.INERTIA("inertia_tensor", inertia_tensor),
+        await self._finish(
+            calls.set_tool_data(
+                ranges.NAME("name", name),
+                ranges.POSE("tool_offset", tool_offset),
+                ranges.PAYLOAD("payload", payload),
+                ranges.INERTIA("inertia_tensor", inertia_tensor),
+            )
         )
-        check_finished("set_tool_data", answer)
 
     async def set_load_data(self, load: Load | VectorLike) -> None:
         """Set the load that the tool holds (设置抓取负载); this works while a program runs, too.
@@ -75,7 +77,7 @@ class Frames(Section):
 
         Manual section 1.3.7.
         """
-        check_accepted("set_load_data", await self._rpc.set_load_data(ranges.LOAD("load", load)))
+        await self._accept(calls.set_load_data(ranges.LOAD("load", load)))
 
     async def set_wobj(self, name: str, wobj: PoseLike) -> None:
         """Define a work object (工件坐标系).
@@ -91,7 +93,7 @@ class Frames(Section):
             TaskError: it was not defined.
         """
         name_, wobj_ = ranges.NAME("name", name), ranges.POSE("wobj", wobj)
-        check_accepted("set_wobj", await self._rpc.set_wobj(name_, wobj_))
+        await self._accept(calls.set_wobj(name_, wobj_))
 
     async def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
         """Shift the work object of all later motions (工件坐标系偏移量), or end the shift.
@@ -110,7 +112,7 @@ class Frames(Section):
         Manual section 1.3.7.
         """
         wobj_, active_ = ranges.POSE("wobj", wobj), ranges.FLAG("active", active)
-        check_accepted("set_wobj_offset", await self._rpc.set_wobj_offset(wobj_, active_))
+        await self._accept(calls.set_wobj_offset(wobj_, active_))
 
     async def get_tcp_offset(self) -> Pose:
         """Read the pose of the tool in use in the flange's frame (工具的偏移量) [m, rad].

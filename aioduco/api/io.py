@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -33,8 +34,7 @@ class IO(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.STANDARD_IO("num", num), ranges.FLAG("value", value)
-        answer = await self._rpc.set_standard_digital_out(num_, value_, True)
-        check_finished("set_standard_digital_out", answer)
+        await self._finish(calls.set_standard_digital_out(num_, value_, True))
 
     async def get_standard_digital_out(self, num: int) -> bool:
         """Read a general output of the cabinet (控制柜通用 IO 输出), 1 to 16.
@@ -64,8 +64,7 @@ class IO(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.TOOL_IO("num", num), ranges.FLAG("value", value)
-        answer = await self._rpc.set_tool_digital_out(num_, value_, True)
-        check_finished("set_tool_digital_out", answer)
+        await self._finish(calls.set_tool_digital_out(num_, value_, True))
 
     async def get_tool_digital_out(self, num: int) -> bool:
         """Read an output at the tool (末端 IO 输出), 1 or 2. Manual section 1.3.7."""
@@ -119,8 +118,7 @@ class IO(Section):
         """
         num_, type_ = ranges.STANDARD_IO("num", num), ranges.OUTPUT_MODE("type", type)
         hertz, percent = ranges.pulse(freq, duty_cycle)
-        answer = await self._rpc.set_digital_output_mode(num_, type_, hertz, percent)
-        check_finished("set_digital_output_mode", answer)
+        await self._finish(calls.set_digital_output_mode(num_, type_, hertz, percent))
 
     async def get_standard_analog_voltage_in(self, num: Whole) -> float:
         """Read voltage input 1 to 4 of the cabinet (模拟电压输入) [V]. Manual section 1.3.7."""
@@ -140,8 +138,7 @@ class IO(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.ANALOG_IO("num", num), ranges.VOLTAGE("value", value)
-        answer = await self._rpc.set_standard_analog_voltage_out(num_, value_, True)
-        check_finished("set_standard_analog_voltage_out", answer)
+        await self._finish(calls.set_standard_analog_voltage_out(num_, value_, True))
 
     async def get_tool_analog_voltage_in(self, num: Whole) -> float:
         """Read voltage input 1 or 2 of the tool (末端模拟电压输入) [V]. Manual section 1.3.7."""
@@ -165,8 +162,7 @@ class IO(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.ANALOG_IO("num", num), ranges.CURRENT("value", value)
-        answer = await self._rpc.set_standard_analog_current_out(num_, value_, True)
-        check_finished("set_standard_analog_current_out", answer)
+        await self._finish(calls.set_standard_analog_current_out(num_, value_, True))
 
     async def set_analog_output_mode(self, num: Whole, mode: Whole) -> None:
         """Set the mode of an analog output of the cabinet.
@@ -182,5 +178,4 @@ class IO(Section):
             TaskError: it was not set.
         """
         num_, mode_ = ranges.ANALOG_IO("num", num), ranges.INT_32("mode", mode)
-        answer = await self._rpc.set_analog_output_mode(num_, mode_, True)
-        check_finished("set_analog_output_mode", answer)
+        await self._finish(calls.set_analog_output_mode(num_, mode_, True))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_accepted, check_finished, new_errors
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section, new_errors
 from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 
@@ -40,9 +41,7 @@ class Modbus(Section):
         Manual section 1.3.9.
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
-        value = await self._read_checked(
-            "modbus_read", name_, lambda: self._rpc.modbus_read(name_), lambda value: value == -1
-        )
+        value = await self._read_checked(calls.modbus_read(name_), name_, lambda value: value == -1)
         if value == -1:  # no register and no coil has this value
             raise Refused("modbus_read", value, "there is no such signal, or its device is away")
         return value
@@ -62,7 +61,7 @@ class Modbus(Section):
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
         value_ = ranges.MODBUS_VALUE("value", value)
-        check_finished("modbus_write", await self._rpc.modbus_write(name_, value_))
+        await self._finish(calls.modbus_write(name_, value_))
 
     async def modbus_set_frequency(self, signal_name: str, frequency: Whole) -> None:
         """Set how often the controller reads a signal (刷新频率).
@@ -109,8 +108,7 @@ class Modbus(Section):
         """
         unit, name_ = ranges.MODBUS_UNIT("slave_num", slave_num), ranges.LONG_NAME("name", name)
         words = ranges.MODBUS_WORDS("word_list", word_list)
-        answer = await self._rpc.modbus_write_multiple_regs(unit, name_, len(words), words)
-        check_accepted("modbus_write_multiple_regs", answer)
+        await self._accept(calls.modbus_write_multiple_regs(unit, name_, len(words), words))
 
     async def modbus_write_multiple_coils(
         self, slave_num: Whole, name: str, byte_list: WholesLike
@@ -134,8 +132,7 @@ class Modbus(Section):
         coils = ranges.MODBUS_COILS("byte_list", byte_list)
         if not coils:
             raise ParameterError("byte_list", byte_list, "at least one, each 0 or 1")
-        answer = await self._rpc.modbus_write_multiple_coils(unit, name_, len(coils), coils)
-        check_accepted("modbus_write_multiple_coils", answer)
+        await self._accept(calls.modbus_write_multiple_coils(unit, name_, len(coils), coils))
 
     async def modbus_add_signal(
         self,
@@ -160,14 +157,15 @@ class Modbus(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not added.
         """
-        answer = await self._rpc.modbus_add_signal(
-            ranges.LONG_NAME("ip", ip),
-            ranges.MODBUS_UNIT("slave_number", slave_number),
-            ranges.MODBUS_VALUE("signal_address", signal_address),
-            ranges.INT_32("signal_type", signal_type),
-            ranges.LONG_NAME("signal_name", signal_name),
+        await self._accept(
+            calls.modbus_add_signal(
+                ranges.LONG_NAME("ip", ip),
+                ranges.MODBUS_UNIT("slave_number", slave_number),
+                ranges.MODBUS_VALUE("signal_address", signal_address),
+                ranges.INT_32("signal_type", signal_type),
+                ranges.LONG_NAME("signal_name", signal_name),
+            )
         )
-        check_accepted("modbus_add_signal", answer)
 
     async def modbus_delete_signal(self, signal_name: str) -> None:
         """Remove a signal from those that the controller exchanges.
@@ -182,4 +180,4 @@ class Modbus(Section):
             TaskError: it was not deleted.
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
-        check_accepted("modbus_delete_signal", await self._rpc.modbus_delete_signal(name_))
+        await self._accept(calls.modbus_delete_signal(name_))

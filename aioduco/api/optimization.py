@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from aioduco.api.section import Section, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 
 __all__ = ["Optimization"]
 
@@ -27,7 +28,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("enable_speed_optimization", await self._rpc.enable_speed_optimization())
+        await self._finish(calls.enable_speed_optimization())
 
     async def disable_speed_optimization(self) -> None:
         """Let the arm move at the speeds given to motions (退出速度优化).
@@ -37,7 +38,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("disable_speed_optimization", await self._rpc.disable_speed_optimization())
+        await self._finish(calls.disable_speed_optimization())
 
     async def enable_acc_optimization(self) -> None:
         """Let the arm accelerate as hard as its drives can (开启加速度优化).
@@ -47,7 +48,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("enable_acc_optimization", await self._rpc.enable_acc_optimization())
+        await self._finish(calls.enable_acc_optimization())
 
     async def disable_acc_optimization(self) -> None:
         """Let the arm accelerate at the values given to motions (退出加速度优化).
@@ -57,7 +58,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("disable_acc_optimization", await self._rpc.disable_acc_optimization())
+        await self._finish(calls.disable_acc_optimization())
 
     async def enable_singularity_control(self) -> None:
         """Let Cartesian motions go around singularities (开启奇异点规避).
@@ -70,7 +71,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("enable_singularity_control", await self._rpc.enable_singularity_control())
+        await self._finish(calls.enable_singularity_control())
 
     async def disable_singularity_control(self) -> None:
         """Let Cartesian motions stop with an alarm near singularities (退出奇异点规避).
@@ -80,7 +81,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("disable_singularity_control", await self._rpc.disable_singularity_control())
+        await self._finish(calls.disable_singularity_control())
 
     async def enable_vibration_control(self) -> None:
         """Damp vibrations as motions start and end (开启振动控制), the controller's default.
@@ -92,7 +93,7 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("enable_vibration_control", await self._rpc.enable_vibration_control())
+        await self._finish(calls.enable_vibration_control())
 
     async def disable_vibration_control(self) -> None:
         """Do not damp vibrations as motions start and end (退出振动控制).
@@ -104,4 +105,4 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        check_finished("disable_vibration_control", await self._rpc.disable_vibration_control())
+        await self._finish(calls.disable_vibration_control())

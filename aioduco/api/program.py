@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.enums import FileKind
@@ -42,7 +43,7 @@ class Program(Section):
         Manual section 1.3.4.
         """
         name_ = ranges.LONG_NAME("name", name)
-        return self._motion(lambda rpc: rpc.run_program(name_, False))
+        return self._motion(calls.run_program(name_, False))
 
     async def get_current_project(self) -> str:
         """Read the path of the project that is loaded (当前工程路径). Manual section 1.3.4."""
@@ -67,10 +68,5 @@ class Program(Section):
         Manual section 1.3.4.
         """
         path_ = ranges.PATH("path", path)
-        files = await self._read_checked(
-            "get_files_list",
-            path_,
-            lambda: self._rpc.get_files_list(path_),
-            lambda files: not files,
-        )
+        files = await self._read_checked(calls.get_files_list(path_), path_)
         return {name: FileKind(kind) for name, kind in files.items()}

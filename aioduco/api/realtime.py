@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.points import listed
 from aioduco.api.section import Section, check_finished
 from aioduco.errors import ParameterError
@@ -69,7 +70,7 @@ class Realtime(Section, RealtimeStreams):
         mode_ = ranges.REALTIME_MODE("mode", mode)
         bandwidth = ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth)
         lost = ranges.REALTIME_LOST_TIME("com_lost_time", com_lost_time)
-        await self._enter(lambda rpc: rpc.start_realtime_mode(mode_, bandwidth, lost), _ENDING, ())
+        await self._enter(calls.start_realtime_mode(mode_, bandwidth, lost), _ENDING, ())
 
     async def end_realtime_mode(self) -> None:
         """End realtime control (结束实时控制模式), and wait until the arm stands.
@@ -83,10 +84,7 @@ class Realtime(Section, RealtimeStreams):
 
         Manual section 1.3.15.
         """
-        await self._end(_ENDING, self._ended)
-
-    async def _ended(self) -> None:
-        check_finished(_ENDING, await self._rpc.end_realtime_mode())
+        await self._end(_ENDING, lambda: self._finish(calls.end_realtime_mode()))
 
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).
@@ -115,8 +113,8 @@ class Realtime(Section, RealtimeStreams):
         moves = _ENDING in self._supervisor.stop_coordinator.modes
         await self._supervisor.envelope.admit("realtime_data_enqueue", joints, moves=moves)
         data = [point.wire() for point in given]
-        answer = await self._feed(lambda rpc: rpc.realtime_data_enqueue(data, True))
-        check_finished("realtime_data_enqueue", answer)
+        call = calls.realtime_data_enqueue(data, True)
+        check_finished(call.name, await self._feed(call))
 
     async def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).
@@ -126,7 +124,7 @@ class Realtime(Section, RealtimeStreams):
 
         Manual section 1.3.15.
         """
-        check_finished("clear_realtime_data_queue", await self._rpc.clear_realtime_data_queue())
+        await self._finish(calls.clear_realtime_data_queue())
 
     async def get_realtime_data_queue_size(self) -> int:
         """Read how many points wait in the queue (实时队列数据数量). Manual section 1.3.15."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from aioduco.api.section import Section, check_finished, check_zero
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
+from aioduco.errors import Refused
 from aioduco.models import ranges
 from aioduco.models.state import vector
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
+    from aioduco._wire.rpc import WireCall
     from aioduco.models.rules import Real, VectorLike, Whole
     from aioduco.models.state import Vector
     from aioduco.supervision.supervisor import Supervisor
@@ -51,7 +52,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.BOOL_REGISTER("num", num), ranges.FLAG("value", value)
-        check_finished("write_bool_reg", await self._rpc.write_bool_reg(num_, value_))
+        await self._finish(calls.write_bool_reg(num_, value_))
 
     async def read_bool_reg(self, num: Whole) -> bool:
         """Read an internal bool register (内部 bool 寄存器), 1 to 64. Manual section 1.3.7."""
@@ -71,7 +72,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.WORD_REGISTER("num", num), ranges.WORD("value", value)
-        check_finished("write_word_reg", await self._rpc.write_word_reg(num_, value_))
+        await self._finish(calls.write_word_reg(num_, value_))
 
     async def read_word_reg(self, num: Whole) -> int:
         """Read an internal word register (内部 word 寄存器), 1 to 32. Manual section 1.3.7."""
@@ -91,7 +92,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         num_, value_ = ranges.FLOAT_REGISTER("num", num), ranges.FINITE("value", value)
-        check_finished("write_float_reg", await self._rpc.write_float_reg(num_, value_))
+        await self._finish(calls.write_float_reg(num_, value_))
 
     async def read_float_reg(self, num: Whole) -> float:
         """Read an internal float register (内部 float 寄存器), 1 to 32. Manual section 1.3.7."""
@@ -119,8 +120,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.FLAG("value", value)
-        answer = await self._rpc.set_system_value_bool(name_, value_)
-        check_zero("set_system_value_bool", answer)
+        await self._set(calls.set_system_value_bool(name_, value_))
 
     async def get_system_value_bool(self, name: str) -> bool:
         """Read a variable of the controller of type bool (系统变量).
@@ -136,8 +136,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_ = ranges.LONG_NAME("name", name)
-        function = "get_system_value_bool"
-        return await self._value(function, name_, lambda: self._rpc.get_system_value_bool(name_))
+        return await self._value(calls.get_system_value_bool(name_), name_)
 
     async def set_system_value_double(self, name: str, value: Real) -> None:
         """Set a variable of the controller of type double (系统变量).
@@ -153,8 +152,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.FINITE("value", value)
-        answer = await self._rpc.set_system_value_double(name_, value_)
-        check_zero("set_system_value_double", answer)
+        await self._set(calls.set_system_value_double(name_, value_))
 
     async def get_system_value_double(self, name: str) -> float:
         """Read a variable of the controller of type double (系统变量).
@@ -170,8 +168,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_ = ranges.LONG_NAME("name", name)
-        function = "get_system_value_double"
-        return await self._value(function, name_, lambda: self._rpc.get_system_value_double(name_))
+        return await self._value(calls.get_system_value_double(name_), name_)
 
     async def set_system_value_str(self, name: str, value: str) -> None:
         """Set a variable of the controller of type str (系统变量).
@@ -187,8 +184,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.TEXT("value", value)
-        answer = await self._rpc.set_system_value_str(name_, value_)
-        check_zero("set_system_value_str", answer)
+        await self._set(calls.set_system_value_str(name_, value_))
 
     async def get_system_value_str(self, name: str) -> str:
         """Read a variable of the controller of type str (系统变量).
@@ -204,8 +200,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_ = ranges.LONG_NAME("name", name)
-        function = "get_system_value_str"
-        return await self._value(function, name_, lambda: self._rpc.get_system_value_str(name_))
+        return await self._value(calls.get_system_value_str(name_), name_)
 
     async def set_system_value_list(self, name: str, value: VectorLike) -> None:
         """Set a variable of the controller of type num_list (系统变量).
@@ -221,8 +216,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_, value_ = ranges.LONG_NAME("name", name), ranges.FINITES("value", value)
-        answer = await self._rpc.set_system_value_list(name_, value_)
-        check_zero("set_system_value_list", answer)
+        await self._set(calls.set_system_value_list(name_, value_))
 
     async def get_system_value_list(self, name: str) -> Vector:
         """Read a variable of the controller of type num_list (系统变量), as a read-only array.
@@ -238,8 +232,7 @@ class Registers(Section):
         Manual section 1.3.7.
         """
         name_ = ranges.LONG_NAME("name", name)
-        function = "get_system_value_list"
-        values = await self._value(function, name_, lambda: self._rpc.get_system_value_list(name_))
+        values = await self._value(calls.get_system_value_list(name_), name_)
         return vector(values, len(values))
 
     async def get_system_value_lists(self, name: str) -> tuple[Vector, ...]:
@@ -256,14 +249,20 @@ class Registers(Section):
                 type.
         """
         name_ = ranges.LONG_NAME("name", name)
-        function = "get_system_value_lists"
-        values = await self._value(function, name_, lambda: self._rpc.get_system_value_lists(name_))
+        values = await self._value(calls.get_system_value_lists(name_), name_)
         return tuple(vector(row, len(row)) for row in values)
 
-    async def _value(self, function: str, name: str, ask: Callable[[], Awaitable[T]]) -> T:
+    async def _value(self, call: WireCall[T], name: str) -> T:
         """Read a variable; by a single call if it was read before, so that it is known to exist."""
-        if (function, name) in self._read:
-            return await ask()
-        value = await self._read_checked(function, name, ask, lambda value: not value)
-        self._read.add((function, name))
+        if (call.name, name) in self._read:
+            return await self._rpc.send(call)
+        value = await self._read_checked(call, name)
+        self._read.add((call.name, name))
         return value
+
+    async def _set(self, call: WireCall[int]) -> None:
+        """Set a variable, and check the answer, which is 0 on success."""
+        answer = await self._rpc.send(call)
+        if answer != 0:
+            why = "it does not take these arguments in its present state"
+            raise Refused(call.name, answer, why)

@@ -1,25 +1,23 @@
 """The base of the manual's sections, with which a function takes a few lines.
 
-A function that reads or sets something checks its arguments by `ranges` and awaits the wire:
+A function that reads something checks its arguments by `ranges` and awaits the wire:
 
-    async def set_tool_digital_out(self, num: int, value: bool) -> None:
-        ...
-        num_, value_ = ranges.TOOL_IO("num", num), ranges.FLAG("value", value)
-        answer = await self._rpc.set_tool_digital_out(num_, value_, True)
-        check_finished("set_tool_digital_out", answer)
+    return await self._rpc.get_tool_digital_in(ranges.TOOL_IO("num", num))
 
-A motion checks its arguments and returns a value; `False` stands for `block`:
+Everything else passes its call on as a value, whose arguments the type checker checks, and which
+knows its name. A setting is sent, and its answer is checked:
 
-    return self._motion(lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_), r_)
+    await self._finish(calls.set_tool_digital_out(num_, value_, True))
 
-The lambda is called at once, with a client that only records the call. So the type checker checks
-the call, and nothing is sent before the motion is started.
+A motion holds the call until it is started; `False` stands for `block`:
+
+    return self._motion(calls.movej2(q, v_, a_, r_, False, op_, def_acc_), r_)
 """
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
+from operator import not_
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import (
@@ -31,14 +29,18 @@ from aioduco.errors import (
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.names import ManualNames
-from aioduco.supervision.command import Command, HeldMotion, MotionCommand
+from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
+from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
-    from aioduco.supervision.command import Aim
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from aioduco._wire.rpc import WireCall
     from aioduco.supervision.supervisor import Supervisor
+    from aioduco.supervision.task_command import Aim
     from aioduco.supervision.task_state import JointEta
 
 __all__ = [
@@ -46,13 +48,11 @@ __all__ = [
     "Section",
     "check_accepted",
     "check_finished",
-    "check_zero",
     "checked_task_id",
     "new_errors",
 ]
 
 T = TypeVar("T")
-Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
 
 #: seconds after which a jog without a step ends if the program gives no time
 JOG_TIME: Final = 1.0
@@ -75,13 +75,26 @@ class Section(ManualNames):
         where = f"{self._supervisor.host}:{self._supervisor.port}"
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
 
-    def _within(self, timeout: float) -> AsyncRpc:
-        """The functions of the wire with another time-out [s], on threads: they may take long."""
-        return self._supervisor.blocking.within(ranges.TIMEOUT("timeout", timeout))
+    async def _finish(self, call: WireCall[int], timeout: float | None = None) -> None:
+        """Call a function that answers with the end state of a task, and check that it finished.
+
+        Args:
+            call: the call, with block true if it has that argument.
+            timeout: another time-out than the robot's call_timeout [s], for a call that may take
+                long: it is made on a thread.
+        """
+        rpc = self._rpc
+        if timeout is not None:
+            rpc = self._supervisor.blocking.within(ranges.TIMEOUT("timeout", timeout))
+        check_finished(call.name, await rpc.send(call))
+
+    async def _accept(self, call: WireCall[int]) -> None:
+        """Call a function that returns nothing according to the manual: see `check_accepted`."""
+        check_accepted(call.name, await self._rpc.send(call))
 
     def _motion(
         self,
-        call: Call,
+        call: WireCall[int],
         r: float = 0.0,
         *,
         superseded: bool = False,
@@ -91,19 +104,18 @@ class Section(ManualNames):
         """Make a motion as a value.
 
         Args:
-            call: makes the call of the wire, with block false.
+            call: the call, with block false.
             r: blend radius [m].
             superseded: whether the next motion may replace it before its end.
             eta: target of the motion, if it is known in joint angles.
             aim: converts the motion into the wire's frame when it is sent.
         """
-        name, args = capture_call(call)
-        command = Command(name, args, blends=superseded or r > 0.0, eta=eta)
+        command = Command(call.name, call.args, blends=superseded or r > 0.0, eta=eta)
         return MotionCommand(self._supervisor.dispatcher, command, aim)
 
     def _held(
         self,
-        call: Call,
+        call: WireCall[int],
         ending: str,
         *,
         time: float | None = None,
@@ -114,18 +126,17 @@ class Section(ManualNames):
         """Make a motion that runs until something ends it, as a value.
 
         Args:
-            call: makes the call of the wire, with block false.
+            call: the call, with block false.
             ending: the function of the wire that ends it.
             time: seconds after which it ends; None if it does not.
             timed_by_program: whether this program, not the controller, ends it after `time`.
             until_commanded: whether it continues while the arm stands, until a command ends it.
             aim: converts the motion into the wire's frame when it is sent.
         """
-        name, args = capture_call(call)
         continuous = ContinuousMotion(
             ending, None if time is None else float(time), timed_by_program, until_commanded
         )
-        command = Command(name, args, blends=not until_commanded, continuous=continuous)
+        command = Command(call.name, call.args, blends=not until_commanded, continuous=continuous)
         return HeldMotion(self._supervisor.dispatcher, command, aim)
 
     async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
@@ -138,95 +149,87 @@ class Section(ManualNames):
         self._supervisor.check_open(ending)
         await self._supervisor.stop_coordinator.end(ending, step)
 
-    async def _run_blocking(self, call: Call) -> None:
+    async def _run_blocking(self, call: WireCall[int]) -> None:
         """Carry out a motion whose function has no `block`, and wait for its end.
 
         Args:
-            call: makes the call of the wire.
+            call: the call.
         """
-        name, args = capture_call(call)
         supervisor = self._supervisor
-        supervisor.check_open(name)
-        command = Command(name, args)
+        supervisor.check_open(call.name)
+        command = Command(call.name, call.args)
         answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
         if answer > max(TaskState):
             # Not an end state, so it is the id of a task. The task is followed like any other.
             await supervisor.dispatcher.adopt(command, answer)
         else:
-            check_finished(name, answer)
+            check_finished(call.name, answer)
 
-    async def _enter(self, call: Call, ending: str, args: tuple[bool, ...]) -> None:
+    async def _enter(self, call: WireCall[int], ending: str, args: tuple[bool, ...]) -> None:
         """Enter a mode in which the arm follows or gives way, for which the controller has no task.
 
         Args:
-            call: makes the call of the wire.
+            call: the call.
             ending: the function of the wire that ends the mode.
             args: arguments of `ending`.
         """
-        name, call_args = capture_call(call)
         supervisor = self._supervisor
-        supervisor.check_open(name)
+        supervisor.check_open(call.name)
         modes = supervisor.stop_coordinator.modes
         was_on = modes.enter(ending, args)  # before the call is sent: from now on a stop ends it
         try:
-            command = Command(name, call_args)
+            command = Command(call.name, call.args)
             timeout = supervisor.settings.call_timeout
             answer = await supervisor.dispatcher.conduct(command, supervisor.calls, timeout)
-            check_finished(name, answer)
+            check_finished(call.name, answer)
         except (TaskError, Refused, ControllerError, RobotStateError):
             if not was_on:
                 modes.over(ending)
             raise
 
-    async def _feed(self, call: Call) -> int:
+    async def _feed(self, call: WireCall[int]) -> int:
         """Send points that the arm may follow at once, without a task of their own.
 
         Args:
-            call: makes the call of the wire.
+            call: the call.
 
         Returns:
             The answer.
         """
-        name, args = capture_call(call)
         supervisor = self._supervisor
-        supervisor.check_open(name)
-        return await supervisor.dispatcher.feed(Command(name, args), supervisor.calls)
+        supervisor.check_open(call.name)
+        return await supervisor.dispatcher.feed(Command(call.name, call.args), supervisor.calls)
 
-    async def _perform(self, call: Call, timeout: float) -> None:
+    async def _perform(self, call: WireCall[int], timeout: float) -> None:
         """Carry out a function that becomes a task and moves nothing, and wait for its end.
 
         Args:
-            call: makes the call of the wire, with block false.
+            call: the call, with block false.
             timeout: seconds within which it must end.
         """
         limit = ranges.TIMEOUT("timeout", timeout)
-        name, args = capture_call(call)
-        self._supervisor.check_open(name)
-        await self._supervisor.dispatcher.perform(name, args, limit)
+        self._supervisor.check_open(call.name)
+        await self._supervisor.dispatcher.perform(call.name, call.args, limit)
 
-    async def _settle(self, call: Call, timeout: float) -> None:
+    async def _settle(self, call: WireCall[int], timeout: float) -> None:
         """Carry out a function that has no `block`, moves nothing, and answers with a task's id.
 
         Args:
-            call: makes the call of the wire.
+            call: the call.
             timeout: seconds within which the task must end.
         """
-        name, args = capture_call(call)
         supervisor = self._supervisor
-        supervisor.check_open(name)
-        answer = await call(self._rpc)
+        supervisor.check_open(call.name)
+        answer = await self._rpc.send(call)
         if answer > max(TaskState):
-            task = supervisor.dispatcher.adopt(Command(name, args, motion=False), answer)
+            command = Command(call.name, call.args, motion=False)
+            task = supervisor.dispatcher.adopt(command, answer)
             await supervisor.stop_coordinator.follower.completed(task, timeout)
         else:
-            check_finished(name, answer)
+            check_finished(call.name, answer)
 
     async def _read_checked(
-        self,
-        function: str,
-        name: str,
-        ask: Callable[[], Awaitable[T]],
-        nothing: Callable[[T], bool],
+        self, call: WireCall[T], name: str, nothing: Callable[[T], bool] = not_
     ) -> T:
         """Read a value that the wire answers with zero or nothing if it cannot be read.
 
@@ -234,23 +237,22 @@ class Section(ManualNames):
         entry to the controller's error list, the read has failed, and the entry says why.
 
         Args:
-            function: the function of the wire.
+            call: the call.
             name: name of the value.
-            ask: reads the value.
-            nothing: whether an answer may stand for a failure.
+            nothing: whether an answer may stand for a failure: one that is zero or empty.
 
         Raises:
             Refused: the value could not be read.
         """
-        answer = await ask()
+        answer = await self._rpc.send(call)
         if not nothing(answer):
             return answer
         before = await self._rpc.get_last_error()
-        answer = await ask()
+        answer = await self._rpc.send(call)
         if nothing(answer):
-            why = new_errors(before, await self._rpc.get_last_error(), function, name)
+            why = new_errors(before, await self._rpc.get_last_error(), call.name, name)
             if why:
-                raise Refused(function, answer, "; ".join(why))
+                raise Refused(call.name, answer, "; ".join(why))
         return answer
 
     async def _check_standstill(self, function: str) -> None:
@@ -276,18 +278,6 @@ class Section(ManualNames):
             f"{function} was not sent: the arm moves, and would move in an unforeseen way; "
             "wait until all motions have ended, or stop it"
         )
-
-
-def capture_call(call: Call) -> tuple[str, tuple[Any, ...]]:
-    """Return name and arguments of a call, without making it."""
-    calls: list[tuple[str, tuple[Any, ...]]] = []
-
-    def note(name: str, args: tuple[Any, ...]) -> Any:
-        calls.append((name, args))
-
-    _ = call(AsyncRpc(note))
-    ((name, args),) = calls
-    return name, args
 
 
 def new_errors(
@@ -365,17 +355,3 @@ def check_accepted(function: str, answer: int) -> None:
     """
     if answer < 0 or TaskState(answer).ended:
         check_finished(function, answer)
-
-
-def check_zero(function: str, answer: int) -> None:
-    """Check the answer of a function that returns 0 on success.
-
-    Args:
-        function: the function of the wire.
-        answer: what it returned.
-
-    Raises:
-        Refused: the answer is not 0.
-    """
-    if answer != 0:
-        raise Refused(function, answer, "it does not take these arguments in its present state")

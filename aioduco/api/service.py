@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_accepted, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.state import vector
 
@@ -47,14 +48,15 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_servo_config(
-            ranges.AXIS_NUMBER("axis_num", axis_num),
-            ranges.INT_32("id", id),
-            ranges.INT_32("value", value),
-            ranges.INT_32("qfmt", qfmt),
-            True,
+        await self._finish(
+            calls.set_servo_config(
+                ranges.AXIS_NUMBER("axis_num", axis_num),
+                ranges.INT_32("id", id),
+                ranges.INT_32("value", value),
+                ranges.INT_32("qfmt", qfmt),
+                True,
+            )
         )
-        check_finished("set_servo_config", answer)
 
     async def apply_servo_config(self, axis_num: Whole) -> None:
         """Make an axis' servo drive use its parameters.
@@ -71,11 +73,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.apply_servo_config(
-            ranges.AXIS_NUMBER("axis_num", axis_num),
-            True,
-        )
-        check_finished("apply_servo_config", answer)
+        await self._finish(calls.apply_servo_config(ranges.AXIS_NUMBER("axis_num", axis_num), True))
 
     async def set_servo_file_params(
         self,
@@ -103,14 +101,15 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_servo_file_params(
-            ranges.AXIS_NUMBER("axis_num", axis_num),
-            ranges.INT_32("id", id),
-            ranges.LONG_NAME("name", name),
-            ranges.FINITE("value", value),
-            ranges.FINITE("qfmt", qfmt),
+        await self._accept(
+            calls.set_servo_file_params(
+                ranges.AXIS_NUMBER("axis_num", axis_num),
+                ranges.INT_32("id", id),
+                ranges.LONG_NAME("name", name),
+                ranges.FINITE("value", value),
+                ranges.FINITE("qfmt", qfmt),
+            )
         )
-        check_accepted("set_servo_file_params", answer)
 
     async def set_dynamic_calibration_params(self, params: Iterable[VectorLike]) -> None:
         """Set the parameters of the dynamic calibration.
@@ -127,10 +126,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_dynamic_calibration_params(
-            ranges.MATRIX("params", params),
-        )
-        check_accepted("set_dynamic_calibration_params", answer)
+        await self._accept(calls.set_dynamic_calibration_params(ranges.MATRIX("params", params)))
 
     async def set_kinematic_calibration_params(self, params: Iterable[VectorLike]) -> None:
         """Set the parameters of the kinematic calibration.
@@ -147,10 +143,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_kinematic_calibration_params(
-            ranges.MATRIX("params", params),
-        )
-        check_accepted("set_kinematic_calibration_params", answer)
+        await self._accept(calls.set_kinematic_calibration_params(ranges.MATRIX("params", params)))
 
     async def set_dynamic_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the dynamic calibration.
@@ -168,11 +161,11 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_dynamic_calibration_info(
-            ranges.TEXT("passwd", passwd),
-            ranges.TEXT("info", info),
+        await self._accept(
+            calls.set_dynamic_calibration_info(
+                ranges.TEXT("passwd", passwd), ranges.TEXT("info", info)
+            )
         )
-        check_accepted("set_dynamic_calibration_info", answer)
 
     async def set_kinematic_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the kinematic calibration.
@@ -190,11 +183,11 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_kinematic_calibration_info(
-            ranges.TEXT("passwd", passwd),
-            ranges.TEXT("info", info),
+        await self._accept(
+            calls.set_kinematic_calibration_info(
+                ranges.TEXT("passwd", passwd), ranges.TEXT("info", info)
+            )
         )
-        check_accepted("set_kinematic_calibration_info", answer)
 
     async def set_vibration_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the vibration calibration.
@@ -212,11 +205,11 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_vibration_calibration_info(
-            ranges.TEXT("passwd", passwd),
-            ranges.TEXT("info", info),
+        await self._accept(
+            calls.set_vibration_calibration_info(
+                ranges.TEXT("passwd", passwd), ranges.TEXT("info", info)
+            )
         )
-        check_accepted("set_vibration_calibration_info", answer)
 
     async def save_dynamic_calibration_params(self, passwd: str) -> None:
         """Save the parameters of the dynamic calibration for good.
@@ -233,10 +226,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.save_dynamic_calibration_params(
-            ranges.TEXT("passwd", passwd),
-        )
-        check_accepted("save_dynamic_calibration_params", answer)
+        await self._accept(calls.save_dynamic_calibration_params(ranges.TEXT("passwd", passwd)))
 
     async def save_kinematic_calibration_params(self, passwd: str) -> None:
         """Save the parameters of the kinematic calibration for good.
@@ -253,10 +243,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.save_kinematic_calibration_params(
-            ranges.TEXT("passwd", passwd),
-        )
-        check_accepted("save_kinematic_calibration_params", answer)
+        await self._accept(calls.save_kinematic_calibration_params(ranges.TEXT("passwd", passwd)))
 
     async def upload_robot_param_to_toolboard(self, passwd: str) -> None:
         """Write the robot's parameters to the board in the tool flange.
@@ -273,10 +260,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.upload_robot_param_to_toolboard(
-            ranges.TEXT("passwd", passwd),
-        )
-        check_accepted("upload_robot_param_to_toolboard", answer)
+        await self._accept(calls.upload_robot_param_to_toolboard(ranges.TEXT("passwd", passwd)))
 
     async def set_pendant_type(self, type: Whole) -> None:  # noqa: A002
         """Set the kind of the pendant.
@@ -293,10 +277,7 @@ class Service(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        answer = await self._rpc.set_pendant_type(
-            ranges.INT_32("type", type),
-        )
-        check_accepted("set_pendant_type", answer)
+        await self._accept(calls.set_pendant_type(ranges.INT_32("type", type)))
 
     async def change_recipe(self) -> None:
         """Change the recipe.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_accepted, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ class Settings(Section):
 
         Manual section 1.3.7.
         """
-        check_finished("speed", await self._rpc.speed(ranges.GLOBAL_SPEED("val", val)))
+        await self._finish(calls.speed(ranges.GLOBAL_SPEED("val", val)))
 
     async def get_global_speed(self) -> int:
         """Read the global speed (全局速度的百分比), in percent.
@@ -59,9 +60,7 @@ class Settings(Section):
 
         Manual section 1.3.7.
         """
-        check_finished(
-            "set_teach_speed", await self._rpc.set_teach_speed(ranges.TEACH_SPEED("v", v))
-        )
+        await self._finish(calls.set_teach_speed(ranges.TEACH_SPEED("v", v)))
 
     async def get_teach_speed(self) -> int:
         """Read the speed of jogs (示教速度的百分比), in percent. Manual section 1.3.7."""
@@ -80,7 +79,7 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         level_ = ranges.COLLISION_LEVEL("level", level)
-        check_finished("collision_detect", await self._rpc.collision_detect(level_))
+        await self._finish(calls.collision_detect(level_))
 
     async def collision_detection_reset(self) -> None:
         """Clear the alarm of a collision (重置碰撞检测警告).
@@ -92,8 +91,7 @@ class Settings(Section):
 
         Manual section 1.3.7.
         """
-        answer = await self._rpc.collision_detection_reset()
-        check_accepted("collision_detection_reset", answer)
+        await self._accept(calls.collision_detection_reset())
 
     async def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
@@ -117,7 +115,7 @@ class Settings(Section):
         """
         sim_ = ranges.FLAG("sim", sim)
         await self._check_standstill("simulation")
-        await self._perform(lambda rpc: rpc.simulation(sim_, False), _LIMIT)
+        await self._perform(calls.simulation(sim_, False), _LIMIT)
 
     async def set_teach_pendant(self, enable: bool) -> None:
         """Turn the keys of the pendant on or off (示教器的物理按键).
@@ -132,4 +130,4 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         enable_ = ranges.FLAG("enable", enable)
-        check_finished("set_teach_pendant", await self._rpc.set_teach_pendant(enable_))
+        await self._finish(calls.set_teach_pendant(enable_))

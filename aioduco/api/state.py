@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.enums import TaskState
@@ -123,13 +124,8 @@ class State(Section):
         Manual section 1.3.7.
         """
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        numbers = await self._read_checked(
-            "get_tcp_pose_coord",
-            tool_ or wobj_,
-            lambda: self._rpc.get_tcp_pose_coord(tool_, wobj_),
-            lambda numbers: not numbers,
-        )
-        return pose(numbers)
+        call = calls.get_tcp_pose_coord(tool_, wobj_)
+        return pose(await self._read_checked(call, tool_ or wobj_))
 
     async def get_tcp_speed(self) -> Vector:
         """Read the speed of the tool (末端速度) [m/s, rad/s]. Manual section 1.3.7."""
@@ -159,13 +155,7 @@ class State(Section):
         Manual section 1.3.7.
         """
         tool_ = ranges.FRAME("tool", tool)
-        force = await self._read_checked(
-            "get_tcp_force_tool",
-            tool_,
-            lambda: self._rpc.get_tcp_force_tool(tool_),
-            lambda force: not force,
-        )
-        return vector(force)
+        return vector(await self._read_checked(calls.get_tcp_force_tool(tool_), tool_))
 
     async def get_flange_pose(self) -> Pose:
         """Read the pose of the flange in the base frame (法兰位姿) [m, rad].

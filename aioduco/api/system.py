@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_finished, checked_task_id
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section, checked_task_id
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class System(Section):
 
         Manual section 1.3.2.
         """
-        await self._perform(lambda rpc: rpc.power_on(False), timeout)
+        await self._perform(calls.power_on(False), timeout)
 
     async def power_off(self, *, timeout: float = 30.0) -> None:
         """Power the arm down (机器人下电); the brakes close.
@@ -47,7 +48,7 @@ class System(Section):
 
         Manual section 1.3.2.
         """
-        await self._perform(lambda rpc: rpc.power_off(False), timeout)
+        await self._perform(calls.power_off(False), timeout)
 
     async def enable(self, *, timeout: float = 30.0) -> None:
         """Enable the joints (机器人上使能); the brakes open.
@@ -60,7 +61,7 @@ class System(Section):
 
         Manual section 1.3.2.
         """
-        await self._perform(lambda rpc: rpc.enable(False), timeout)
+        await self._perform(calls.enable(False), timeout)
 
     async def disable(self, *, timeout: float = 30.0) -> None:
         """Disable the joints (机器人下使能); the brakes close.
@@ -73,7 +74,7 @@ class System(Section):
 
         Manual section 1.3.2.
         """
-        await self._perform(lambda rpc: rpc.disable(False), timeout)
+        await self._perform(calls.disable(False), timeout)
 
     async def shutdown(self) -> None:
         """Switch the controller off (机器人关机). Every connection ends soon after.
@@ -113,4 +114,4 @@ class System(Section):
         Manual section 1.3.7.
         """
         mode_ = ranges.SWITCH_MODE("mode", mode)
-        check_finished("switch_mode", await self._rpc.switch_mode(mode_))
+        await self._finish(calls.switch_mode(mode_))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from aioduco._wire.rpc import calls
 from aioduco.api.points import points_with_outputs
-from aioduco.api.section import Section, capture_call, check_finished
+from aioduco.api.section import Section, check_finished
 from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPoolFull
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.api.section import Call
+    from aioduco._wire.rpc import WireCall
     from aioduco.models.op import PointOp
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.streaming.endpoint import StreamEndpoint
@@ -86,7 +87,7 @@ class Track(Section, TrackStreams):
         kind = _kind(given)
         points_ = _RULES[kind or self._kind]("points", given)
         joints = points_ if kind is Joints else ()
-        await self._put(kind, lambda rpc: rpc.trackEnqueue(points_, True), joints)
+        await self._put(kind, calls.trackEnqueue(points_, True), joints)
 
     async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
         """Put points into the pool, each with outputs to set there (带 Op 的轨迹点入池).
@@ -110,7 +111,7 @@ class Track(Section, TrackStreams):
         points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
         kind = type(given[0].pos)
         joints = [point.pos for point in points_] if kind is Joints else ()
-        await self._put(kind, lambda rpc: rpc.trackEnqueueOp(points_, True), joints)
+        await self._put(kind, calls.trackEnqueueOp(points_, True), joints)
 
     async def trackClearQueue(self) -> None:  # noqa: N802  # as above
         """Empty the pool (清空轨迹池).
@@ -120,7 +121,7 @@ class Track(Section, TrackStreams):
 
         Manual section 1.3.12.
         """
-        check_finished("trackClearQueue", await self._rpc.trackClearQueue())
+        await self._finish(calls.trackClearQueue())
         self._modes.over(TRACK_POOL)
 
     async def getQueueSize(self) -> int:  # noqa: N802  # as above
@@ -152,7 +153,7 @@ class Track(Section, TrackStreams):
         speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
         acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
         self._follows("trackJointMotion", Joints)
-        return self._motion(lambda rpc: rpc.trackJointMotion(speed_, acc_, False))
+        return self._motion(calls.trackJointMotion(speed_, acc_, False))
 
     def trackCartMotion(  # noqa: N802  # as above
         self,
@@ -187,29 +188,27 @@ class Track(Section, TrackStreams):
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         radius_ = ranges.TRACK_RADIUS("radius", radius)
         self._follows("trackCartMotion", Pose)
-        return self._motion(
-            lambda rpc: rpc.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_)
-        )
+        return self._motion(calls.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_))
 
     async def _put(
-        self, kind: _Kind | None, call: Call, joints: Sequence[Sequence[float]] = ()
+        self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]] = ()
     ) -> None:
         """Put points into the pool, by a call of the wire, after a check against the envelope."""
-        function, _ = capture_call(call)
-        await self._modes.settle(function)
+        await self._modes.settle(call.name)
         held = self._kind
         if kind is not None and held is not None and held is not kind:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
-        await self._supervisor.envelope.admit(function, joints, moves=self._followed)
+        await self._supervisor.envelope.admit(call.name, joints, moves=self._followed)
         self._last_kind = kind or held
         # Before the call is sent, since its answer may be lost.
         filled = self._modes.enter(TRACK_POOL)
         try:
             # The arm may follow the pool, without a task that reports the motion.
-            _taken(function, await (self._feed(call) if self._followed else call(self._rpc)))
+            answer = await (self._feed(call) if self._followed else self._rpc.send(call))
+            _taken(call.name, answer)
         except (OutcomeUnknown, TrackPoolFull):
             raise  # some may be in the pool
         except DucoError:

@@ -269,7 +269,7 @@ class PolledGripper(ABC):
             GripperError: it was not started.
         """
         if self._state is None:
-            raise GripperError(f"{self!r} was not started: write `async with` it. Nothing was sent")
+            raise GripperError(f"{self!r} was not started: use it in its block. Nothing was sent")
         return self._state
 
     async def read(self) -> GripperState:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.planning.clearance import Clearance
-    from aioduco.planning.execution import MotionSection, ReadJoints
     from aioduco.planning.motion_limits import MotionLimits
     from aioduco.planning.problem import PlanningProblem, Solution
     from aioduco.planning.scene import Scene
@@ -238,7 +237,7 @@ class Plan:
         return [*found, (self.end, 0.0)]
 
     async def run_on(
-        self, motion: MotionSection, read_joints: ReadJoints, **options: Any
+        self, motion: Any, read_joints: Any, **options: Any
     ) -> TrajectoryResult | None:
         """Carry out the plan; `robot.motion.execute` calls this."""
         from aioduco.planning.execution import execute  # noqa: PLC0415 - it names this class

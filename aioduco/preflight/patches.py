@@ -32,8 +32,9 @@ from aioduco.sim.server.processor import Processor
 from aioduco.sim.view.render import PictureProcess
 from aioduco.streaming.session import Session
 from aioduco.streaming.worker_process import WorkerHandle
-from aioduco.supervision.command import MotionCommand, shown
+from aioduco.supervision.command import MotionCommand
 from aioduco.supervision.stop_coordinator import StopCoordinator
+from aioduco.supervision.task_command import shown
 from aioduco.sync._runner import Runner
 
 if TYPE_CHECKING:

@@ -170,7 +170,7 @@ class RecordedRun:
         """
         from aioduco.recording.tables import write_csv  # noqa: PLC0415 - loaded when it is used
 
-        return write_csv(self, Path(folder))
+        return write_csv(self._channels(), Path(folder))
 
     def to_parquet(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write each channel as a Parquet file, with a column for each number. Needs pyarrow.
@@ -186,7 +186,10 @@ class RecordedRun:
         """
         from aioduco.recording.tables import write_parquet  # noqa: PLC0415 - loaded when it is used
 
-        return write_parquet(self, Path(folder))
+        return write_parquet(self._channels(), self.metadata, Path(folder))
+
+    def _channels(self) -> Iterator[tuple[str, dict[str, NDArray[Any]]]]:
+        return ((topic, self.arrays(topic)) for topic in self.topics)
 
     def to_mcap(self, path: str | os.PathLike[str]) -> Path:
         """Write it as an MCAP file with an index, for Rerun and viewers that need random access.

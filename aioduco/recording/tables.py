@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 from aioduco.errors import MissingExtra
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from aioduco.recording.run import RecordedRun
+    Channels = Iterable[tuple[str, dict[str, NDArray[Any]]]]
 
 __all__ = ["columns", "write_csv", "write_parquet"]
 
@@ -38,12 +39,12 @@ def columns(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any] | list[st
     return found
 
 
-def write_csv(run: RecordedRun, folder: Path) -> list[Path]:
-    """Write each channel as a CSV file; `RecordedRun.to_csv` describes it."""
+def write_csv(channels: Channels, folder: Path) -> list[Path]:
+    """Write each channel, given its topic, as a CSV file; `RecordedRun.to_csv` describes it."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for topic in run.topics:
-        found = columns(run.arrays(topic))
+    for topic, arrays in channels:
+        found = columns(arrays)
         path = folder / f"{_name(topic)}.csv"
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
@@ -54,7 +55,7 @@ def write_csv(run: RecordedRun, folder: Path) -> list[Path]:
     return paths
 
 
-def write_parquet(run: RecordedRun, folder: Path) -> list[Path]:
+def write_parquet(channels: Channels, metadata: dict[str, str], folder: Path) -> list[Path]:
     """Write each channel as a Parquet file; `RecordedRun.to_parquet` describes it."""
     try:
         import pyarrow as pa  # noqa: PLC0415 - an extra
@@ -63,10 +64,10 @@ def write_parquet(run: RecordedRun, folder: Path) -> list[Path]:
         raise MissingExtra("a table in Parquet", "pyarrow", "parquet") from exc
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for topic in run.topics:
+    for topic, arrays in channels:
         path = folder / f"{_name(topic)}.parquet"
-        table = pa.table(dict(columns(run.arrays(topic))))
-        parquet.write_table(table.replace_schema_metadata(run.metadata), path)
+        table = pa.table(dict(columns(arrays)))
+        parquet.write_table(table.replace_schema_metadata(metadata), path)
         paths.append(path)
     return paths
 

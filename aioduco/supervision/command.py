@@ -1,76 +1,25 @@
-"""Commands that become tasks: their content, separate from how they are sent."""
+"""A motion as a value, which a program awaits, starts, or ties to a block."""
 
 from __future__ import annotations
 
-import inspect
 import warnings
-from dataclasses import dataclass, fields, is_dataclass
-from typing import TYPE_CHECKING, Any, Protocol, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.task import OnCancel
+from aioduco.supervision.task_command import shown
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterable
     from types import TracebackType
 
+    from aioduco.supervision.dispatcher import Dispatcher
     from aioduco.supervision.task import Task
-    from aioduco.supervision.task_state import ContinuousMotion, JointEta
+    from aioduco.supervision.task_command import Aim, Command
 
-__all__ = ["Aim", "Command", "HeldMotion", "MotionCommand", "check_motions", "shown"]
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """A call that the controller answers with the id of a task.
-
-    Attributes:
-        name: the function of the wire.
-        args: its arguments, checked and converted, with block false.
-        motion: whether it moves the arm.
-        blends: whether it asks to blend into the next motion, or to be replaced by it.
-        continuous: how it ends, if it is a continuous motion.
-        eta: its target and speed, if they are known for the joints.
-        sense: direction of a jog, 1 or -1, whose number on the wire depends on the controller.
-    """
-
-    name: str
-    args: tuple[Any, ...]
-    motion: bool = True
-    blends: bool = False
-    continuous: ContinuousMotion | None = None
-    eta: JointEta | None = None
-    sense: int = 0
-
-
-class CommandDispatcher(Protocol):
-    """Interface that a motion uses to send a command."""
-
-    async def launch(
-        self,
-        command: Command,
-        *,
-        aim: Aim | None = None,
-        deadline: float | None = None,
-        on_cancel: OnCancel | None = None,
-    ) -> Task:
-        """Send a command, converted by `aim` when it is its turn, and return its task."""
-        ...
-
-
-class Aim(Protocol):
-    """Converts a motion into the frame of the wire, by the tool's pose when it is sent."""
-
-    @property
-    def frame(self) -> str:
-        """The frame in which the motion is given."""
-        ...
-
-    async def arguments(self, command: Command) -> tuple[Any, ...]:
-        """Read the tool's pose, and return the arguments in the frame of the wire."""
-        ...
+__all__ = ["HeldMotion", "MotionCommand", "check_motions"]
 
 
 class MotionCommand:
@@ -92,9 +41,7 @@ class MotionCommand:
     #: how to send a motion that was not sent
     _HINT = "await it, or `task = await motion.start()` to go on beside it"
 
-    def __init__(
-        self, dispatcher: CommandDispatcher, command: Command, aim: Aim | None = None
-    ) -> None:
+    def __init__(self, dispatcher: Dispatcher, command: Command, aim: Aim | None = None) -> None:
         self._dispatcher = dispatcher
         self._aim = aim
         self._used = False
@@ -240,39 +187,3 @@ def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
         if listed and all(isinstance(one, kind) for one in listed):
             hint = " by itself, not a list of them: write run(first, second) or run(*motions)"
         raise ParameterError(f"motions[{number}]", each, f"a motion{hint}")
-
-
-def shown(command: Command) -> str:
-    """Format a command as a call: its first argument, and the others that are not zero or empty.
-
-    The others have their names of the wire.
-    """
-    from aioduco._wire.rpc import AsyncRpc  # noqa: PLC0415  # only when it is shown
-
-    _, *names = inspect.signature(getattr(AsyncRpc, command.name)).parameters
-    texts = [
-        _short(value) if number == 0 else f"{name}={_short(value)}"
-        for number, (name, value) in enumerate(zip(names, command.args, strict=False))
-        if number == 0 or not _empty(value)
-    ]
-    return f"{command.name}({', '.join(texts)})"
-
-
-def _empty(value: Any) -> bool:
-    """Whether a value counts as absent on the wire: zero, false, or empty."""
-    if is_dataclass(value):
-        return all(_empty(getattr(value, field.name)) for field in fields(value))
-    return not value
-
-
-def _short(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_short(each) for each in value)}]"
-    if is_dataclass(value):
-        given = {field.name: getattr(value, field.name) for field in fields(value)}
-        parts = [f"{name}={_short(each)}" for name, each in given.items() if not _empty(each)]
-        return f"{type(value).__name__}({', '.join(parts)})"
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -23,10 +23,10 @@ import anyio.lowlevel
 
 from aioduco._platform import boot_time
 from aioduco.errors import OutcomeUnknown, Refused, RobotStateError, StopUnconfirmed
-from aioduco.supervision.command import Command
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import Ending
 from aioduco.supervision.task import Task
+from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import PendingCommand
 
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.enums import Outcome
-    from aioduco.supervision.command import Aim
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import OnCancel
+    from aioduco.supervision.task_command import Aim
 
 
 #: seconds between two checks whether the claim on the arm can be dropped

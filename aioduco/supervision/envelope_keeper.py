@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.ways import Way
     from aioduco.models.pose import Pose
-    from aioduco.supervision.command import Command
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.events import Events
     from aioduco.supervision.retry import RetryingReads
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import Task
+    from aioduco.supervision.task_command import Command
 
 __all__ = ["EnvelopeKeeper"]
 

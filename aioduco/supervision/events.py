@@ -263,7 +263,7 @@ class Events:
     def subscribe(
         self, policy: Policy = "every", *, size: int = 1024
     ) -> Iterator[Subscription[Event]]:
-        """Subscribe to every event from now on.
+        """Receive every event from now on: `with robot.events.subscribe() as stream:`.
 
         Args:
             policy: what happens to events that are not taken in time; as for samples.

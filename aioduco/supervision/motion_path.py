@@ -82,8 +82,7 @@ class MotionPath:
         permit = self._permit
         if permit is None or self._closed:
             raise RobotStateError(
-                f"{motion!r} was not sent: a path takes motions within its block, "
-                "async with robot.motion.path() as path"
+                f"{motion!r} was not sent: a path takes motions within its block alone"
             )
         # The tool's pose is known only after the earlier motions have ended.
         await self._until(0 if motion.aimed else self.ahead - 1)

@@ -243,6 +243,9 @@ class StateFeed:
         samples: makes samples.
         background: runs the feed.
         rate: samples per second [Hz].
+
+    Attributes:
+        forces: whether samples have forces, too: two more reads from the controller for each.
     """
 
     def __init__(
@@ -261,7 +264,6 @@ class StateFeed:
         self._count = 0
         self._failures = 0
         self._rate = rate
-        #: whether samples have forces, too: two more reads from the controller for each
         self.forces = False
         #: number of recordings and publications that want forces, whatever the program wants
         self.force_readers = 0
@@ -348,7 +350,7 @@ class StateFeed:
     def subscribe(
         self, policy: Policy = "drop_oldest", *, size: int = 64
     ) -> Iterator[Subscription[Snapshot]]:
-        """Read every sample from now on.
+        """Read every sample from now on: `with robot.feed.subscribe() as samples:`.
 
         Args:
             policy: what happens to samples that are not taken in time: "latest" keeps the newest

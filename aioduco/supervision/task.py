@@ -215,7 +215,7 @@ class Task:
         """
         outcome = self.outcome
         if outcome is None:
-            raise TaskError(self.name, self.id, "has not ended yet: await it")
+            raise TaskError(self.name, self.id, "has not ended yet: wait for it")
         if outcome.success and self.fault is None:
             return outcome
         if outcome.success:

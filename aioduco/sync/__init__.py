@@ -12,14 +12,21 @@ The supervision is the same as in `aioduco`; it runs in an event loop on a threa
 
 from __future__ import annotations
 
-from aioduco.sync._feeds import Events, Feed, Subscription
+from aioduco.sync._feeds import Subscription
+from aioduco.sync._generated import (
+    Robot,
+    check_path_on,
+    check_waypoints_on,
+    connect,
+    play,
+    run_waypoints,
+    teleoperate,
+)
+from aioduco.sync._generated_objects import Events, Feed
 from aioduco.sync._gripper import Gripper
-from aioduco.sync._playback import check_path_on, check_waypoints_on, play, run_waypoints
-from aioduco.sync._robot import Robot, connect
 from aioduco.sync._stop_all import stop_all
 from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionCommand, MotionFunction, MotionPath, Task
-from aioduco.sync._teleoperation import teleoperate
 
 __all__ = [
     "Events",

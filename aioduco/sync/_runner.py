@@ -20,6 +20,7 @@ import anyio
 from anyio.from_thread import BlockingPortal
 
 from aioduco.errors import DucoError, RobotStateError
+from aioduco.models.ranges import TIMEOUT
 from aioduco.reporting import BackgroundLogger
 from aioduco.sync._presence import CallTimes
 
@@ -93,9 +94,15 @@ class Runner:
         hold_limit: seconds without a call after which a motion without an end of its own is
             stopped; None for no limit.
         program_limit: the same for every motion.
+
+    Raises:
+        ParameterError: a limit is not above 0.
     """
 
     def __init__(self, robot: Robot, hold_limit: float | None, program_limit: float | None) -> None:
+        for name, limit in (("hold_limit", hold_limit), ("program_limit", program_limit)):
+            if limit is not None:
+                TIMEOUT(name, limit)
         self.robot = robot
         self._hold_limit = hold_limit
         self._program_limit = program_limit

@@ -9,7 +9,7 @@ from aioduco.errors import DucoError, StopsUnconfirmed
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from aioduco.sync._robot import Robot
+    from aioduco.sync._generated import Robot
     from aioduco.sync._runner import StartedCall
 
 __all__ = ["stop_all"]
@@ -38,7 +38,7 @@ def stop_all(robots: Iterable[Robot]) -> None:
     while left:
         robot = chosen[left[0]]
         try:
-            started[left[0]] = robot._runner.start(robot._robot.stop())
+            started[left[0]] = robot._runner.start(robot._made.stop())
             left.pop(0)
         except DucoError as exc:
             errors[left.pop(0)] = exc

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import inspect
 from types import MethodType
-from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec
+from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, TypeVar
 
 import anyio
 
 from aioduco.errors import TaskError
-from aioduco.models import ranges
-from aioduco.supervision.command import check_motions, shown
+from aioduco.models.ranges import WAIT
+from aioduco.supervision.command import check_motions
+from aioduco.supervision.task_command import shown
+from aioduco.sync._blocking import Blocking
+from aioduco.sync._generated_objects import MotionPathCalls, TaskCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable, Iterator
@@ -19,7 +22,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.enums import Outcome, TaskState
     from aioduco.supervision import command as aio_command
-    from aioduco.supervision import motion_path as aio_path
     from aioduco.supervision import task as aio_task
     from aioduco.supervision.task import OnCancel
     from aioduco.sync._runner import Runner
@@ -27,9 +29,10 @@ if TYPE_CHECKING:
 __all__ = ["MotionCommand", "MotionFunction", "MotionPath", "Task", "awaitables", "moves"]
 
 P = ParamSpec("P")
+T = TypeVar("T")
 
 
-class Task:
+class Task(TaskCalls):
     """A task that the controller accepted. `with task:` ties it to a block.
 
     Leaving the block waits for a motion with an end of its own, and ends a motion without one. If
@@ -39,19 +42,15 @@ class Task:
     `pause` and `resume` act on all of them.
     """
 
-    def __init__(self, runner: Runner, task: aio_task.Task) -> None:
-        self._runner = runner
-        self._task = task
-        runner.holds(task)
-
-    def __repr__(self) -> str:
-        return repr(self._task)
+    def __init__(self, runner: Runner, made: aio_task.Task) -> None:
+        super().__init__(runner, made)
+        runner.holds(made)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Task) and other._task is self._task
+        return isinstance(other, Task) and other._made is self._made
 
     def __hash__(self) -> int:
-        return hash(self._task)
+        return hash(self._made)
 
     def __enter__(self) -> Self:
         return self
@@ -64,73 +63,11 @@ class Task:
     ) -> None:
         if exc is not None:
             if not self.done:
-                self._runner.call(self._task._on_wait_cancelled())
-        elif self._task.continuous is not None:
+                super()._call(self._made._on_wait_cancelled())
+        elif self._made.continuous is not None:
             self.end()
         else:
             self.wait()
-
-    @property
-    def id(self) -> int:
-        """The controller's number of the task."""
-        return self._task.id
-
-    @property
-    def name(self) -> str:
-        """The function that started it."""
-        return self._task.name
-
-    @property
-    def motion(self) -> bool:
-        """Whether it moves the arm."""
-        return self._task.motion
-
-    @property
-    def on_cancel(self) -> OnCancel:
-        """What happens to the arm when a wait for it is interrupted."""
-        return self._task.on_cancel
-
-    @property
-    def state(self) -> TaskState:
-        """The state that was seen last."""
-        return self._task.state
-
-    @property
-    def outcome(self) -> Outcome | None:
-        """How the task ended; None before its end."""
-        return self._task.outcome
-
-    @property
-    def done(self) -> bool:
-        """Whether the task has ended, or its end cannot be determined any more."""
-        return self._task.done
-
-    @property
-    def errors(self) -> tuple[str, ...]:
-        """Entries of a failed task on the controller's error list, since its acceptance."""
-        return self._task.errors
-
-    @property
-    def duration(self) -> float:
-        """Seconds from its start to its end, or to now."""
-        return self._task.duration
-
-    @property
-    def remaining(self) -> float | None:
-        """Seconds until its end is expected, 0 once that has passed; None if it is unknown."""
-        return self._task.remaining
-
-    def progress(self) -> float | None:
-        """Read the arm's position, and return the fraction of the way that is done, 0 to 1.
-
-        Returns:
-            The fraction; None if it is unknown. It is known for `movej2` if the arm stood when the
-            motion was accepted, and for every motion that has finished (1).
-
-        Raises:
-            ConnectionLost: the controller does not answer.
-        """
-        return self._runner.call(self._task.progress())
 
     def result(self) -> Outcome:
         """The outcome of a task that is done.
@@ -138,7 +75,7 @@ class Task:
         Raises:
             TaskError: it is not done, or it neither finished nor blended: one of the subclasses.
         """
-        return self._noting(self._task.result)
+        return self._noting(self._made.result)
 
     def wait(self, timeout: float | None = None) -> Outcome:
         """Wait for the end of the task.
@@ -156,86 +93,64 @@ class Task:
             TaskError: it ended otherwise: one of the subclasses.
             TimeoutError: it has not ended in time; it continues.
         """
-        limit = None if timeout is None else ranges.WAIT("timeout", timeout)
-        self._runner.holds(self._task)
-        return self._noting(lambda: self._runner.call(self._wait(limit)))
+        return self._call(self._wait(None if timeout is None else WAIT("timeout", timeout)))
 
     async def _wait(self, timeout: float | None) -> Outcome:
         if timeout is None:
-            return await self._task
+            return await self._made
         try:
             with anyio.move_on_after(timeout):
-                await self._task.wait()
+                await self._made.wait()
         except anyio.get_cancelled_exc_class():
-            await self._task._on_wait_cancelled()
+            await self._made._on_wait_cancelled()
             raise
-        if not self._task.done:
-            raise TimeoutError(f"{self._task!r} has not ended within {timeout:g} s: it goes on")
-        return self._task.result()
+        if not self._made.done:
+            raise TimeoutError(f"{self._made!r} has not ended within {timeout:g} s: it goes on")
+        return self._made.result()
 
     def states(self) -> Iterator[TaskState]:
         """Iterate over the task's states, each of them once, until the end.
 
         Leaving the loop does not affect the arm. An interrupt while it waits does: see `wait`.
         """
-        states = aiter(self._task)
+        states = aiter(self._made)
 
         async def following() -> TaskState | None:
             try:
                 return await anext(states, None)
             except anyio.get_cancelled_exc_class():
-                await self._task._on_wait_cancelled()
+                await self._made._on_wait_cancelled()
                 raise
 
         while True:
-            self._runner.holds(self._task)
-            state = self._runner.call(following())
+            state = self._call(following())
             if state is None:
                 return
             yield state
 
-    def cancel(self) -> Outcome:
-        """Stop the arm, all its tasks included, and wait until it stands.
+    def progress(self) -> float | None:
+        """Read the arm's position, and return the fraction of the way that is done, 0 to 1.
+
+        Any thread may watch a motion by this: the thread that holds it stays the same.
 
         Returns:
-            The outcome of this task: stopped, unless it had ended before.
+            The fraction; None if it is unknown. It is known for `movej2` if the arm stood when the
+            motion was accepted, and for every motion that has finished (1).
 
         Raises:
-            StopUnconfirmed: it is not known that the arm stands.
+            ConnectionLost: the controller does not answer.
         """
-        return self._runner.call(self._task.cancel())
+        return self._runner.call(self._made.progress())
 
-    def end(self) -> Outcome:
-        """End a motion without an end of its own by its own function; wait until the arm stands.
+    def _call(self, work: Coroutine[Any, Any, T]) -> T:
+        self._runner.holds(self._made)
+        return self._noting(lambda: super(Task, self)._call(work))
 
-        Other tasks continue. A motion with an end of its own is cancelled. If the function fails,
-        the arm is stopped.
-
-        Returns:
-            The outcome of this task.
-
-        Raises:
-            TaskError: it had ended otherwise than by finishing, or could only be stopped.
-            StopUnconfirmed: it is not known that the arm stands.
-        """
-        self._runner.holds(self._task)
-        return self._noting(lambda: self._runner.call(self._task.end()))
-
-    def pause(self) -> None:
-        """Pause the arm, all its tasks included, and wait until it stands."""
-        self._runner.holds(self._task)
-        self._runner.call(self._task.pause())
-
-    def resume(self) -> None:
-        """Resume all paused tasks."""
-        self._runner.holds(self._task)
-        self._runner.call(self._task.resume())
-
-    def _noting(self, function: Callable[[], Outcome]) -> Outcome:
+    def _noting(self, function: Callable[[], T]) -> T:
         try:
             return function()
         except TaskError as exc:
-            if self._runner.was_stopped_unheld(self._task):
+            if self._runner.was_stopped_unheld(self._made):
                 exc.add_note(
                     "the arm was stopped because the thread that held this motion made no call for "
                     "too long: let time pass by robot.sleep(), or see hold_limit of connect()"
@@ -243,19 +158,21 @@ class Task:
             raise
 
 
-class MotionCommand:
+class MotionCommand(Blocking):
     """A motion as a value: checked, but not sent. `run` or `start` moves the arm.
 
     For `robot.motion.run`, and for motions that are carried out several times.
     """
 
-    def __init__(self, runner: Runner, command: aio_command.MotionCommand) -> None:
-        self._runner = runner
-        #: the same motion for asyncio programs
-        self.awaitable = command
+    _made: aio_command.MotionCommand
+
+    @property
+    def awaitable(self) -> aio_command.MotionCommand:
+        """The same motion for asyncio programs."""
+        return self._made
 
     def __repr__(self) -> str:
-        return f"<{shown(self.awaitable.command)}: its run() or start() moves the arm>"
+        return f"<{shown(self._made.command)}: its run() or start() moves the arm>"
 
     def run(self) -> Outcome:
         """Send the motion and wait for its end.
@@ -272,11 +189,11 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self.awaitable.hand_over()  # no warning of an unused motion: a failure raises an error
+        self._made.hand_over()  # no warning of an unused motion: a failure raises an error
         return self._runner.call(self._run())
 
     async def _run(self) -> Outcome:
-        return await self.awaitable
+        return await self._made
 
     def start(self, *, deadline: float | None = None, on_cancel: OnCancel | None = None) -> Task:
         """Send the motion and return its task as soon as the controller has accepted it.
@@ -293,34 +210,17 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self.awaitable.hand_over()
-        work = self.awaitable.start(deadline=deadline, on_cancel=on_cancel)
+        self._made.hand_over()
+        work = self._made.start(deadline=deadline, on_cancel=on_cancel)
         return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
 
-class MotionPath:
+class MotionPath(MotionPathCalls):
     """A path of motions that blend, for use in `with`. `robot.motion.path` makes it.
 
     When the block is left, the arm has reached the end of the last motion. If the block raises, the
     arm is stopped, paused or left moving, as `on_cancel` says.
     """
-
-    def __init__(self, runner: Runner, path: aio_path.MotionPath) -> None:
-        self._runner = runner
-        self._path = path
-
-    def __repr__(self) -> str:
-        return repr(self._path)
-
-    @property
-    def ahead(self) -> int:
-        """Maximum number of motions in the controller, the running one included."""
-        return self._path.ahead
-
-    @property
-    def outcomes(self) -> tuple[Outcome, ...]:
-        """Outcomes of the motions that are known to have ended: finished or blended."""
-        return self._path.outcomes
 
     def add(self, motion: MotionCommand) -> Task:
         """Send a motion behind the others, and return its task when it is accepted.
@@ -340,11 +240,11 @@ class MotionPath:
             HeartbeatLost, OutcomeUnknown, ConnectionLost: as `MotionCommand.start` says.
         """
         (command,) = awaitables([motion])
-        work = self._path.add(command)
+        work = self._made.add(command)
         return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
     def __enter__(self) -> Self:
-        self._runner.call(self._path.__aenter__())
+        self._runner.call(self._made.__aenter__())
         return self
 
     def __exit__(
@@ -353,9 +253,9 @@ class MotionPath:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        for task in self._path.tasks:
+        for task in self._made.tasks:
             self._runner.holds(task)
-        self._runner.call(self._path.__aexit__(exc_type, exc, traceback))
+        self._runner.call(self._made.__aexit__(exc_type, exc, traceback))
 
 
 def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:

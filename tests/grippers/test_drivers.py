@@ -247,7 +247,7 @@ async def test_an_object_that_is_lost_ends_what_is_awaited() -> None:
 
 
 async def test_before_its_start_it_has_no_state() -> None:
-    with pytest.raises(errors.GripperError, match="async with"):
+    with pytest.raises(errors.GripperError, match="in its block"):
         _ = robotiq()[0].state
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import inspect
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import TypeGuard
 
 import pytest
 
@@ -19,6 +22,7 @@ from aioduco.sync import MotionFunction
 
 ROOT = Path(__file__).parents[2]
 
+MODULES = ("_generated.py", "_generated_objects.py")
 #: what has another name, or no use, in a program that waits
 RENAMED = {"aclose": "close"}
 #: what returns something to tie to a block, and does not wait
@@ -27,6 +31,10 @@ TIED = {"path"}
 
 def public(thing: object) -> set[str]:
     return {name for name in dir(thing) if not name.startswith("_")}
+
+
+def documented(node: ast.AST) -> TypeGuard[ast.ClassDef | ast.FunctionDef]:
+    return isinstance(node, ast.ClassDef | ast.FunctionDef)
 
 
 def sections(robot: object) -> list[str]:
@@ -53,14 +61,13 @@ def test_it_is_up_to_date() -> None:
 
 @pytest.mark.slow
 def test_the_check_finds_a_difference(tmp_path: Path) -> None:
-    text = (ROOT / "aioduco/sync/_generated.py").read_text(encoding="utf-8")
-    target = tmp_path / "_generated.py"
-    target.write_text(text.replace("self._section.power_on(", "self._section.power_off("))
-    assert target.read_text() != text
+    for name in MODULES:
+        text = (ROOT / "aioduco/sync" / name).read_text(encoding="utf-8")
+        (tmp_path / name).write_text(text.replace("self._made.power_on(", "self._made.power_off("))
     code = (
         "import sys; sys.path.insert(0, 'idl'); sys.argv = ['generate_sync.py', '--check']\n"
         "import generate_sync, pathlib\n"
-        f"generate_sync.TARGET = pathlib.Path({str(target)!r})\n"
+        f"generate_sync.SYNC = pathlib.Path({str(tmp_path)!r})\n"
         "sys.exit(generate_sync.main())\n"
     )
     done = subprocess.run(
@@ -72,7 +79,7 @@ def test_the_check_finds_a_difference(tmp_path: Path) -> None:
         timeout=60,
     )
     assert done.returncode == 1
-    assert "self._section.power_off(" in done.stdout
+    assert "self._made.power_off(" in done.stdout
 
 
 def test_everything_public_is_there() -> None:
@@ -141,7 +148,13 @@ def test_connect_takes_what_the_awaited_one_takes() -> None:
 
 
 def test_nothing_is_said_that_only_an_awaiting_program_does() -> None:
-    text = (ROOT / "aioduco/sync/_generated.py").read_text(encoding="utf-8")
-    assert not [line for line in text.split("\n") if "await " in line or "async " in line]
+    leaks = re.compile(r"\bawait|\basync |cancell(ed|ing|ation)|\bcoroutine|WrongLoop")
+    for module in MODULES:
+        text = (ROOT / "aioduco/sync" / module).read_text(encoding="utf-8")
+        docs = [
+            ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text)) if documented(node)
+        ]
+        assert len(docs) > 40
+        assert [doc for doc in docs if leaks.search(doc)] == []
     for name in aioduco.sync.__all__:
         assert getattr(importlib.import_module("aioduco.sync"), name).__doc__

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.bus.octets import octets, written
-from aioduco.api.section import Section, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.bus.octets import octets, write
+from aioduco.api.section import Section
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class CabinetPort(Section):
         Manual section 1.3.6.
         """
         value_ = ranges.BAUD_RATE("value", value)
-        check_finished("set_baudrate_485", await self._rpc.set_baudrate_485(value_, True))
+        await self._finish(calls.set_baudrate_485(value_, True))
 
     async def read_raw_data_485(self, len: Whole) -> bytes:  # noqa: A002  # the manual's name
         """Take bytes out of the buffer of the cabinet's port (485 读取原生数据).
@@ -112,7 +113,7 @@ class CabinetPort(Section):
         Manual section 1.3.6.
         """
         data_ = ranges.BYTES("data", data)
-        written("write_raw_data_485", await self._rpc.write_raw_data_485(data_))
+        await write(self._rpc, calls.write_raw_data_485(data_))
 
     async def write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
         """Write bytes with a head before them to the cabinet's port (485 写原生数据, 加头).
@@ -129,8 +130,7 @@ class CabinetPort(Section):
         Manual section 1.3.6.
         """
         data_, head_ = ranges.BYTES("data", data), ranges.BYTES("head", head)
-        answer = await self._rpc.write_raw_data_485_h(data_, head_)
-        written("write_raw_data_485_h", answer)
+        await write(self._rpc, calls.write_raw_data_485_h(data_, head_))
 
     async def write_raw_data_485_ht(
         self, data: BytesLike, head: BytesLike, tail: BytesLike
@@ -151,8 +151,7 @@ class CabinetPort(Section):
         """
         data_, head_ = ranges.BYTES("data", data), ranges.BYTES("head", head)
         tail_ = ranges.BYTES("tail", tail)
-        answer = await self._rpc.write_raw_data_485_ht(data_, head_, tail_)
-        written("write_raw_data_485_ht", answer)
+        await write(self._rpc, calls.write_raw_data_485_ht(data_, head_, tail_))
 
     async def read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the cabinet's port.
@@ -179,4 +178,4 @@ class CabinetPort(Section):
             BusError: the bytes were not written.
         """
         data_ = ranges.BYTES("data", data)
-        written("write_data_485", await self._rpc.write_data_485(data_))
+        await write(self._rpc, calls.write_data_485(data_))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.api.bus.octets import octets, written
-from aioduco.api.section import Section, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.bus.octets import octets, write
+from aioduco.api.section import Section
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class CanBus(Section):
         Manual section 1.3.6.
         """
         value_ = ranges.BAUD_RATE("value", value)
-        check_finished("set_baudrate_can", await self._rpc.set_baudrate_can(value_, True))
+        await self._finish(calls.set_baudrate_can(value_, True))
 
     async def read_raw_data_can(self) -> CanFrame | None:
         """Take a frame out of the buffer of the CAN bus (读取一帧 CAN 数据).
@@ -74,7 +75,7 @@ class CanBus(Section):
         Manual section 1.3.6.
         """
         id_, data_ = ranges.CAN_ID("id", id), ranges.BYTES("data", data)
-        written("write_raw_data_can", await self._rpc.write_raw_data_can(id_, data_))
+        await write(self._rpc, calls.write_raw_data_can(id_, data_))
 
     async def read_data_can(self) -> bytes:
         """Take bytes out of the buffer of the CAN bus.
@@ -101,4 +102,4 @@ class CanBus(Section):
             BusError: the frame was not written.
         """
         id_, data_ = ranges.CAN_ID("id", id), ranges.BYTES("data", data)
-        written("write_data_can", await self._rpc.write_data_can(id_, data_))
+        await write(self._rpc, calls.write_data_can(id_, data_))

@@ -9,7 +9,9 @@ from aioduco.errors import BusError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["octets", "written"]
+    from aioduco._wire.rpc import AsyncRpc, WireCall
+
+__all__ = ["octets", "write"]
 
 
 def octets(wire: Sequence[int]) -> bytes:
@@ -17,11 +19,11 @@ def octets(wire: Sequence[int]) -> bytes:
     return bytes(value & 0xFF for value in wire)
 
 
-def written(function: str, answer: bool) -> None:
-    """Check the answer of a function that writes to a bus.
+async def write(rpc: AsyncRpc, call: WireCall[bool]) -> None:
+    """Call a function that writes to a bus.
 
     Raises:
-        BusError: the answer is false.
+        BusError: it answers that it did not.
     """
-    if not answer:
-        raise BusError(function)
+    if not await rpc.send(call):
+        raise BusError(call.name)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.bus.octets import octets, written
+from aioduco._wire.rpc import calls
+from aioduco.api.bus.octets import octets, write
 from aioduco.api.section import Section
 from aioduco.models import ranges
 
@@ -95,7 +96,7 @@ class ToolPort(Section):
         Manual section 1.3.6.
         """
         data_ = ranges.BYTES("data", data)
-        written("tool_write_raw_data_485", await self._rpc.tool_write_raw_data_485(data_))
+        await write(self._rpc, calls.tool_write_raw_data_485(data_))
 
     async def tool_write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
         """Write bytes with a head before them to the tool's port (末端 485 写原生数据, 加头).
@@ -112,8 +113,7 @@ class ToolPort(Section):
         Manual section 1.3.6.
         """
         data_, head_ = ranges.BYTES("data", data), ranges.BYTES("head", head)
-        answer = await self._rpc.tool_write_raw_data_485_h(data_, head_)
-        written("tool_write_raw_data_485_h", answer)
+        await write(self._rpc, calls.tool_write_raw_data_485_h(data_, head_))
 
     async def tool_write_raw_data_485_ht(
         self, data: BytesLike, head: BytesLike, tail: BytesLike
@@ -134,8 +134,7 @@ class ToolPort(Section):
         """
         data_, head_ = ranges.BYTES("data", data), ranges.BYTES("head", head)
         tail_ = ranges.BYTES("tail", tail)
-        answer = await self._rpc.tool_write_raw_data_485_ht(data_, head_, tail_)
-        written("tool_write_raw_data_485_ht", answer)
+        await write(self._rpc, calls.tool_write_raw_data_485_ht(data_, head_, tail_))
 
     async def tool_read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the tool's port.
@@ -162,4 +161,4 @@ class ToolPort(Section):
             BusError: the bytes were not written.
         """
         data_ = ranges.BYTES("data", data)
-        written("tool_write_data_485", await self._rpc.tool_write_data_485(data_))
+        await write(self._rpc, calls.tool_write_data_485(data_))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
@@ -51,7 +52,7 @@ class AxisMotions(Section):
         epose_ = ranges.EAXIS_POSITION("epose", epose)
         v_ = ranges.EAXIS_SPEED("v", v)
         op_ = wire_op("op", op, joint_motion=True)
-        return self._motion(lambda rpc: rpc.move_eaxis(name, epose_, v_, False, op_))
+        return self._motion(calls.move_eaxis(name, epose_, v_, False, op_))
 
     def move_jog_eaxis(
         self, scheme_name: str, direction: int, vel: float, *, time: float | None = JOG_TIME
@@ -87,7 +88,7 @@ class AxisMotions(Section):
         ranges.RUN_TIME("time", time)
         # The wire does not report whether these axes stand, so only a command ends the motion.
         return self._held(
-            lambda rpc: rpc.move_jog_eaxis(name, direction_, vel_, False),
+            calls.move_jog_eaxis(name, direction_, vel_, False),
             "stop",
             time=time,
             timed_by_program=True,
@@ -135,9 +136,7 @@ class AxisMotions(Section):
         r_ = ranges.BLEND_RADIUS("r", r)
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            lambda rpc: rpc.movej2_eaxis(q, v_, a_, r_, *axes, False, op_, def_acc_), r_
-        )
+        return self._motion(calls.movej2_eaxis(q, v_, a_, r_, *axes, False, op_, def_acc_), r_)
 
     def movej2_pose_eaxis(
         self,
@@ -191,9 +190,7 @@ class AxisMotions(Section):
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movej2_pose_eaxis(
-                p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_
-            ),
+            calls.movej2_pose_eaxis(p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_),
             r_,
         )
 
@@ -247,10 +244,7 @@ class AxisMotions(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movel_eaxis(
-                p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_
-            ),
-            r_,
+            calls.movel_eaxis(p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_), r_
         )
 
     def movec_eaxis(
@@ -309,7 +303,7 @@ class AxisMotions(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movec_eaxis(
+            calls.movec_eaxis(
                 p1, p2, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_, mode_
             ),
             r_,
@@ -370,7 +364,7 @@ class AxisMotions(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.move_circle_eaxis(
+            calls.move_circle_eaxis(
                 p1_, p2_, v_, a_, r_, mode_, near, tool_, wobj_, *axes, False, op_, def_acc_
             ),
             r_,

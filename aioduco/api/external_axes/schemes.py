@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from aioduco.api.section import Section, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.external_axis import (
     ExternalAxis,
@@ -37,8 +38,7 @@ class Schemes(Section):
         Manual section 1.3.14.
         """
         name = ranges.LONG_NAME("scheme_name", scheme_name)
-        calls = self._within(timeout)
-        check_finished("enable_eaxis_scheme", await calls.enable_eaxis_scheme(name))
+        await self._finish(calls.enable_eaxis_scheme(name), timeout)
 
     async def disable_eaxis_scheme(self, scheme_name: str, *, timeout: float = _SWITCHING) -> None:
         """Deactivate a scheme of external axes (结束外部轴方案).
@@ -55,8 +55,7 @@ class Schemes(Section):
         Manual section 1.3.14.
         """
         name = ranges.LONG_NAME("scheme_name", scheme_name)
-        calls = self._within(timeout)
-        check_finished("disable_eaxis_scheme", await calls.disable_eaxis_scheme(name))
+        await self._finish(calls.disable_eaxis_scheme(name), timeout)
 
     async def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
         """Read the state of each scheme of external axes (外部轴反馈信息).
@@ -83,7 +82,7 @@ class Schemes(Section):
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         checked("param", param, ExternalAxis)
-        check_finished("set_eaxis_param", await self._rpc.set_eaxis_param(num_, param.wire(), True))
+        await self._finish(calls.set_eaxis_param(num_, param.wire(), True))
 
     async def set_eaxiss_scheme_param(self, num: int, param: ExternalAxisScheme) -> None:
         """Set the parameters of a scheme of external axes.
@@ -101,8 +100,7 @@ class Schemes(Section):
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         checked("param", param, ExternalAxisScheme)
-        answer = await self._rpc.set_eaxiss_scheme_param(num_, param.wire(), True)
-        check_finished("set_eaxiss_scheme_param", answer)
+        await self._finish(calls.set_eaxiss_scheme_param(num_, param.wire(), True))
 
     async def add_eaxis_scheme(self, num: int) -> None:
         """Add a scheme of external axes.
@@ -117,7 +115,7 @@ class Schemes(Section):
         Not in the manual, only on the wire.
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
-        check_finished("add_eaxis_scheme", await self._rpc.add_eaxis_scheme(num_, True))
+        await self._finish(calls.add_eaxis_scheme(num_, True))
 
     async def delete_eaxis_scheme(self, num: int) -> None:
         """Delete a scheme of external axes.
@@ -132,4 +130,4 @@ class Schemes(Section):
         Not in the manual, only on the wire.
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
-        check_finished("delete_eaxis_scheme", await self._rpc.delete_eaxis_scheme(num_, True))
+        await self._finish(calls.delete_eaxis_scheme(num_, True))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
+from aioduco._wire.rpc import calls
 from aioduco.api.motion.curves import Curves
 from aioduco.api.motion.jog import Jogging
 from aioduco.api.motion.joints import JointMotions
@@ -13,7 +14,6 @@ from aioduco.api.motion.servo import ServoMotions
 from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.motion.velocity import Velocity
-from aioduco.api.section import check_finished
 from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
@@ -91,7 +91,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """
         per_ = ranges.BLEND_AHEAD("per", per)
         num_ = ranges.BLEND_AHEAD_MOVES("num", num)
-        check_finished("set_blend_ahead", await self._rpc.set_blend_ahead(per_, num_))
+        await self._finish(calls.set_blend_ahead(per_, num_))
 
     async def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
         """Send motions one after another, ahead of the arm, and wait for all of them.

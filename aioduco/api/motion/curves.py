@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
@@ -75,10 +76,7 @@ class Curves(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movec(
-                p1, p2, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_
-            ),
-            r_,
+            calls.movec(p1, p2, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_), r_
         )
 
     def move_circle(
@@ -129,7 +127,7 @@ class Curves(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.move_circle(
+            calls.move_circle(
                 p1_, p2_, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_
             ),
             r_,
@@ -179,7 +177,7 @@ class Curves(Section):
         r_ = ranges.BLEND_RADIUS("r", r)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.spline(points, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
+            calls.spline(points, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
         )
 
     def spline_op(
@@ -226,7 +224,7 @@ class Curves(Section):
         r_ = ranges.BLEND_RADIUS("r", r)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.spline_op(points_, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
+            calls.spline_op(points_, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
         )
 
     def move_spiral(
@@ -289,7 +287,7 @@ class Curves(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.move_spiral(
+            calls.move_spiral(
                 *(p1, p2, rev_, length_, radius_, mode_, v_, a_),
                 *(near, tool_, wobj_, False, op_, def_acc_),
             )

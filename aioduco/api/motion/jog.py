@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
@@ -64,10 +65,10 @@ class Jogging(Section):
         param = jog.wire(directions)
         motion: MotionCommand
         if jog.step is not None:
-            motion = self._motion(lambda rpc: rpc.move_jog(param, False))
+            motion = self._motion(calls.move_jog(param, False))
         else:
             motion = self._held(
-                lambda rpc: rpc.move_jog(param, False), _ENDING, time=time, timed_by_program=True
+                calls.move_jog(param, False), _ENDING, time=time, timed_by_program=True
             )
         motion.command = replace(motion.command, sense=jog.direction)
         return motion

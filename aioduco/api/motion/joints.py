@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
@@ -57,7 +58,7 @@ class JointMotions(Section):
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_),
+            calls.movej2(q, v_, a_, r_, False, op_, def_acc_),
             r_,
             eta=JointEta(q, v_, None if def_acc_ else a_),
         )
@@ -105,8 +106,7 @@ class JointMotions(Section):
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movej_pose2(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_),
-            r_,
+            calls.movej_pose2(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
         )
 
     def movej(
@@ -146,7 +146,7 @@ class JointMotions(Section):
         r_ = ranges.BLEND_RADIUS("r", r)
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(lambda rpc: rpc.movej(q, v_, a_, r_, False, op_, def_acc_), r_)
+        return self._motion(calls.movej(q, v_, a_, r_, False, op_, def_acc_), r_)
 
     def movej_pose(
         self,
@@ -196,6 +196,5 @@ class JointMotions(Section):
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movej_pose(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_),
-            r_,
+            calls.movej_pose(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
@@ -64,7 +65,7 @@ class Lines(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.movel(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
+            calls.movel(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
         )
 
     def tcp_move(
@@ -105,9 +106,7 @@ class Lines(Section):
         tool_ = ranges.FRAME("tool", tool)
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            lambda rpc: rpc.tcp_move(p, v_, a_, r_, tool_, False, op_, def_acc_), r_
-        )
+        return self._motion(calls.tcp_move(p, v_, a_, r_, tool_, False, op_, def_acc_), r_)
 
     def tcp_move_2p(
         self,
@@ -154,8 +153,7 @@ class Lines(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.tcp_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_),
-            r_,
+            calls.tcp_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_), r_
         )
 
     def wobj_move(
@@ -197,9 +195,7 @@ class Lines(Section):
         wobj_ = ranges.FRAME("wobj", wobj)
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            lambda rpc: rpc.wobj_move(p, v_, a_, r_, wobj_, False, op_, def_acc_), r_
-        )
+        return self._motion(calls.wobj_move(p, v_, a_, r_, wobj_, False, op_, def_acc_), r_)
 
     def wobj_move_2p(
         self,
@@ -246,6 +242,5 @@ class Lines(Section):
         op_ = wire_op("op", op)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
         return self._motion(
-            lambda rpc: rpc.wobj_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_),
-            r_,
+            calls.wobj_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_), r_
         )

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.motion.aiming import ToolAim
+from aioduco._wire.rpc import calls
+from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.streaming.directions import into_tool
@@ -68,7 +69,7 @@ class ServoMotions(Section):
         v_ = ranges.JOINT_SPEED("v", v)
         a_ = ranges.JOINT_ACCELERATION("a", a)
         tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
-        return self._motion(lambda rpc: rpc.servoj(q, v_, a_, False, *tuning), superseded=True)
+        return self._motion(calls.servoj(q, v_, a_, False, *tuning), superseded=True)
 
     def servoj_pose(
         self,
@@ -113,7 +114,7 @@ class ServoMotions(Section):
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
         return self._motion(
-            lambda rpc: rpc.servoj_pose(p, v_, a_, near, tool_, wobj_, False, *tuning),
+            calls.servoj_pose(p, v_, a_, near, tool_, wobj_, False, *tuning),
             superseded=True,
         )
 
@@ -171,9 +172,9 @@ class ServoMotions(Section):
         turning = into_tool(frame, wobj, tool_)
         aim = None
         if turning is not None:
-            aim = ToolAim(self._supervisor, frame, turning, in_tool)
+            aim = tool_aim(self._supervisor, frame, turning, in_tool)
         return self._motion(
-            lambda rpc: rpc.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True, aim=aim
+            calls.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True, aim=aim
         )
 
     def servol(
@@ -221,7 +222,7 @@ class ServoMotions(Section):
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
         return self._motion(
-            lambda rpc: rpc.servol(p, v_, a_, near, tool_, wobj_, False, *tuning), superseded=True
+            calls.servol(p, v_, a_, near, tool_, wobj_, False, *tuning), superseded=True
         )
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, check_accepted, check_finished
+from aioduco._wire.rpc import calls
+from aioduco.api.section import Section
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class Teaching(Section):
 
         Manual section 1.3.5.
         """
-        return self._held(lambda rpc: rpc.teach_mode(False), _ENDING, until_commanded=True)
+        return self._held(calls.teach_mode(False), _ENDING, until_commanded=True)
 
     async def end_teach_mode(self) -> None:
         """End hand guiding (退出牵引示教模式), and wait until the arm stands.
@@ -81,14 +82,15 @@ class Teaching(Section):
 
         Manual section 1.3.5.
         """
-        answer = await self._rpc.set_hand_teach_parameter(
-            ranges.TEACH_SPACE("space", space),
-            ranges.TEACH_SCALE("joint_scale", joint_scale),
-            ranges.TEACH_SCALE("cart_scale", cart_scale),
-            ranges.FRAME_TYPE("coord_type", coord_type),
-            ranges.TEACH_DIRECTIONS("direction", direction),
+        await self._finish(
+            calls.set_hand_teach_parameter(
+                ranges.TEACH_SPACE("space", space),
+                ranges.TEACH_SCALE("joint_scale", joint_scale),
+                ranges.TEACH_SCALE("cart_scale", cart_scale),
+                ranges.FRAME_TYPE("coord_type", coord_type),
+                ranges.TEACH_DIRECTIONS("direction", direction),
+            )
         )
-        check_finished("set_hand_teach_parameter", answer)
 
     async def start_record_track(
         self,
@@ -127,8 +129,7 @@ class Teaching(Section):
         else:
             interval_ = ranges.TRACK_INTERVAL("interval", interval)
             interval_ = interval_ if mode_ else math.degrees(interval_)
-        answer = await self._rpc.start_record_track(name_, mode_, tool_, wobj_, interval_)
-        check_accepted("start_record_track", answer)
+        await self._accept(calls.start_record_track(name_, mode_, tool_, wobj_, interval_))
 
     async def stop_record_track(self) -> None:
         """End the recording of a track (停止轨迹记录).
@@ -138,7 +139,7 @@ class Teaching(Section):
 
         Manual section 1.3.7.
         """
-        check_accepted("stop_record_track", await self._rpc.stop_record_track())
+        await self._accept(calls.stop_record_track())
 
     async def replay(self, name: str, v: int, mode: int) -> None:
         """Run a track that was recorded (轨迹复现), and wait until it has ended.
@@ -162,4 +163,4 @@ class Teaching(Section):
         name_ = ranges.LONG_NAME("name", name)
         v_ = ranges.REPLAY_SPEED("v", v)
         mode_ = ranges.REPLAY_MODE("mode", mode)
-        await self._run_blocking(lambda rpc: rpc.replay(name_, v_, mode_))
+        await self._run_blocking(calls.replay(name_, v_, mode_))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from aioduco.api.motion.aiming import ToolAim, twist_in_tool
+from aioduco._wire.rpc import calls
+from aioduco.api.motion.aiming import tool_aim, twist_in_tool
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
@@ -69,7 +70,7 @@ class Velocity(Section):
         velocities_ = ranges.JOINT_VELOCITIES("velocities", velocities)
         a_ = ranges.JOINT_ACCELERATION("a", a)
         time_ = ranges.RUN_TIME("time", time)
-        return self._held(lambda rpc: rpc.speedj(velocities_, a_, time_, False), _ENDING, time=time)
+        return self._held(calls.speedj(velocities_, a_, time_, False), _ENDING, time=time)
 
     def speedl(
         self,
@@ -124,10 +125,8 @@ class Velocity(Section):
                     f"along or about one direction with frame={frame!r}: as the tool turns, this "
                     "velocity would have to change; robot.speed.linear does that",
                 )
-            aim = ToolAim(self._supervisor, frame, turning, twist_in_tool)
-        return self._held(
-            lambda rpc: rpc.speedl(twist_, a_, time_, False), _ENDING, time=time, aim=aim
-        )
+            aim = tool_aim(self._supervisor, frame, turning, twist_in_tool)
+        return self._held(calls.speedl(twist_, a_, time_, False), _ENDING, time=time, aim=aim)
 
     async def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.

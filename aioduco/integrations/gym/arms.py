@@ -8,12 +8,13 @@ way, and a policy that was learned on one works on the other.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 import aioduco.sync
 from aioduco.errors import DucoError
+from aioduco.integrations.gym.tasks import TaskReading
 from aioduco.models.gripper_models import gripper_model
 from aioduco.sim.controller.state_machine import DEVIATION
 from aioduco.sim.physics.world import World
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
     Picture = NDArray[np.uint8]
 
-__all__ = ["PERIOD", "ControllerArm", "EpisodeArm", "PhysicsArm", "TaskReading"]
+__all__ = ["PERIOD", "ControllerArm", "EpisodeArm", "PhysicsArm"]
 
 PERIOD = 0.04
 """Time of one step [s]."""
@@ -46,26 +47,6 @@ _V, _A, _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC = 2.5, 30.0, 1600.0, 80.0, 1.0, 0.0
 _SETTLING = 0.04  # time for things to settle after they were placed [s]
 _CLOSE, _HOLDS = 1, 1  # number of the gripper's output, and of the input of its sensor
 _PATIENCE = 120.0  # time-out for a controller in this process, also on a busy computer [s]
-
-
-class TaskReading(NamedTuple):
-    """State of arm and scene after a step.
-
-    Attributes:
-        q: joints [rad]. Shape (6,).
-        qd: joint speeds [rad/s]. Shape (6,).
-        tip: the tool's tip in the world [m]. Shape (3,).
-        force: force on the tip, along the world's axes [N]; zeros if the task does not use it.
-        holds: 1 if the gripper holds something, else 0.
-        thing: pose of the thing to move: x, y, z [m], a quaternion; empty if there is none.
-    """
-
-    q: Vector
-    qd: Vector
-    tip: Vector
-    force: Vector
-    holds: float
-    thing: Vector
 
 
 class EpisodeArm(Protocol):

@@ -19,7 +19,8 @@ from aioduco.sim.view.camera import Camera, PictureMark
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from aioduco.integrations.gym.arms import EpisodeArm, TaskReading
+    from aioduco.integrations.gym.arms import EpisodeArm
+    from aioduco.integrations.gym.tasks import TaskReading
 
     Vector = NDArray[np.float64]
 

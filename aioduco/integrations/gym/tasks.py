@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.integrations.gym.arms import TaskReading
-
     Vector = NDArray[np.float64]
 
 __all__ = [
@@ -29,6 +27,7 @@ __all__ = [
     "PressTask",
     "PushTask",
     "ReachTask",
+    "TaskReading",
     "TaskSetup",
     "task_of",
 ]
@@ -40,6 +39,26 @@ _ROD = 0.15  # distance from the flange to the tip [m]
 _SIDE = 0.05  # edge length of the box [m]
 _LOW = np.array((0.38, -0.22, TABLE + 0.005))
 _HIGH = np.array((0.66, 0.22, TABLE + 0.25))
+
+
+class TaskReading(NamedTuple):
+    """State of arm and scene after a step.
+
+    Attributes:
+        q: joints [rad]. Shape (6,).
+        qd: joint speeds [rad/s]. Shape (6,).
+        tip: the tool's tip in the world [m]. Shape (3,).
+        force: force on the tip, along the world's axes [N]; zeros if the task does not use it.
+        holds: 1 if the gripper holds something, else 0.
+        thing: pose of the thing to move: x, y, z [m], a quaternion; empty if there is none.
+    """
+
+    q: Vector
+    qd: Vector
+    tip: Vector
+    force: Vector
+    holds: float
+    thing: Vector
 
 
 class TaskSetup(NamedTuple):

@@ -1,0 +1,71 @@
+"""The base of what blocking programs use: an object of the asyncio interface, and its runner."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.sync._runner import Runner
+
+__all__ = ["Blocking", "Started"]
+
+T = TypeVar("T")
+
+
+class Blocking:
+    """An object whose functions return when they are done: they run on the robot's event loop.
+
+    Args:
+        runner: runs the robot's event loop.
+        made: the same object for asyncio programs.
+    """
+
+    __slots__ = ("_made", "_runner")
+
+    def __init__(self, runner: Runner, made: Any) -> None:
+        self._runner = runner
+        self._made = made
+
+    def __repr__(self) -> str:
+        return repr(self._made)
+
+    def _call(self, work: Coroutine[Any, Any, T]) -> T:
+        return self._runner.call(work)
+
+
+class Started(Blocking):
+    """A recording or a publication: `with` or `start` begins it."""
+
+    def start(self) -> Self:
+        """Begin to record or publish the robot.
+
+        Raises:
+            RobotStateError: the robot is not open, or this was started before.
+            RecordingError: the file cannot be written, or the address cannot be listened on.
+            MissingExtra: the extra `record` is not installed.
+        """
+        self._runner.call(self._made.start(), undo=lambda _: self._made.stop())
+        return self
+
+    def stop(self) -> None:
+        """Write the remaining data, and close the file or the port.
+
+        A failure is logged and not raised; it is in `error`.
+        """
+        if self._runner.running:
+            self._runner.call(self._made.stop())
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.stop()

@@ -1,0 +1,69 @@
+"""The settings of a robot stand in one list, `RobotSettings`, and `connect` takes just these."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from dataclasses import MISSING, Field, fields, replace
+from typing import Any
+
+import pytest
+
+import aioduco
+import aioduco.sync
+from aioduco.controller_clock import WallClock
+from aioduco.supervision.settings import RobotSettings
+
+FIELDS: dict[str, Field[Any]] = {each.name: each for each in fields(RobotSettings)}
+
+#: a value other than the default, for each setting
+OTHERS: dict[str, Any] = {
+    "call_timeout": 2.5,
+    "connect_timeout": 3.5,
+    "pool_size": 5,
+    "heartbeat": 1.5,
+    "loop_stall_limit": 1.5,
+    "on_cancel": "pause",
+    "stop_timeout": 5.5,
+    "standstill_timeout": 6.5,
+    "unanswered_timeout": 61.0,
+    "exit_ladder": aioduco.ExitLadder(stop=1.0),
+    "guard": "process",
+    "state_rate": 60.0,
+    "lag_limit": 0.5,
+    "trace": print,
+    "record": "run.mcap",
+    "clock": WallClock(),
+}
+
+
+def test_connect_takes_the_settings_with_their_types_and_defaults() -> None:
+    (connect,) = ast.parse(inspect.getsource(aioduco.connect)).body  # tests change its defaults
+    assert isinstance(connect, ast.FunctionDef)
+    defaults = [ast.literal_eval(each) for each in connect.args.kw_defaults if each is not None]
+    assert [each.arg for each in connect.args.kwonlyargs] == list(FIELDS)
+    for setting, arg, default in zip(
+        FIELDS.values(), connect.args.kwonlyargs, defaults, strict=True
+    ):
+        made = setting.default is MISSING  # by a factory; None for `connect`
+        assert default == (None if made else setting.default), arg.arg
+        assert arg.annotation is not None
+        annotation = ast.unparse(arg.annotation)
+        assert annotation == (f"{setting.type} | None" if made else setting.type), arg.arg
+
+
+@pytest.mark.parametrize("connect", [aioduco.connect, aioduco.sync.connect])
+def test_the_docstring_describes_each_setting(connect: Any) -> None:
+    text = (inspect.getdoc(connect) or "").partition("Args:\n")[2].partition("\nReturns:\n")[0]
+    described = re.findall(r"^    (\w+): ", text, re.MULTILINE)
+    assert described == list(inspect.signature(connect).parameters)
+
+
+def test_connect_passes_each_setting_on() -> None:
+    usual = aioduco.connect("192.0.2.1")._supervisor.settings
+    assert OTHERS.keys() == FIELDS.keys()
+    for name, value in OTHERS.items():
+        settings = aioduco.connect("192.0.2.1", **{name: value})._supervisor.settings
+        assert settings == replace(usual, **{name: value, "clock": settings.clock})
+        assert getattr(settings, name) is value
