@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from numbers import Real
 from typing import Any, Final, TypeAlias
 
-from thriftpy2.thrift import TType
+from aioduco._wire.types import TType
 
 #: function that returns if the value fits, and else raises `TypeMismatch`
 Check: TypeAlias = Callable[[Any], None]
