@@ -12,9 +12,8 @@ import contextlib
 import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
-from aioduco._wire.types import TType
-
 from aioduco._wire.framing import FIXED_WIDTHS
+from aioduco._wire.types import TType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
