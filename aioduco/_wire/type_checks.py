@@ -103,8 +103,8 @@ def _flag(value: Any) -> None:
 
 def _is_numpy(value: object, name: str) -> bool:
     """Whether a value is of this numpy type. numpy is not loaded for it: a worker needs none."""
-    numpy = sys.modules.get("numpy")
-    return numpy is not None and isinstance(value, getattr(numpy, name))
+    kind = getattr(sys.modules.get("numpy"), name, None)
+    return kind is not None and isinstance(value, kind)
 
 
 def _text(value: Any) -> None:
