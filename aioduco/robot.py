@@ -101,7 +101,7 @@ _STREAMS = {
 #: what a robot that is open may need besides: it is loaded before
 _NEEDED_OPEN = frozenset(
     {
-        *("numpy", "aioduco._wire.thrift"),
+        *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint"),
         *(
             place.rpartition(".")[0]
             for places in (_SECTIONS, _SECTIONS_WITH_STREAMS, _STREAMS)

@@ -22,16 +22,25 @@ if TYPE_CHECKING:
 
 __all__ = ["stop_arm"]
 
-#: seconds within which the controller must accept a stop, and within which the arm must then stand
-_STOP_TIMEOUT = _STANDSTILL_TIMEOUT = 5.0
 
-
-async def stop_arm(host: str, port: int) -> RobotStates:
+async def stop_arm(
+    host: str,
+    port: int,
+    *,
+    connect_timeout: float = 3.0,
+    call_timeout: float = 2.0,
+    stop_timeout: float = 5.0,
+    standstill_timeout: float = 5.0,
+) -> RobotStates:
     """Stop an arm, whichever program moves it, and wait until it stands; to its end if cancelled.
 
     Args:
         host: name or address of the controller.
         port: its TCP port.
+        connect_timeout: maximum seconds for opening a connection.
+        call_timeout: maximum seconds for reading the states.
+        stop_timeout: seconds within which the controller must accept a stop.
+        standstill_timeout: seconds within which the arm must stand after that.
 
     Returns:
         The states of the controller after that.
@@ -41,24 +50,24 @@ async def stop_arm(host: str, port: int) -> RobotStates:
         NotAController: something else answers.
         StopUnconfirmed: it is not known that the arm stands: press the emergency stop.
     """
-    lane = WireLane("stop", host, port)
+    lane = WireLane("stop", host, port, connect_timeout=connect_timeout, call_timeout=call_timeout)
+    # one lane for all, since nothing else is sent meanwhile; each repeat has a fresh connection
+    channel = StopChannel(lane, lane, lane)
+
+    async def bring_to_rest() -> None:
+        if not await _accepted(lane):
+            await channel.stop(stop_timeout)
+        await channel.rest(stop_timeout, standstill_timeout)
+
     await lane.open()
     try:
-        _, cancelled = await run_to_completion(lambda: _bring_to_rest(lane))
+        _, cancelled = await run_to_completion(bring_to_rest)
         if cancelled is not None:
             raise cancelled
         return Samples().states(await lane.call("get_robot_state", ()))
     finally:
         with anyio.CancelScope(shield=True):
             await lane.aclose()
-
-
-async def _bring_to_rest(lane: WireLane) -> None:
-    # one lane for all, since nothing else is sent meanwhile; each repeat has a fresh connection
-    channel = StopChannel(lane, lane, lane)
-    if not await _accepted(lane):
-        await channel.stop(_STOP_TIMEOUT)
-    await channel.rest(_STOP_TIMEOUT, _STANDSTILL_TIMEOUT)
 
 
 async def _accepted(lane: WireLane) -> bool:
