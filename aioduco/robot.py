@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import time
 import warnings
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -15,11 +17,13 @@ from aioduco.controller_clock import WallClock
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.supervision.concurrency import DaemonThread
 from aioduco.supervision.settings import RobotSettings
 from aioduco.trace import ProcedureFinished, emit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
+    from contextlib import AbstractContextManager
     from os import PathLike
     from types import TracebackType
     from typing import Self
@@ -49,6 +53,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStates
     from aioduco.recording.publication import Publication
     from aioduco.recording.recorder import Recording, RobotObserver
+    from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
     from aioduco.supervision.events import Events
@@ -61,7 +66,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Robot", "connect", "stop_all"]
 
-#: full name of the class of each section; `Robot` declares their types
+#: full name of the class of each section; `Robot` declares their types, and makes each when it is
+#: first used
 _SECTIONS = {
     "system": "aioduco.api.system.System",
     "program": "aioduco.api.program.Program",
@@ -92,6 +98,22 @@ _STREAMS = {
     "servo": "aioduco.streaming.servo.Servo",
     "speed": "aioduco.streaming.speed.Speed",
 }
+#: what a robot that is open may need besides: it is loaded before
+_NEEDED_OPEN = frozenset(
+    {
+        *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint"),
+        *(
+            place.rpartition(".")[0]
+            for places in (_SECTIONS, _SECTIONS_WITH_STREAMS, _STREAMS)
+            for place in places.values()
+        ),
+    }
+)
+
+
+def _load_needed() -> None:
+    for module in sorted(_NEEDED_OPEN):
+        import_module(module)
 
 
 def _load(place: str) -> Callable[..., object]:
@@ -301,8 +323,7 @@ class Robot(ManualNames):
             raise ParameterError("host", host, HOST_RULE)
         if type(port) is not int or not 1 <= port <= 65535:
             raise ParameterError("port", port, "a whole number from 1 to 65535")
-        # Thrift is loaded here and not at import: `import aioduco` stays quick.
-        from aioduco.streaming.endpoint import StreamEndpoint  # noqa: PLC0415
+        # Loaded here and not at import: `import aioduco` stays quick.
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
 
         self.host = host
@@ -313,13 +334,30 @@ class Robot(ManualNames):
             import_module("aioduco.recording.recorder")  # here it blocks no event loop
         self._recording: Recording | None = None
         self._observers: list[RobotObserver] = []
-        endpoint = StreamEndpoint.of(self._supervisor)
-        for name, place in _SECTIONS.items():
-            setattr(self, name, _load(place)(self._supervisor))
-        for name, place in _SECTIONS_WITH_STREAMS.items():
-            setattr(self, name, _load(place)(self._supervisor, endpoint))
-        for name, place in _STREAMS.items():
-            setattr(self, name, _load(place)(endpoint))
+
+    if not TYPE_CHECKING:  # a type checker would otherwise accept every name
+
+        def __getattr__(self, name: str) -> object:
+            """Make a section when it is first used."""
+            if name in _SECTIONS:
+                section = _load(_SECTIONS[name])(self._supervisor)
+            elif name in _SECTIONS_WITH_STREAMS:
+                section = _load(_SECTIONS_WITH_STREAMS[name])(self._supervisor, self._endpoint)
+            elif name in _STREAMS:
+                section = _load(_STREAMS[name])(self._endpoint)
+            else:
+                return super().__getattr__(name)
+            return vars(self).setdefault(name, section)  # another thread may have made it, too
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *_SECTIONS, *_SECTIONS_WITH_STREAMS, *_STREAMS})
+
+    @cached_property
+    def _endpoint(self) -> StreamEndpoint:
+        """The end of the streams."""
+        from aioduco.streaming.endpoint import StreamEndpoint  # noqa: PLC0415  # with the streams
+
+        return StreamEndpoint.of(self._supervisor)
 
     def __repr__(self) -> str:
         tasks = len(self.tasks)
@@ -350,6 +388,8 @@ class Robot(ManualNames):
             ConnectTimeout: something accepts connections, but does not answer.
             RecordingError: the file of `connect(record=)` cannot be written.
         """
+        self._supervisor.owner_loop.require("open")
+        await self._load()
         await self._supervisor.open()
         if self._record is not None:
             try:
@@ -357,6 +397,20 @@ class Robot(ManualNames):
             except BaseException:
                 await self.aclose()
                 raise
+
+    async def _load(self) -> None:
+        """Load what an open robot may need, on a thread: later no import blocks the event loop."""
+        if sys.modules.keys() >= _NEEDED_OPEN:
+            return
+        try:
+            thread = DaemonThread("aioduco-load")
+        except RuntimeError:  # there are no more threads
+            _load_needed()
+            return
+        _, cancelled = await thread.run(_load_needed)
+        thread.end()
+        if cancelled is not None:
+            raise cancelled
 
     async def aclose(self) -> None:
         """Stop what this program moves, wait until it stands, end the heartbeat, and close.

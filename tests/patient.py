@@ -17,6 +17,7 @@ import aioduco
 import aioduco.sync
 from aioduco.streaming.options import Feeding
 from aioduco.streaming.realtime import RealtimeStreams
+from aioduco.supervision.operator_stop import stop_arm
 from aioduco.supervision.state_feed import StateFeed
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ COMMAND_LINE = (
 )
 #: s that the tests' robots give by default; tests about such a time set it
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
+#: s that each part of an operator's stop may take
+STOP_PATIENCE = 15.0
 #: s that a sample may be old by default, and the first one may take
 SAMPLE_PATIENCE = 10.0
 #: s that a stream's controller may take for an answer by default, and its worker may not run
@@ -59,9 +62,10 @@ def patient_queue() -> Iterator[None]:
 
 
 def be_patient() -> None:
-    """Make these the defaults of both ways to connect, of streams and of the newest sample."""
+    """Make these the defaults of connections, streams, the newest sample and an operator's stop."""
     for connect in (aioduco.connect, aioduco.sync.connect):
         connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **PATIENCE}
+    stop_arm.__kwdefaults__ = dict.fromkeys(stop_arm.__kwdefaults__ or (), STOP_PATIENCE)
     options = aioduco.LaneOptions.__init__
     options.__kwdefaults__ = {**(options.__kwdefaults__ or {}), **STREAM_PATIENCE}
     for latest in (StateFeed.latest, aioduco.sync.Feed.latest):

@@ -17,8 +17,8 @@ from test_cli import COMMAND, address, process, run, wait_until_it_moves
 
 import aioduco
 import aioduco.sync
-from aioduco.cli import addresses
 from aioduco.cli.addresses import robot_at
+from aioduco.cli.robots_file import robots_file
 from aioduco.models.enums import ProgramState
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
@@ -77,7 +77,7 @@ def test_a_robot_is_an_address_a_name_the_environment_or_a_default(
         assert (found.host, found.port) == (host, port), given
     monkeypatch.setenv("XDG_CONFIG_HOME", "not/absolute")
     monkeypatch.setenv("HOME", "/home/somebody")
-    assert str(addresses.robots_file()) == "/home/somebody/.config/aioduco/robots.toml"
+    assert str(robots_file()) == "/home/somebody/.config/aioduco/robots.toml"
 
 
 @pytest.mark.cases(3)

@@ -6,10 +6,16 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+from wire.servers import ScriptedServer
 
 import aioduco
+from aioduco.robot import _NEEDED_OPEN
+
+if TYPE_CHECKING:
+    from wire.servers import Peer
 
 SOURCE = ast.parse(Path(aioduco.__file__).read_text(encoding="utf-8"))
 
@@ -85,3 +91,88 @@ def test_another_name_is_refused_as_of_any_module() -> None:
         getattr(aioduco, "movej")  # noqa: B009  # a type checker would refuse it, too
     with pytest.raises(ImportError, match="cannot import name 'movej'"):
         exec("from aioduco import movej")
+
+
+# -- what a program and an operator wait for -----------------------------------------------------
+
+#: what anyio stands on
+LIBRARIES = {"aioduco", "anyio", "exceptiongroup", "idna", "sniffio", "typing_extensions"}
+#: parts of the standard library that nothing needs which opens a robot or stops an arm
+NEEDLESS = {"email", "http", "multiprocessing", "pickle", "tempfile", "tomllib", "urllib.request"}
+#: of this package, what nobody waits for: a name stands for all that is below it, too
+FOR_ALL = {
+    *("aioduco.errors", "aioduco.reporting", "aioduco.trace", "aioduco._platform"),
+    *("aioduco._version", "aioduco._wire"),
+}
+TO_CONNECT = FOR_ALL | {
+    *("aioduco._spawn", "aioduco.controller_clock", "aioduco.envelope", "aioduco.models"),
+    *("aioduco.robot", "aioduco.supervision"),
+}
+TO_STOP = FOR_ALL | {
+    *("aioduco.cli.exit_codes", "aioduco.cli.output", "aioduco.cli.robots_file"),
+    *("aioduco.cli.stopping", "aioduco.supervision.concurrency"),
+    *("aioduco.supervision.operator_stop", "aioduco.supervision.stop_channel"),
+    *("aioduco.models.enums", "aioduco.models.numpy_on_use", "aioduco.models.pose"),
+    *("aioduco.models.rotation", "aioduco.models.samples", "aioduco.models.state"),
+}
+
+
+def needless(loaded: set[str], allowed: set[str]) -> set[str]:
+    """What was loaded beyond the libraries, the standard library and these of this package."""
+
+    def is_needed(name: str) -> bool:
+        package, *_ = name.split(".")
+        if package != "aioduco":
+            return package in LIBRARIES | sys.stdlib_module_names and name not in NEEDLESS
+        packages = {each.rpartition(".")[0] for each in allowed}
+        within = any(name == each or name.startswith(f"{each}.") for each in allowed)
+        return name in packages or (within and name != "aioduco._wire.thrift")
+
+    started_with = set(run("import sys; print(*sys.modules)").split())
+    return {name for name in loaded - started_with if not is_needed(name)}
+
+
+def test_a_robot_is_made_without_what_it_may_need_later() -> None:
+    code = "import sys, aioduco; aioduco.connect('192.0.2.1'); print(*sys.modules)"
+    assert needless(set(run(code).split()), TO_CONNECT) == set()
+
+
+def standing(peer: Peer) -> None:
+    """A controller whose arm stands at once."""
+    while (call := peer.receive()) is not None:
+        peer.answer(call, [6, 0, 5, 1] if call.name == "get_robot_state" else None)
+
+
+def test_a_stop_from_a_shell_loads_no_more_than_it_needs() -> None:
+    with ScriptedServer(standing) as server:
+        loaded = run(
+            "import sys\n"
+            "from aioduco.supervision.operator_stop import stop_arm as stop\n"
+            "stop.__kwdefaults__ = dict.fromkeys(stop.__kwdefaults__, 30.0)  # on a busy machine\n"
+            f"sys.argv[1:] = 'stop', '{server.host}:{server.port}'\n"
+            "from aioduco.cli import main; main(); print(*sys.modules)"
+        )
+    said, _, modules = loaded.partition("\n")
+    assert "the arm stands" in said
+    assert needless(set(modules.split()), TO_STOP) == set()
+
+
+OPENED = """
+import sys, anyio, aioduco
+async def main():
+    patient = {{"connect_timeout": 30.0, "call_timeout": 30.0, "heartbeat": None}}
+    async with aioduco.connect({host!r}, {port}, **patient):
+        loaded = set(sys.modules)
+    robot = aioduco.connect({host!r}, {port})
+    for name in aioduco.Robot.__annotations__:
+        getattr(robot, name)
+    print(sorted(set(sys.modules) - loaded), {needed!r} - loaded)
+anyio.run(main)
+"""
+
+
+def test_an_open_robot_has_loaded_all_its_sections() -> None:
+    """Later an import would hold up the event loop, and with it all that supervises the arm."""
+    with ScriptedServer(standing) as server:
+        code = OPENED.format(host=server.host, port=server.port, needed=set(_NEEDED_OPEN))
+        assert run(code) == "[] set()"

@@ -23,7 +23,8 @@ NAMES = {
 
 def sections() -> list[str]:
     robot = aioduco.connect("192.0.2.1")
-    return [name for name, each in vars(robot).items() if isinstance(each, Section)]
+    names = aioduco.Robot.__annotations__
+    return [name for name in names if isinstance(getattr(robot, name), Section)]
 
 
 @pytest.mark.parametrize("section", sections())

@@ -1,4 +1,8 @@
-"""Encode calls and decode replies: thriftpy2's strict binary protocol, without I/O."""
+"""Encode calls and decode replies: Thrift's strict binary protocol, without I/O.
+
+Arguments of fixed width and results of numbers are packed and read by formats of `struct`. All else
+is left to thriftpy2, which is loaded when the first value needs it (`aioduco._wire.thrift`).
+"""
 
 from __future__ import annotations
 
@@ -7,21 +11,16 @@ import os
 import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from thriftpy2.protocol import TCyBinaryProtocol
-from thriftpy2.thrift import TApplicationException, TDecodeException
-from thriftpy2.transport import TCyMemoryBuffer
-
 from aioduco._wire.framing import Malformed, StructScanner
 from aioduco._wire.type_checks import TypeMismatch
+from aioduco._wire.types import TType
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from types import ModuleType
 
     from aioduco._wire.idl import Function
-
-#: thriftpy2 has type hints for half of its functions only
-_protocol: Any = TCyBinaryProtocol
 
 _CALL: Final = b"\x80\x01\x00\x01"
 _REPLY: Final = b"\x80\x01\x00\x02"
@@ -29,6 +28,11 @@ _EXCEPTION: Final = b"\x80\x01\x00\x03"
 
 #: a struct without fields
 _NOTHING: Final = b"\0"
+
+#: an application error: its text and its type
+_ERROR_SPEC: Final = {1: (TType.STRING, "message", False), 2: (TType.I32, "type", False)}
+_UNKNOWN_METHOD: Final = 1
+_MISSING_RESULT: Final = 5
 
 _sequence = struct.Struct("!i").pack
 
@@ -64,16 +68,23 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
             check(value)
     except TypeMismatch as exc:
         raise ParameterError(f"{parameter}{exc.path}", exc.value, exc.expected) from None
-    # a new buffer for each call: a signal handler may encode a stop in the middle of another call
-    buffer = TCyMemoryBuffer()
+    if function.packed is not None:
+        return function.packed(args)
+    thrift = _thrift()
     try:
-        _protocol(buffer).write_struct(function.args(*args))
-    except TDecodeException as exc:
+        encoded: bytes = thrift.write_struct(function.args(*args))
+    except thrift.TDecodeException as exc:
         raise ParameterError(
             exc.field, exc.value, f"a value of the wire's type {exc.type_repr}"
         ) from exc
-    encoded: bytes = buffer.getvalue()
     return encoded
+
+
+def _thrift() -> ModuleType:
+    """The part that stands on thriftpy2."""
+    from aioduco._wire import thrift  # noqa: PLC0415 - most calls need none of it
+
+    return thrift
 
 
 def message(function: Function, sequence: int, arguments: bytes) -> bytes:
@@ -92,7 +103,7 @@ def decode_arguments(function: Function, body: bytes) -> dict[str, Any]:
         The received values by parameter; a parameter that was not sent is left out.
     """
     args = function.args()
-    _protocol(TCyMemoryBuffer(body)).read_struct(args)
+    _thrift().read_struct(body, args)
     came = ((name, getattr(args, name)) for name in function.parameters)
     return {name: _text(value) for name, value in came if value is not None}
 
@@ -203,7 +214,7 @@ class ReplyReader:
             raise Malformed("a reply to another call, with another sequence id")
         self.failed = True
         self._start = start
-        return StructScanner(TApplicationException.thrift_spec, start)
+        return StructScanner(_ERROR_SPEC, start)
 
     def value(self, data: bytes | bytearray) -> Any:
         """Decode the whole reply.
@@ -215,28 +226,31 @@ class ReplyReader:
         if self._read is not None:
             return self._read(data, self._start)
         function = self._function
-        buffer = TCyMemoryBuffer(bytes(data[self._start : self.length]))
-        protocol = _protocol(buffer)
+        body = bytes(data[self._start : self.length])
         if self.failed:
-            error = TApplicationException()
-            protocol.read_struct(error)
-            text = _text(error.message) if error.message else str(error)
-            if error.type == TApplicationException.UNKNOWN_METHOD:
-                raise UnknownFunction(function.name, text, error.type)
-            raise ControllerError(function.name, text, error.type)
-        result = self._result()
-        protocol.read_struct(result)
+            raise _application_error(function, body)
         if self._scanner is not None and self._result is function.result:
-            function.layouts.store(data[self._start : self.length])
+            read = function.layouts.store(body)
+            if read is not None:
+                return read(body, 0)
         if function.void:
             return None
+        result = self._result()
+        _thrift().read_struct(body, result)
         if result.success is None:
             raise ControllerError(
-                function.name,
-                "the controller answered without a result",
-                TApplicationException.MISSING_RESULT,
+                function.name, "the controller answered without a result", _MISSING_RESULT
             )
         return _text(result.success) if function.texts else result.success
+
+
+def _application_error(function: Function, body: bytes) -> ControllerError:
+    thrift = _thrift()
+    error = thrift.TApplicationException()
+    thrift.read_struct(body, error)
+    text = _text(error.message) if error.message else str(error)
+    kind = UnknownFunction if error.type == _UNKNOWN_METHOD else ControllerError
+    return kind(function.name, text, error.type)
 
 
 class ReadResult(NamedTuple):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import struct
 from typing import Any, Final, NamedTuple
 
-from thriftpy2.thrift import TType
+from aioduco._wire.types import TType
 
 #: the longest reply that is accepted; a status has 1 kB, the longest list of files some 100 kB
 MAX_REPLY: Final = 4 * 1024 * 1024

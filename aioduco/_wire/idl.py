@@ -1,7 +1,8 @@
 """The loaded IDL: the only link between the typed structs of `rpc` and Thrift.
 
 This module parses it, and not thriftpy2: the tables of that parser take 12 MB, and most of the time
-that a program, or a stream's worker, needs to start.
+that a program, or a stream's worker, needs to start. thriftpy2 reads and writes the structs by
+their `thrift_spec`; it is not loaded here.
 """
 
 from __future__ import annotations
@@ -11,13 +12,12 @@ import re
 import struct
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
-
-from thriftpy2.thrift import TPayload, TType, gen_init
+from typing import Any, ClassVar
 
 from aioduco._wire import rpc
-from aioduco._wire.layout import Layouts
+from aioduco._wire.layout import Layouts, packer
 from aioduco._wire.type_checks import Check, check_of, type_of
+from aioduco._wire.types import TType
 
 SERVICE = "RPCRobot"
 
@@ -75,6 +75,7 @@ class Function:
             these are the same.
         parameters: names of the parameters, in the order of their field ids.
         checks: for each parameter, the function that checks whether a value fits its type.
+        packed: function that encodes the arguments; None if they need thriftpy2.
         void: whether the function returns nothing.
         head: the name in the encoding of a message: its length and its text.
         texts: whether the result contains strings, at any depth.
@@ -88,6 +89,7 @@ class Function:
         "layouts",
         "name",
         "older",
+        "packed",
         "parameters",
         "result",
         "texts",
@@ -103,6 +105,7 @@ class Function:
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
+        self.packed = packer(self.args.thrift_spec)
         self.void: bool = 0 not in self.result.thrift_spec
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
@@ -168,9 +171,18 @@ def functions() -> Functions:
 
 
 def _payload(name: str, spec: _Spec) -> Any:
-    """Make a class for the arguments or the result of a function, like those of thriftpy2."""
-    made = type(name, (TPayload,), {"__module__": __name__})
-    return gen_init(made, spec, [(entry[1], None) for entry in spec.values()])
+    """Make a class for the arguments or the result of a function, as thriftpy2 expects it."""
+    return type(name, (_Payload,), {"__module__": __name__, "thrift_spec": spec})
+
+
+class _Payload:
+    """Arguments or result of a function; a field without a value is None, and is not sent."""
+
+    thrift_spec: ClassVar[_Spec] = {}
+
+    def __init__(self, *values: object, **named: object) -> None:
+        names = [entry[1] for entry in self.thrift_spec.values()]
+        self.__dict__ = {**dict.fromkeys(names), **dict(zip(names, values, strict=False)), **named}
 
 
 def _result(returned: str) -> _Spec:

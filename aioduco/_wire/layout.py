@@ -10,16 +10,15 @@ from __future__ import annotations
 
 import contextlib
 import struct
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
-
-from thriftpy2.thrift import TType
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 from aioduco._wire.framing import FIXED_WIDTHS
+from aioduco._wire.types import TType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["Layout", "Layouts"]
+__all__ = ["Layout", "Layouts", "Reader", "packer"]
 
 #: maximum length of a reply whose layout is stored; a status has 1 kB
 _LONGEST: Final = 4096
@@ -40,19 +39,23 @@ _FORMATS: Final = {
 }
 
 
+#: function that reads the value of a reply from all its bytes and the index where its struct begins
+Reader: TypeAlias = "Callable[[bytes | bytearray, int], Any]"
+
+
 class Layout(NamedTuple):
     """Layout of the result structs of some replies.
 
     Attributes:
         mask: integer whose bits are 1 where the bytes of the struct belong to no value.
         fixed_bits: the content of these bits.
-        read: function that reads the value of such a reply from all its bytes and the index where
-            the struct begins; None if the struct contains anything but numbers, or not every field.
+        read: function that reads the value of such a reply; None if the struct contains anything
+            but numbers, or not every field.
     """
 
     mask: int
     fixed_bits: int
-    read: Callable[[bytes | bytearray, int], Any] | None
+    read: Reader | None
 
 
 class Layouts:
@@ -85,14 +88,19 @@ class Layouts:
                 return layout, size
         return None
 
-    def store(self, struct: bytes | bytearray) -> None:
+    def store(self, struct: bytes | bytearray) -> Reader | None:
         """Store the layout of a struct that was measured: it is complete and fits the IDL.
 
         Without memory it is not stored: a layout saves time, and an answer must not be lost for it.
+
+        Returns:
+            The function that reads it, if it was stored, and contains nothing but numbers.
         """
         if len(struct) <= _LONGEST and len(struct) not in self._kept and len(self._kept) < _MOST:
             with contextlib.suppress(MemoryError):
-                self._kept[len(struct)] = self._layout(struct)
+                layout = self._kept[len(struct)] = self._layout(struct)
+                return layout.read
+        return None
 
     def _layout(self, struct: bytes | bytearray) -> Layout:
         size = len(struct)
@@ -103,9 +111,28 @@ class Layouts:
         return Layout(number, fixed_bits, _reader(self._spec, struct))
 
 
-def _reader(
-    spec: Mapping[int, Any], data: bytes | bytearray
-) -> Callable[[bytes | bytearray, int], Any] | None:
+def packer(spec: Mapping[int, Any]) -> Callable[[tuple[Any, ...]], bytes] | None:
+    """Make the function that encodes the arguments of a call.
+
+    Args:
+        spec: thriftpy2's spec of the argument struct.
+
+    Returns:
+        A function of the tuple of arguments; None if some of them have no fixed width.
+    """
+    kinds = [entry[0] for entry in spec.values()]
+    if not all(kind in _FORMATS for kind in kinds):
+        return None
+    pack = struct.Struct("!" + "".join("3s" + _FORMATS[kind] for kind in kinds) + "x").pack
+    heads = [struct.pack("!bh", kind, number) for number, kind in zip(spec, kinds, strict=True)]
+
+    def packed(args: tuple[Any, ...]) -> bytes:
+        return pack(*[part for pair in zip(heads, args, strict=True) for part in pair])
+
+    return packed
+
+
+def _reader(spec: Mapping[int, Any], data: bytes | bytearray) -> Reader | None:
     """Make the function that reads the value of results with the layout of this one."""
     if list(spec) != [0] or data[:3] != bytes((spec[0][0], 0, 0)):
         return None

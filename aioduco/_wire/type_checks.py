@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from numbers import Real
 from typing import Any, Final, TypeAlias
 
-from thriftpy2.thrift import TType
+from aioduco._wire.types import TType
 
 #: function that returns if the value fits, and else raises `TypeMismatch`
 Check: TypeAlias = Callable[[Any], None]
@@ -103,8 +103,8 @@ def _flag(value: Any) -> None:
 
 def _is_numpy(value: object, name: str) -> bool:
     """Whether a value is of this numpy type. numpy is not loaded for it: a worker needs none."""
-    numpy = sys.modules.get("numpy")
-    return numpy is not None and isinstance(value, getattr(numpy, name))
+    kind = getattr(sys.modules.get("numpy"), name, None)
+    return kind is not None and isinstance(value, kind)
 
 
 def _text(value: Any) -> None:

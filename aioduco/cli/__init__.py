@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import sys
+
 __all__ = ["main"]
 
 
 def main() -> None:
     """Run the command line."""
+    if sys.argv[1:2] == ["stop"]:
+        from aioduco.cli import stopping  # noqa: PLC0415 - for this command alone
+
+        if plain := stopping.plain_stop(sys.argv[2:]):
+            stopping.stop_at(plain.address, as_json=plain.json)
+            return
     try:
         from aioduco.cli.app import app  # noqa: PLC0415 - what it needs is an extra
     except ModuleNotFoundError as error:

@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import HostOption, Port, robot_at
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
-from aioduco.cli.plain_values import print_json
+from aioduco.cli.output import print_json
 from aioduco.cli.questions import ask
 
 __all__ = ["call", "function_of"]

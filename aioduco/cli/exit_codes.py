@@ -6,7 +6,7 @@ import signal
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
-import typer
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -69,9 +69,9 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         return
     finally:
         signal.signal(signal.SIGTERM, before)
-    raise typer.Exit(code)
+    raise SystemExit(code)
 
 
 def _said(message: str, code: int) -> int:
-    typer.echo(message, err=True)
+    say(message, error=True)
     return code

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
-from aioduco.cli.plain_values import print_json
+from aioduco.cli.output import print_json
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import observing_session
 

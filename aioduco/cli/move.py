@@ -10,7 +10,7 @@ import typer
 
 from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.plain_values import print_json
+from aioduco.cli.output import print_json
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
 from aioduco.cli.status import joints_line, look, pose_line

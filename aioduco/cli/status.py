@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.plain_values import print_json
+from aioduco.cli.output import print_json
 from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
-from aioduco.cli.plain_values import print_json
+from aioduco.cli.output import print_json
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
 
@@ -81,7 +81,9 @@ def stop(host: Host = None, port: Port = None, json: Json = False) -> None:
     Exit codes: 0 it stands; 1 no controller; 2 wrong options; 4 it is not known that it stands:
     press the emergency stop.
     """
-    _done(robot_at(host, port), lambda robot: robot.stop(), "stopped: the arm stands", json)
+    from aioduco.cli.stopping import stop_at  # noqa: PLC0415 - quick help
+
+    stop_at(robot_at(host, port), as_json=json)
 
 
 def pause(host: Host = None, port: Port = None, json: Json = False) -> None:

@@ -7,14 +7,11 @@ from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any, Literal, Self, TypeAlias, overload
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, overload
 
 from aioduco.errors import ParameterError
+from aioduco.models.numpy_on_use import is_array, np
 from aioduco.models.rotation import (
-    Array,
     matrix_from_quaternion,
     matrix_from_rotvec,
     matrix_from_rpy,
@@ -24,6 +21,11 @@ from aioduco.models.rotation import (
     slerp,
     turn_between,
 )
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.models.rotation import Array
 
 __all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder"]
 
@@ -69,7 +71,7 @@ class _Six(Sequence[float]):
         if type(values) is cls:
             return values
         name = cls.__name__.lower()
-        if isinstance(values, np.ndarray):
+        if is_array(values):
             if values.shape != (6,) or values.dtype.kind not in "fiu":
                 found = f"an array of shape {values.shape} and type {values.dtype}"
                 raise ParameterError(name, found, cls._expected)
@@ -358,8 +360,9 @@ class Joints(_Six):
         return Joints(*((1 - t) * a + t * b for a, b in zip(self, Joints.of(other), strict=True)))
 
 
-PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[Any]
-JointsLike: TypeAlias = Joints | Sequence[float] | NDArray[Any]
+# a union with a name in it, since a program may write `JointsLike | None`
+PoseLike: TypeAlias = Union[Pose, Sequence[float], "NDArray[Any]"]
+JointsLike: TypeAlias = Union[Joints, Sequence[float], "NDArray[Any]"]
 
 
 def _order(order: str) -> str:

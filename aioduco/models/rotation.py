@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+from aioduco.models.numpy_on_use import np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
 __all__ = [
     "Array",
@@ -28,7 +29,7 @@ __all__ = [
     "turn_between",
 ]
 
-Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = "NDArray[np.float64]"
 
 _GIMBAL = 1e-12  # below this cosine of ry, rx and rz rotate about the same axis
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco.errors import ParameterError
+from aioduco.models.numpy_on_use import np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
     from aioduco.models.pose import Joints, Pose
@@ -29,7 +29,7 @@ __all__ = [
     "vectors",
 ]
 
-Vector = NDArray[np.float64]
+Vector: TypeAlias = "NDArray[np.float64]"
 
 
 def vector(values: Sequence[float], length: int = 6) -> Vector:

@@ -4,24 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence, Set
-from typing import Any, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.errors import ParameterError
+from aioduco.models.numpy_on_use import is_array, np
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Real, Rule, Whole
+from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Rule
 
-VectorLike: TypeAlias = Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np.integer[Any]]
-WholesLike: TypeAlias = Sequence[Whole] | NDArray[np.integer[Any]]
-FlagsLike: TypeAlias = Sequence[bool] | NDArray[np.bool_]
-BytesLike: TypeAlias = bytes | bytearray | memoryview | Sequence[Whole] | NDArray[np.integer[Any]]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.models.rules.scalars import Real, Whole
+
+VectorLike: TypeAlias = "Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np.integer[Any]]"
+WholesLike: TypeAlias = "Sequence[Whole] | NDArray[np.integer[Any]]"
+FlagsLike: TypeAlias = "Sequence[bool] | NDArray[np.bool_]"
+BytesLike: TypeAlias = "bytes | bytearray | memoryview | Sequence[Whole] | NDArray[np.integer[Any]]"
 
 
 def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
     """Return the elements of an ordered collection; mappings, sets and texts are refused."""
-    if isinstance(value, np.ndarray):
+    if is_array(value):
         if value.ndim == 1:
             return list(value.tolist())
     elif isinstance(value, Sequence):
@@ -132,7 +135,7 @@ class OrCurrent(Rule):
         """Check `value` and return it as a list of floats, empty for the present value."""
         if value is None or (isinstance(value, (list, tuple)) and not value):
             return []
-        if isinstance(value, np.ndarray) and value.shape == (0,):
+        if is_array(value) and value.shape == (0,):
             return []
         return self.rule(name, value)
 
@@ -171,7 +174,7 @@ class Points(Rule):
         if isinstance(value, (str, bytes, bytearray, Mapping, Set)):
             raise ParameterError(name, value, self.expected)
         try:
-            points = list(value.tolist() if isinstance(value, np.ndarray) else value)
+            points = list(value.tolist() if is_array(value) else value)
         except TypeError as exc:
             raise ParameterError(name, value, self.expected) from exc
         if not self.low <= len(points) <= self.high:

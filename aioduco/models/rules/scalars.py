@@ -6,15 +6,16 @@ import math
 import sys
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
 from aioduco.errors import ParameterError
+from aioduco.models.numpy_on_use import is_scalar
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
-Whole: TypeAlias = int | np.integer[Any]
+    import numpy as np
+
+Real: TypeAlias = "float | np.floating[Any] | np.integer[Any]"
+Whole: TypeAlias = "int | np.integer[Any]"
 
 _MAX = sys.float_info.max
 #: distance from base to flange of the longest arms, gcr10_2000 and gcr16_2000, stretched out [m]
@@ -33,9 +34,7 @@ def shown(value: float) -> str:
 
 def _plain(value: object) -> object:
     """Convert a numpy scalar, or an array without dimensions, to a Python scalar."""
-    if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
-        return value.item()
-    return value
+    return value.item() if is_scalar(value) else value
 
 
 class Rule:

@@ -1,4 +1,4 @@
-"""Results in the types of JSON, for `--json`."""
+"""What commands print: lines, and results in the types of JSON, for `--json`."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ import dataclasses
 import enum
 import json
 import math
+import sys
 from typing import Any
 
-import typer
+__all__ = ["plain", "print_json", "say"]
 
-__all__ = ["plain", "print_json"]
+
+def say(text: str, *, error: bool = False) -> None:
+    """Print a line to the standard output, or to the standard error."""
+    print(text, file=sys.stderr if error else sys.stdout, flush=True)
 
 
 def plain(value: Any) -> Any:
@@ -41,4 +45,4 @@ def _parts(value: Any) -> Any:
 
 def print_json(value: Any) -> None:
     """Print a result as one line of JSON."""
-    typer.echo(json.dumps(plain(value), allow_nan=False))
+    say(json.dumps(plain(value), allow_nan=False))
