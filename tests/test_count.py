@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 
 PLAIN = '''"""A module.
@@ -83,6 +85,19 @@ def test_code_classes_protocols_and_circles(tmp_path: Path) -> None:
     _, lines = count(tmp_path, "--all", "low/one")
     assert [line.split()[:3] for line in lines[1:3]] == [["low/", "1", "9"], ["together", "1", "9"]]
     assert "3 modules: aioduco.high.three -> aioduco.low.two -> aioduco.high.three" in lines
+
+
+@pytest.mark.slow
+def test_no_module_of_this_package_imports_itself_through_others() -> None:
+    """When it is loaded, or for type checkers."""
+    code, lines = count(ROOT)
+    assert (code, lines[-2:]) == (
+        0,
+        [
+            "circles of imports when modules are loaded: 0",
+            "circles of imports with imports for type checkers: 0",
+        ],
+    )
 
 
 def test_a_package_without_circles(tmp_path: Path) -> None:

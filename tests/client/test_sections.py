@@ -10,7 +10,7 @@ import pytest
 import aioduco
 from aioduco import Joints, Op, Pose, TaskState, output
 from aioduco._wire import rpc
-from aioduco.api.section import check_finished, check_zero
+from aioduco.api.section import check_finished
 from client.bench import HOME, POSE
 
 if TYPE_CHECKING:
@@ -202,8 +202,10 @@ def test_end_states_that_are_no_success(answer: int, error: type[Exception]) -> 
         check_finished("set_it", answer)
 
 
-def test_answers_that_are_a_success() -> None:
+async def test_answers_that_are_a_success(robot: aioduco.Robot, bench: Bench) -> None:
     check_finished("set_it", 4)
-    check_zero("set_it", 0)
-    with pytest.raises(aioduco.Refused, match=r"refused set_it \(answer 2\)"):
-        check_zero("set_it", 2)
+    bench.answer("set_system_value_str", 0)
+    await robot.registers.set_system_value_str("cell", "on")
+    bench.answer("set_system_value_str", 2)
+    with pytest.raises(aioduco.Refused, match=r"refused set_system_value_str \(answer 2\)"):
+        await robot.registers.set_system_value_str("cell", "on")

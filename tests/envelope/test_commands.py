@@ -172,7 +172,7 @@ async def test_a_loop_asks_the_controller_for_nothing_more(
     robot.envelope = Envelope("gcr5_910", wall())
     names: list[str] = []
     calls = robot._supervisor.calls
-    calls.observers = [*calls.observers, lambda call: names.append(call.function)]
+    calls.observers = [*calls.observers, lambda call: names.append(getattr(call, "function", ""))]
     # so slow that the arm is on its way until the end, and stands by the watch
     await robot.motion.servoj(turned(0.1), v=0.0005, a=5.0).start()
     assert "get_actual_joints_position" in names
@@ -247,7 +247,7 @@ async def test_a_loop_that_does_not_wait_does_not_creep(
     """Each motion is sent while the one before it runs, or is being stopped."""
     robot.envelope = Envelope("gcr5_910", wall())
     violated = 0
-    with robot.feed.subscribe("latest") as samples:
+    with anyio.fail_after(120.0), robot.feed.subscribe("latest") as samples:
         async for _ in samples:
             try:
                 await hammered(robot, kind).start()

@@ -11,7 +11,7 @@ import pytest
 
 from aioduco import Jog, JogFrame
 from aioduco.envelope import Envelope, Zone, velocities
-from aioduco.envelope.checker import BESIDE, EnvelopeChecker
+from aioduco.envelope.checker import BESIDE, STOPPING, EnvelopeChecker
 from aioduco.envelope.servo import check_servo, servo_ways
 from aioduco.envelope.velocities import Ahead, velocity_way
 from aioduco.envelope.ways import Start, check_way, joint_way, polyline
@@ -82,7 +82,7 @@ def test_the_joints_go_where_the_path_leads(kind: str) -> None:
     follower.aim(np.array(speeds), 1e9)
     for _ in range(round(SECONDS / CYCLE)):
         q = follower.tick(np.array(Q), np.zeros(6)).q
-    braking = -(0.4**2) / (2 * velocities.STOPPING)
+    braking = -(0.4**2) / (2 * STOPPING)
     assert way.configs[-1] == pytest.approx((q + along(2, braking)).tolist(), abs=1e-3)
     assert way.v == pytest.approx(0.4)
 

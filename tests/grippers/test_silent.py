@@ -223,7 +223,7 @@ def test_a_program_that_waits_notices_it_between_motions() -> None:
     ):
         gripper.close()
         gripper.check_held()
-        hand = gripper._gripper
+        hand = gripper._made
         assert isinstance(hand, Hand)
         answer_nothing(hand)
         hand._max_age = SOON

@@ -50,7 +50,7 @@ def test_events_come_one_after_another(robot: Robot, desk: Desk) -> None:
 
 def test_an_item_that_waits_is_taken_without_a_wait(robot: Robot) -> None:
     with robot.feed.subscribe(size=2) as samples:
-        eventually(lambda: samples._subscription.ready)
+        eventually(lambda: samples._made.ready)
         first = samples.next(timeout=0)
         assert samples.next().sequence > first.sequence
 
