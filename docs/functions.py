@@ -25,9 +25,11 @@ DATA = ROOT / "tests" / "data"
 
 sys.path.insert(0, str(ROOT))
 
-import aioduco  # noqa: E402  # of this checkout
+import aioduco.sync  # noqa: E402  # of this checkout
 from aioduco.models import names  # noqa: E402  # of this checkout
 from aioduco.models.names import BY_ITSELF, CLIENT_SIDE  # noqa: E402  # of this checkout
+
+aioduco.sync.connect("192.0.2.1")  # loads the sections, in which functions are looked up
 
 HEAD = """# Functions
 

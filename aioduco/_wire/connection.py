@@ -47,7 +47,7 @@ class ConnectionStatistics(NamedTuple):
 class _PermitEnded(Exception):
     """The permit of a call has ended; nothing was sent."""
 
-    def __init__(self, error: DucoError) -> None:
+    def __init__(self, error: Exception) -> None:
         self.error = error
 
 
@@ -332,7 +332,7 @@ class Connection:
     def _require(permit: Callable[[], object]) -> None:
         try:
             permit()
-        except DucoError as exc:
+        except Exception as exc:
             raise _PermitEnded(exc) from None
 
     @staticmethod

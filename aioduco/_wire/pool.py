@@ -137,7 +137,8 @@ class PoolThread(Carrier):
         """Make the thread drop its call. It is free when it has come back."""
         if self.call is call and not self._own.given_up:
             self._own.give_up(reason)
-            progress = self._own.connection.progress if call.handed_over else Progress.NOTHING_SENT
+            # The thread may be within the send: the system may have bytes of which nothing says so.
+            progress = Progress.SENT if call.handed_over else Progress.NOTHING_SENT
             call.end(error=of_two(call.first, call.failed(progress, Ended(), reason)))
 
     async def open(self, deadline: float) -> None:

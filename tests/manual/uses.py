@@ -172,6 +172,8 @@ NAMES = {
 #: rules for what the manual does not describe, and why they are there all the same
 BEYOND = {
     "TIMEOUT": "how long this program waits, which never goes onto the wire",
+    "WAIT": "how long this program waits, which may be no time",
+    "STATE_RATE": "how often this program reads the state",
     "INT_32": "service functions, which are only on the wire",
     "PERCENT": "movej and movej_pose, which are only on the wire",
     "CONFIG_IO": "get_config_digital_in, which is only on the wire",
