@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from aioduco import Jog, JogFrame
-from aioduco.envelope import Envelope, Zone, velocities
-from aioduco.envelope.checker import BESIDE, EnvelopeChecker
+from aioduco.envelope import Envelope, Zone
+from aioduco.envelope.checker import BESIDE, STOPPING, EnvelopeChecker
 from aioduco.envelope.servo import check_servo, servo_ways
 from aioduco.envelope.velocities import Ahead, velocity_way
 from aioduco.envelope.ways import Start, check_way, joint_way, polyline
@@ -53,7 +53,9 @@ MOTIONS: list[tuple[Ahead, list[float], str, Any]] = [
 def test_the_tool_goes_where_the_path_leads(
     motion: Ahead, twist: list[float], axes: Any, frame: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(velocities, "STOPPING", math.inf)  # it ends where the reaction does
+    monkeypatch.setattr(
+        "aioduco.envelope.velocities.STOPPING", math.inf
+    )  # it ends where the reaction does
     way = velocity_way(ARM, motion, Start(Q, TOOL, WOBJ), SECONDS)
     assert way is not None
     follower = ToolVelocity(ARM, np.array(Q), CYCLE, TOOL.matrix, axes, frame)
@@ -82,7 +84,7 @@ def test_the_joints_go_where_the_path_leads(kind: str) -> None:
     follower.aim(np.array(speeds), 1e9)
     for _ in range(round(SECONDS / CYCLE)):
         q = follower.tick(np.array(Q), np.zeros(6)).q
-    braking = -(0.4**2) / (2 * velocities.STOPPING)
+    braking = -(0.4**2) / (2 * STOPPING)
     assert way.configs[-1] == pytest.approx((q + along(2, braking)).tolist(), abs=1e-3)
     assert way.v == pytest.approx(0.4)
 

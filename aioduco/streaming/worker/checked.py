@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from aioduco.envelope.checker import STOPPING, EnvelopeChecker
 from aioduco.streaming.shared.config import QueueDrive
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
-from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -20,10 +19,9 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
-    from aioduco.streaming.shared.space import Config, Limits, Space
-    from aioduco.streaming.worker.directions import Directions
+    from aioduco.streaming.shared.space import Config
 
-__all__ = ["CheckedPath", "CheckedRates", "EnvelopeSpace", "SpeedCheck"]
+__all__ = ["CheckedPath", "EnvelopeSpace", "SpeedCheck"]
 
 _STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500
@@ -136,7 +134,7 @@ class SpeedCheck:
         envelope: the envelope, and the work object in use.
         config: the configuration of the stream.
         connection: connection over which the arm's position is read.
-        directions: rotates speeds into the frame of the wire.
+        turned: function that rotates speeds into the frame of the wire.
     """
 
     def __init__(
@@ -144,7 +142,7 @@ class SpeedCheck:
         envelope: EnvelopeSettings,
         config: WorkerConfig,
         connection: Connection,
-        directions: Directions,
+        turned: Callable[[Config], Config],
     ) -> None:
         sent, drive = config.sent, config.sent.drive
         self.checker: EnvelopeChecker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
@@ -152,7 +150,7 @@ class SpeedCheck:
         self._limits = tuple(zip(sent.space.groups, sent.limits.acceleration, strict=True))
         self._connection = connection
         self._timeout = config.options.timeout
-        self._directions = directions
+        self._turned = turned
         #: orientation of the frame of the wire; empty for that of the tool
         self._frame: Config = ()
         #: time at a speed until a stop takes effect: the program's, after two ticks without any [s]
@@ -224,49 +222,9 @@ class SpeedCheck:
                 passed = number * step
                 yield tuple([q + passed * v for q, v in zip(place, speeds, strict=True)]), step
             return
-        wire = self._directions.turned(speeds)
+        wire = self._turned(speeds)
         for _ in range(count):
             axes = (self._frame or place)[3:]
             shift = (*rotated(axes, wire[:3]), *rotated(axes, wire[3:]))
             place = POSE_SPACE.moved(place, tuple([step * each for each in shift]))
             yield _tip(place), step
-
-
-class CheckedRates(Rates):
-    """Speeds within limits, with which the arm can come to rest within the envelope.
-
-    Speeds that break this are not sent; the stream brakes from those before them.
-
-    Args:
-        space: the space whose groups are limited, each by its length.
-        limits: `velocity` is the largest speed, `acceleration` its largest change per second.
-        period: time between two ticks [s].
-        check: checks speeds.
-        crossed: callback with the limit that would have been crossed; it must end the stream.
-    """
-
-    def __init__(
-        self,
-        space: Space,
-        limits: Limits,
-        period: float,
-        check: SpeedCheck,
-        crossed: Callable[[Crossing], None],
-    ) -> None:
-        super().__init__(space, limits, period)
-        self._check = check
-        self._crossed = crossed
-
-    def step(self) -> Config:
-        """Advance by one tick, or brake, and return the speed."""
-        before = self.config
-        config = super().step()
-        found, share = self._check.look(config)
-        if found is not None:
-            self.config = before
-            self._crossed(found)
-            return self.brake()
-        if share < 1.0:
-            self.config = tuple([share * each for each in config])
-            self.limited += 1
-        return self.config
