@@ -1808,6 +1808,8 @@ class Track(_Section):
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskError: they were not put in.
+            EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
+                follows the pool is; nothing was sent.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
         Manual section 1.3.12.
@@ -1826,6 +1828,8 @@ class Track(_Section):
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskError: they were not put in.
+            EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
+                follows the pool is; nothing was sent.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
         Manual section 1.3.12.
@@ -2518,6 +2522,8 @@ class Realtime(_Section):
             ParameterError: `points` is empty, or an element is not such a point, or is of another
                 mode than the first; nothing was sent.
             TaskError: the points were not put in.
+            EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
+                that follows them; nothing was sent.
 
         Manual section 1.3.15.
         """

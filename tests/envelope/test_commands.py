@@ -254,7 +254,7 @@ async def test_a_loop_that_does_not_wait_does_not_creep(
     """Each motion is sent while the one before it runs, or is being stopped."""
     robot.envelope = Envelope("gcr5_910", wall())
     violated = 0
-    with robot.feed.subscribe("latest") as samples:
+    with anyio.fail_after(120.0), robot.feed.subscribe("latest") as samples:
         async for _ in samples:
             try:
                 await hammered(robot, kind).start()
