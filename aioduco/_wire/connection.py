@@ -16,7 +16,7 @@ from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.rpc import RpcClient
-from aioduco.errors import ConnectError, ConnectionLost, ControllerError, DucoError, NotSent
+from aioduco.errors import ConnectError, ConnectionLost, ControllerError, NotSent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -31,6 +31,7 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.sim import Simulator
+from aioduco.trace import CallFinished
 
 from .trials import ARM, CYCLE, LAG, Seen, least, watched
 
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
     from aioduco.supervision.command import MotionCommand
+    from aioduco.trace import TraceEvent
 
 START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 #: the tool at START
@@ -171,8 +173,13 @@ async def test_a_loop_asks_the_controller_for_nothing_more(
     monkeypatch.setattr("aioduco.supervision.envelope_watch._FRESH", math.inf)
     robot.envelope = Envelope("gcr5_910", wall())
     names: list[str] = []
+
+    def note(event: TraceEvent) -> None:
+        if isinstance(event, CallFinished):
+            names.append(event.function)
+
     calls = robot._supervisor.calls
-    calls.observers = [*calls.observers, lambda call: names.append(getattr(call, "function", ""))]
+    calls.observers = [*calls.observers, note]
     # so slow that the arm is on its way until the end, and stands by the watch
     await robot.motion.servoj(turned(0.1), v=0.0005, a=5.0).start()
     assert "get_actual_joints_position" in names

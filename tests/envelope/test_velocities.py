@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from aioduco import Jog, JogFrame
-from aioduco.envelope import Envelope, Zone, velocities
+from aioduco.envelope import Envelope, Zone
 from aioduco.envelope.checker import BESIDE, STOPPING, EnvelopeChecker
 from aioduco.envelope.servo import check_servo, servo_ways
 from aioduco.envelope.velocities import Ahead, velocity_way
@@ -53,7 +53,9 @@ MOTIONS: list[tuple[Ahead, list[float], str, Any]] = [
 def test_the_tool_goes_where_the_path_leads(
     motion: Ahead, twist: list[float], axes: Any, frame: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(velocities, "STOPPING", math.inf)  # it ends where the reaction does
+    monkeypatch.setattr(
+        "aioduco.envelope.velocities.STOPPING", math.inf
+    )  # it ends where the reaction does
     way = velocity_way(ARM, motion, Start(Q, TOOL, WOBJ), SECONDS)
     assert way is not None
     follower = ToolVelocity(ARM, np.array(Q), CYCLE, TOOL.matrix, axes, frame)

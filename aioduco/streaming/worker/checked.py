@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from aioduco.envelope.checker import STOPPING, EnvelopeChecker
 from aioduco.streaming.shared.config import QueueDrive
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
-from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -20,9 +19,9 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
-    from aioduco.streaming.shared.space import Config, Limits, Space
+    from aioduco.streaming.shared.space import Config
 
-__all__ = ["CheckedPath", "CheckedRates", "EnvelopeSpace", "SpeedCheck"]
+__all__ = ["CheckedPath", "EnvelopeSpace", "SpeedCheck"]
 
 _STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500
@@ -135,7 +134,7 @@ class SpeedCheck:
         envelope: the envelope, and the work object in use.
         config: the configuration of the stream.
         connection: connection over which the arm's position is read.
-        turned: rotates speeds into the frame of the wire.
+        turned: function that rotates speeds into the frame of the wire.
     """
 
     def __init__(
@@ -143,7 +142,7 @@ class SpeedCheck:
         envelope: EnvelopeSettings,
         config: WorkerConfig,
         connection: Connection,
-        turned: Callable[[tuple[float, ...]], tuple[float, ...]],
+        turned: Callable[[Config], Config],
     ) -> None:
         sent, drive = config.sent, config.sent.drive
         self.checker: EnvelopeChecker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
@@ -229,43 +228,3 @@ class SpeedCheck:
             shift = (*rotated(axes, wire[:3]), *rotated(axes, wire[3:]))
             place = POSE_SPACE.moved(place, tuple([step * each for each in shift]))
             yield _tip(place), step
-
-
-class CheckedRates(Rates):
-    """Speeds within limits, with which the arm can come to rest within the envelope.
-
-    Speeds that break this are not sent; the stream brakes from those before them.
-
-    Args:
-        space: the space whose groups are limited, each by its length.
-        limits: `velocity` is the largest speed, `acceleration` its largest change per second.
-        period: time between two ticks [s].
-        check: checks speeds.
-        crossed: callback with the limit that would have been crossed; it must end the stream.
-    """
-
-    def __init__(
-        self,
-        space: Space,
-        limits: Limits,
-        period: float,
-        check: SpeedCheck,
-        crossed: Callable[[Crossing], None],
-    ) -> None:
-        super().__init__(space, limits, period)
-        self._check = check
-        self._crossed = crossed
-
-    def step(self) -> Config:
-        """Advance by one tick, or brake, and return the speed."""
-        before = self.config
-        config = super().step()
-        found, share = self._check.look(config)
-        if found is not None:
-            self.config = before
-            self._crossed(found)
-            return self.brake()
-        if share < 1.0:
-            self.config = tuple([share * each for each in config])
-            self.limited += 1
-        return self.config

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Protocol
 
 from aioduco.streaming.worker.interpolation import REFERENCES
-from aioduco.streaming.worker.limiter import JerkLimiter, Limiter
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
     from aioduco.streaming.worker.interpolation import Reference
 
-__all__ = ["CheckedFollower", "Follower"]
+__all__ = ["CheckedFollower", "CheckedRates", "Follower"]
 
 #: deviation from the straight line, as a share of its length, if each axis brakes in its own time;
 #: 7 % for two axes
@@ -213,3 +213,51 @@ class CheckedFollower(Follower):
             return None
         finally:
             checker.seed, checker.deviation = seed, deviation
+
+
+class SpeedView(Protocol):
+    """Check of speeds against an envelope."""
+
+    def look(self, speeds: Config) -> tuple[Crossing | None, float]:
+        """The limit that the arm would cross with these speeds; and the share that is allowed."""
+        ...
+
+
+class CheckedRates(Rates):
+    """Speeds within limits, with which the arm can come to rest within the envelope.
+
+    Speeds that break this are not sent; the stream brakes from those before them.
+
+    Args:
+        space: the space whose groups are limited, each by its length.
+        limits: `velocity` is the largest speed, `acceleration` its largest change per second.
+        period: time between two ticks [s].
+        check: checks speeds.
+        crossed: callback with the limit that would have been crossed; it must end the stream.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        limits: Limits,
+        period: float,
+        check: SpeedView,
+        crossed: Callable[[Crossing], None],
+    ) -> None:
+        super().__init__(space, limits, period)
+        self._check = check
+        self._crossed = crossed
+
+    def step(self) -> Config:
+        """Advance by one tick, or brake, and return the speed."""
+        before = self.config
+        config = super().step()
+        found, share = self._check.look(config)
+        if found is not None:
+            self.config = before
+            self._crossed(found)
+            return self.brake()
+        if share < 1.0:
+            self.config = tuple([share * each for each in config])
+            self.limited += 1
+        return self.config

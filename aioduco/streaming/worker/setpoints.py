@@ -25,7 +25,7 @@ from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import StatusWord
 from aioduco.streaming.worker.directions import Directions
-from aioduco.streaming.worker.follower import CheckedFollower, Follower
+from aioduco.streaming.worker.follower import CheckedFollower, CheckedRates, Follower
 from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
@@ -401,7 +401,7 @@ class SetpointFeed:
     def _checked_rates(self, envelope: EnvelopeSettings) -> Rates:
         """A follower that checks each speed against the robot's envelope."""
         # imported here: only a stream with an envelope needs it
-        from aioduco.streaming.worker.checked import CheckedRates, SpeedCheck  # noqa: PLC0415
+        from aioduco.streaming.worker.checked import SpeedCheck  # noqa: PLC0415
 
         config = self._config
         directions = Directions(self._connection, config.sent.turning, config.options.timeout)
