@@ -140,6 +140,9 @@ def spread_cases(metafunc: pytest.Metafunc) -> None:
     def spread_out(
         names: str | Sequence[str], values: Iterable[Any], *rest: Any, **options: Any
     ) -> None:
+        # By this pytest keeps the ids that the first test made of a mark which several tests share;
+        # another test may take more of its cases.
+        options.pop("_param_mark", None)
         ids = options.get("ids")
         if ids is not None and not callable(ids):
             options["ids"] = spread(list(ids), limit)

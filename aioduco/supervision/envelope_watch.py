@@ -23,7 +23,7 @@ from aioduco.errors import DucoError, EnvelopeViolated
 from aioduco.models.samples import pose as pose_of
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.events import EnvelopeLeft
-from aioduco.supervision.gate import Ending
+from aioduco.supervision.gate import Ending, Gate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence, Sized
@@ -75,6 +75,11 @@ class FollowsTasks(Protocol):
 
 class StopsArm(Protocol):
     """Interface of the stop coordinator that the watch uses."""
+
+    @property
+    def gate(self) -> Gate:
+        """Closed while the arm is brought to rest."""
+        ...
 
     @property
     def follower(self) -> FollowsTasks:

@@ -296,6 +296,8 @@ class Gate:
             ending: why permits end.
         """
         self.closed = self.closed or why
+        # No sign of life counts any more: a guard must not go on beating for a failed supervision.
+        self.hung = self.hung or ending is Ending.FAILED
         self.end(ending)
 
     def _closed(self, name: str) -> DucoError | None:
