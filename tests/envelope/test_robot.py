@@ -109,10 +109,11 @@ async def test_names_of_tool_and_work_object_are_taken_into_account(robot: aiodu
     down = Pose(short.x, short.y, short.z - 0.1, *short[3:])
     await robot.motion.movel(down, v=1.0, a=5.0, tool="none", wobj="bench")
     await robot.motion.movel(short, v=1.0, a=5.0, tool="none", wobj="bench")
-    # the tip of the long tool is below the table already
+    # the tip of the long tool is below the table already: what does not lead back is refused
     long = await robot.state.get_tcp_pose_coord("long", "bench")
+    deeper = Pose(long.x, long.y, long.z - 0.01, *long[3:])
     with pytest.raises(EnvelopeViolated, match="'table'"):
-        await robot.motion.movel(long, v=1.0, a=5.0, tool="long", wobj="bench")
+        await robot.motion.movel(deeper, v=1.0, a=5.0, tool="long", wobj="bench")
 
 
 async def test_a_motion_is_sent_more_slowly(robot: aioduco.Robot, seen: Seen) -> None:
