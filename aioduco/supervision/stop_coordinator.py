@@ -554,7 +554,8 @@ class _CommandDelivery:
         if not all(command.over for command in self._commands):
             return True
         if self._coordinator.worker_died or not all(command.answered for command in self._commands):
-            motion.dissolved(now)
+            # Since then, and not since it is noticed: the stop that was sent meanwhile took longer.
+            motion.dissolved(max((command.at for command in self._commands), default=now))
         else:
             motion.answered(now)
         return True

@@ -256,5 +256,5 @@ async def stop_until_certain(
                 except DucoError:
                     motion.poll_failed(time.monotonic())
                 else:
-                    motion.seen(time.monotonic(), moving=moving)
+                    motion.seen(now, time.monotonic(), moving=moving)
                 await ticker.wait()
