@@ -8,7 +8,8 @@ these is certain:
 - The answer has arrived. The controller has the motion, and a stop that was sent after the answer
   ends it.
 - None of its bytes are left in this system. A stop was delivered since then, and after it the path
-  delivered nothing else for as long as the stop took.
+  delivered nothing else for as long as the stop took: a look that began after this time saw the arm
+  stand.
 
 The reason for this time: a delay that held back the stop may hold back an older packet for as long
 again, in another queue of the same path. The time has two bounds: `MIN_WATCH` covers the fast paths
@@ -61,6 +62,7 @@ class UnansweredMotion:
         "_answer_by",
         "_answered",
         "_dissolved",
+        "_looked",
         "_since",
         "_standing",
         "_stop_needed_since",
@@ -81,6 +83,8 @@ class UnansweredMotion:
         #: time since which the arm has been watched after that stop
         self._since = now
         self._standing = 0
+        #: when the last look began that saw the arm stand
+        self._looked = now
 
     def __repr__(self) -> str:
         state = "answered" if self._answered else "dissolved" if self._dissolved else "open"
@@ -109,10 +113,17 @@ class UnansweredMotion:
             self._stopped = self._since = now
             self._standing = 0
 
-    def seen(self, now: float, *, moving: bool) -> None:
-        """Record the controller's answer whether the arm moves."""
+    def seen(self, asked: float, now: float, *, moving: bool) -> None:
+        """Record the controller's answer whether the arm moves.
+
+        Args:
+            asked: time at which it was asked.
+            now: the present time.
+            moving: whether it moves.
+        """
         if not moving:
             self._standing += 1
+            self._looked = asked
         elif self._standing >= _STANDING or now - self._since > _STOP_AGAIN:
             self._require_stop(now)
         else:
@@ -124,7 +135,7 @@ class UnansweredMotion:
 
     def step(self, now: float) -> NextStep:
         """Return the next action."""
-        if self._certain(now):
+        if self._certain():
             return NextStep.DONE
         if now >= self._until:
             return NextStep.GIVE_UP
@@ -132,7 +143,7 @@ class UnansweredMotion:
             return NextStep.DISSOLVE
         return NextStep.STOP if self._stopped is None else NextStep.LOOK
 
-    def _certain(self, now: float) -> bool:
+    def _certain(self) -> bool:
         if self._stopped is None or self._standing < _STANDING:
             return False
         if self._answered:
@@ -140,7 +151,7 @@ class UnansweredMotion:
         if self._dissolved is None:
             return False
         took = self._stopped - self._dissolved
-        return now - self._stopped >= min(max(took, MIN_WATCH), MAX_WATCH)
+        return self._looked - self._stopped >= min(max(took, MIN_WATCH), MAX_WATCH)
 
     def _require_stop(self, now: float) -> None:
         self._stop_needed_since = now

@@ -180,7 +180,9 @@ class Section(ManualNames):
         try:
             command = Command(call.name, call.args)
             timeout = supervisor.settings.call_timeout
-            answer = await supervisor.dispatcher.conduct(command, supervisor.calls, timeout)
+            answer = await supervisor.dispatcher.conduct(
+                command, supervisor.calls, timeout, (ending, args)
+            )
             check_finished(call.name, answer)
         except (TaskError, Refused, ControllerError, RobotStateError):
             if not was_on:

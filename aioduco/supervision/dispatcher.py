@@ -24,7 +24,6 @@ import anyio.lowlevel
 from aioduco._platform import boot_time
 from aioduco.errors import OutcomeUnknown, Refused, RobotStateError, StopUnconfirmed
 from aioduco.supervision.concurrency import every, run_to_completion
-from aioduco.supervision.gate import Ending
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import TaskLifecycle
@@ -192,15 +191,14 @@ class Dispatcher:
         before = self._last if command.motion else None
         if before is not None:
             before.life.successor_sent()
-        mode = (
-            command.continuous.ending
-            if command.continuous is not None and command.continuous.mode
-            else None
-        )
-        was_on = mode is not None and self._coordinator.modes.enter(mode, (False,))
+        mode: tuple[str, tuple[bool, ...]] | None = None
+        if command.continuous is not None and command.continuous.mode:
+            mode = command.continuous.ending, (False,)
+        modes = self._coordinator.modes
+        was_on = mode is not None and modes.enter(*mode)
         with self._held(command):
             try:
-                pending, cancelled = await self._sent(command, permit)
+                pending, cancelled = await self._sent(command, permit, mode)
             except StopUnconfirmed:
                 if before is not None:
                     before.life.successor_refused()
@@ -210,29 +208,30 @@ class Dispatcher:
                 error = Refused(command.name, pending.answer, "no reason is given")
             if error is not None:
                 if mode is not None and not was_on and not isinstance(error, OutcomeUnknown):
-                    self._coordinator.modes.over(mode)
+                    modes.over(mode[0])
                 if before is not None:
                     before.life.successor_refused()
                 raise cancelled or error
             task = self._accept(
                 command, pending.answer, pending.at, permit.stops, errors, deadline, on_cancel
             )
-        ended = self._gate.ending(permit)
-        if command.motion and ended is not None and ended is not Ending.PAUSED:
-            # A stop was requested meanwhile, and the controller may have served it first.
+        if command.motion and self._coordinator.overtaken(permit):
+            # The controller may have served the stop first.
+            if mode is not None:
+                modes.enter(*mode)
             _, again = await run_to_completion(self._coordinator.halt)
             cancelled = cancelled or again
         await self._hand_over(task, cancelled)
         return task
 
     async def _sent(
-        self, command: Command, permit: Permit
+        self, command: Command, permit: Permit, mode: tuple[str, tuple[bool, ...]] | None
     ) -> tuple[PendingCommand, BaseException | None]:
         """Send a command, and wait until its result is certain."""
         timeout = self._settings.call_timeout
         if command.motion:
             return await self._coordinator.answered(
-                self._lane, permit, command.name, command.args, timeout, followed=True
+                self._lane, permit, command.name, command.args, timeout, followed=True, mode=mode
             )
         pending = PendingCommand(command.name)
         work = pending.carry_out(self._lane, command.args, timeout)
@@ -240,7 +239,13 @@ class Dispatcher:
         _, cancelled = await run_to_completion(pending.wait)
         return pending, cancelled
 
-    async def conduct(self, command: Command, lane: WireLane, timeout: float | None) -> int:
+    async def conduct(
+        self,
+        command: Command,
+        lane: WireLane,
+        timeout: float | None,
+        mode: tuple[str, tuple[bool, ...]] | None = None,
+    ) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
         The arm is stopped if this is cancelled, or if the answer is lost.
@@ -249,6 +254,7 @@ class Dispatcher:
             command: the command.
             lane: lane on which it is sent; it is in use until the answer comes.
             timeout: seconds for the answer; None for no limit.
+            mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
 
         Returns:
             The answer.
@@ -257,7 +263,7 @@ class Dispatcher:
         command = await self._prepared(command, permit)
         self._admit(command, permit)
         pending, cancelled = await self._coordinator.answered(
-            lane, permit, command.name, command.args, timeout, followed=False
+            lane, permit, command.name, command.args, timeout, followed=False, mode=mode
         )
         if cancelled is not None:
             raise cancelled

@@ -6,6 +6,8 @@ Guarantees:
   stop.
 - A command that may still be on its way to the controller is waited for: no caller gets the result
   that the arm stands while a command may arrive that makes it move again.
+- The controller may serve a stop before a command that was sent before it. Whoever sent that
+  command stops the arm once more, and ends the mode that it has entered.
 - If a program exits without closing its robot, because it forgot to or because repeated interrupts
   broke its event loop, the arm is stopped when the interpreter exits.
 """
@@ -27,6 +29,7 @@ from aioduco.errors import (
     OutcomeUnknown,
     Refused,
     StopUnconfirmed,
+    TaskStopped,
     UnknownFunction,
 )
 from aioduco.reporting import BackgroundLogger, reporter
@@ -60,6 +63,8 @@ _PAUSE_LIMIT = 10.0
 _ASK_LIMIT = 0.5
 #: seconds between two checks whether the controller has stopped the arm by itself
 _LAPSED_EVERY = 0.05
+#: seconds between two checks whether a command that is on its way was overtaken by a stop
+_OVERTAKEN_EVERY = 0.05
 #: seconds within which an arm that its controller stops has come to rest
 _BRAKED = 1.0
 #: seconds for the lane of a stream to stop sending: longer than it waits for an answer
@@ -171,8 +176,10 @@ class StopCoordinator:
         """
         settings = self._settings
         with self.gate.stop():
+            # Of these, the controller may serve any after the stop.
+            overtaken = tuple(self.pending)
             await self.send_stop(settings.stop_timeout)
-            await self.rest(settings.stop_timeout, settings.standstill_timeout)
+            await self.rest(settings.stop_timeout, settings.standstill_timeout, overtaken)
 
     async def send_stop(self, timeout: float) -> None:
         """Stop the arm: it is then slowing down, and no stream or mode makes it move again.
@@ -198,13 +205,19 @@ class StopCoordinator:
         if not await self.streams.settled(_SILENCE):
             self.worker_died = True
 
-    async def rest(self, stop_timeout: float | None, timeout: float) -> None:
+    async def rest(
+        self,
+        stop_timeout: float | None,
+        timeout: float,
+        overtaken: Sequence[PendingCommand] = (),
+    ) -> None:
         """Wait until the arm stands.
 
         Args:
             stop_timeout: seconds within which a further stop must be accepted, if the arm still
                 moves; None to wait without a further stop.
             timeout: seconds within which the arm must stand.
+            overtaken: commands that were on their way when the stop was sent.
 
         Raises:
             StopUnconfirmed: it is not known that it stands.
@@ -213,8 +226,9 @@ class StopCoordinator:
             await self._channel.standstill(timeout)
         else:
             await self._channel.rest(stop_timeout, timeout)
-            if self.pending or self.worker_died:
-                await self.stop_until_certain(*self.pending)
+            on_their_way = dict.fromkeys((*overtaken, *self.pending))
+            if on_their_way or self.worker_died:
+                await self.stop_until_certain(*on_their_way)
             self.unfollowed_motion = False
 
     def stop_now(self, timeout: float) -> None:
@@ -292,12 +306,14 @@ class StopCoordinator:
         timeout: float | None,
         *,
         followed: bool,
+        mode: tuple[str, tuple[bool, ...]] | None = None,
     ) -> tuple[PendingCommand, BaseException | None]:
         """Send a command that may move the arm, and wait until its result is certain.
 
-        The arm is stopped if the answer does not come in time, if it leaves open whether the arm
-        will move, or if this is cancelled and the caller does not follow the command. This then
-        returns when no part of the command can move the arm any more.
+        The arm is stopped if the answer does not come in time, or if it leaves open whether the arm
+        will move. If the caller does not follow the command, the arm is also stopped if this is
+        cancelled, or if a stop may have overtaken the command. This then returns when no part of
+        the command can move the arm any more.
 
         Args:
             lane: lane on which to send it.
@@ -306,6 +322,7 @@ class StopCoordinator:
             args: its arguments.
             timeout: seconds for its answer; None if it is answered at the end of the motion.
             followed: whether the caller follows the task of the command, and stops it if necessary.
+            mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
 
         Returns:
             The command, which is over, and the last cancellation that came meanwhile: the caller
@@ -314,13 +331,25 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it is not known that the arm stands, and keeps standing.
         """
-        pending = self.pending.send(lane, name, args, timeout, self.permits.last_check(permit))
+        last_check = self.permits.last_check(permit)
+        pending = self.pending.send(lane, name, args, timeout, last_check, mode)
+        try:
+            return pending, await self._certain(pending, permit, timeout, followed=followed)
+        finally:
+            self.pending.remove(pending)
+
+    async def _certain(
+        self, pending: PendingCommand, permit: Permit, timeout: float | None, *, followed: bool
+    ) -> BaseException | None:
+        """Wait until the result of a command is certain; `answered` describes it."""
         cancelled: BaseException | None = None
         if followed:
             _, cancelled = await run_to_completion(lambda: pending.wait(timeout))
         else:
             try:
-                await pending.wait(timeout)
+                with anyio.move_on_after(timeout):
+                    while not pending.over and not (pending.sent and self.overtaken(permit)):
+                        await pending.wait(_OVERTAKEN_EVERY)
             except BaseException as exc:
                 cancelled = exc
         if not pending.over and not pending.sent:
@@ -328,12 +357,23 @@ class StopCoordinator:
             _, again = await run_to_completion(pending.wait)
             cancelled = again or cancelled
         unsure = not pending.over or _may_move(pending.error)
-        if not self.closed and (unsure or (cancelled is not None and not followed)):
+        overtaken = not followed and pending.error is None and self.overtaken(permit)
+        if not self.closed and (unsure or overtaken or (cancelled is not None and not followed)):
             again = await self._stop_unanswered(pending)
             cancelled = again or cancelled
-            if pending.error is None and timeout is not None:
-                pending.error = OutcomeUnknown(name, "it was answered late, and the arm stopped")
-        return pending, cancelled
+            if pending.error is None and overtaken:
+                pending.error = TaskStopped(
+                    pending.name, None, "was stopped: a stop was requested while it was on its way"
+                )
+            elif pending.error is None and timeout is not None:
+                pending.error = OutcomeUnknown(
+                    pending.name, "it was answered late, and the arm stopped"
+                )
+        return cancelled
+
+    def overtaken(self, permit: Permit) -> bool:
+        """Whether the arm was stopped since a permit was asked for, perhaps before its command."""
+        return self.gate.ending(permit) not in (None, Ending.PAUSED)
 
     async def _stop_unanswered(self, pending: PendingCommand) -> BaseException | None:
         _log.warning(
@@ -364,10 +404,15 @@ class StopCoordinator:
         settings, now = self._settings, time.monotonic()
         answer_by = (now if since is None else since) + settings.unanswered_timeout
         until = answer_by + settings.stop_timeout + settings.standstill_timeout
+
+        async def stop() -> None:
+            self._enter_again(commands)
+            await self.send_stop(settings.stop_timeout)
+
         certain = await stop_until_certain(
             UnansweredMotion(now, answer_by, until),
             _CommandDelivery(self, commands),
-            lambda: self.send_stop(settings.stop_timeout),
+            stop,
             self._channel.moving,
         )
         if self.closed:
@@ -378,7 +423,20 @@ class StopCoordinator:
                 f"{names} was sent, and it is not known what became of it: the arm may be "
                 "moving, or begin to. Press the emergency stop"
             )
+        if self._enter_again(commands):
+            await self.modes.leave()
         self.unfollowed_motion = self.worker_died = False
+
+    def _enter_again(self, commands: Sequence[PendingCommand]) -> bool:
+        """Note the modes of commands on their way, which may be entered after they were left.
+
+        Returns:
+            Whether there are any.
+        """
+        modes = [command.mode for command in commands if command.mode and not command.void]
+        for mode in modes:
+            self.modes.enter(*mode)
+        return bool(modes)
 
     async def cancelled_while_waiting(self, task: Task) -> None:
         """Do what the `on_cancel` of a task says after its await was cancelled, then return."""
@@ -466,10 +524,13 @@ class StopCoordinator:
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands."""
         with self.gate.stop():
+            overtaken = tuple(self.pending)
             if self.streams.halt():
                 await self._silence_streams()
             await self._controlled("abort")
             await self.standstill()
+            if overtaken:
+                await self.stop_until_certain(*overtaken)
 
     async def standstill(self) -> None:
         """Wait until the arm stands, without a stop.
@@ -554,7 +615,8 @@ class _CommandDelivery:
         if not all(command.over for command in self._commands):
             return True
         if self._coordinator.worker_died or not all(command.answered for command in self._commands):
-            motion.dissolved(now)
+            # Since then, and not since it is noticed: the stop that was sent meanwhile took longer.
+            motion.dissolved(max((command.at for command in self._commands), default=now))
         else:
             motion.answered(now)
         return True

@@ -15,7 +15,13 @@ import anyio
 import anyio.lowlevel
 
 from aioduco._wire.unanswered import LOOK_EVERY, NextStep, UnansweredMotion
-from aioduco.errors import DucoError, NotSent, OutcomeUnknown, StopUnconfirmed
+from aioduco.errors import (
+    ControllerError,
+    DucoError,
+    NotSent,
+    OutcomeUnknown,
+    StopUnconfirmed,
+)
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import every
 
@@ -40,6 +46,7 @@ class PendingCommand:
 
     Args:
         name: the function of the wire.
+        mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
 
     Attributes:
         answer: the controller's answer; -1 without one.
@@ -49,8 +56,9 @@ class PendingCommand:
             it was not sent.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, mode: tuple[str, tuple[bool, ...]] | None = None) -> None:
         self.name = name
+        self.mode = mode
         self.answer: int = -1
         self.error: DucoError | None = None
         self.at: float = 0.0
@@ -73,6 +81,12 @@ class PendingCommand:
     def sent(self) -> bool:
         """Whether a connection was asked to send it."""
         return self._call is not None and self._call.handed_over
+
+    @property
+    def void(self) -> bool:
+        """Whether it is certain that the controller did not get it."""
+        error = self.error
+        return self.answered and error is not None and not isinstance(error, ControllerError)
 
     @property
     def stuck(self) -> bool:
@@ -142,6 +156,9 @@ class PendingCommand:
 class PendingCommands:
     """The commands of one robot that may move the arm and are on their way.
 
+    A command stays one of them until its sender has its result: meanwhile it is neither on its way
+    nor known to move the arm otherwise.
+
     Args:
         background: sends them.
         limit: seconds to wait for a late answer.
@@ -165,8 +182,9 @@ class PendingCommands:
         args: tuple[Any, ...],
         timeout: float | None,
         permit: Callable[[], object],
+        mode: tuple[str, tuple[bool, ...]] | None = None,
     ) -> PendingCommand:
-        """Send a command in the background.
+        """Send a command in the background; `remove` must follow when its result is taken in.
 
         Args:
             lane: lane on which to send it.
@@ -174,31 +192,18 @@ class PendingCommands:
             args: its arguments.
             timeout: seconds within which its answer should come; None: at the end of the motion.
             permit: called last, before it is sent; it raises if it may not be sent any more.
+            mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
         """
-        pending = PendingCommand(name)
+        pending = PendingCommand(name, mode)
         self._pending.append(pending)
         limit = None if timeout is None else timeout + self._limit
-        work = self._carry_out(pending, lane, args, limit, permit)
-        self._background.start(work, f"aioduco {name}", lambda: self._over(pending))
+        work = pending.carry_out(lane, args, limit, permit)
+        self._background.start(work, f"aioduco {name}", pending.close)
         return pending
 
-    async def _carry_out(
-        self,
-        pending: PendingCommand,
-        lane: WireLane,
-        args: tuple[Any, ...],
-        limit: float | None,
-        permit: Callable[[], object],
-    ) -> None:
-        try:
-            await pending.carry_out(lane, args, limit, permit)
-        finally:
-            self._over(pending)
-
-    def _over(self, pending: PendingCommand) -> None:
-        pending.close()
-        if pending in self._pending:
-            self._pending.remove(pending)
+    def remove(self, pending: PendingCommand) -> None:
+        """Remove a command whose sender has its result."""
+        self._pending.remove(pending)
 
 
 class Delivery(Protocol):
@@ -256,5 +261,5 @@ async def stop_until_certain(
                 except DucoError:
                     motion.poll_failed(time.monotonic())
                 else:
-                    motion.seen(time.monotonic(), moving=moving)
+                    motion.seen(now, time.monotonic(), moving=moving)
                 await ticker.wait()

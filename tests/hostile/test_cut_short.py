@@ -42,4 +42,3 @@ async def test_a_command_that_was_never_sent_is_known_not_to_be() -> None:
     assert await pending.wait()
     assert isinstance(pending.error, NotSent)
     assert pending.answered
-    assert not len(commands)

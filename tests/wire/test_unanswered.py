@@ -18,8 +18,13 @@ def motion() -> UnansweredMotion:
 def stand(one: UnansweredMotion, sent: float, accepted: float) -> None:
     """A stop was accepted, and the arm was seen to stand."""
     one.stopped(sent, accepted)
-    one.seen(accepted, moving=False)
-    one.seen(accepted, moving=False)
+    look(one, accepted)
+    look(one, accepted)
+
+
+def look(one: UnansweredMotion, now: float, *, moving: bool = False) -> None:
+    """It was asked whether the arm moves, and answered at once."""
+    one.seen(now, now, moving=moving)
 
 
 def test_the_arm_is_stopped_first() -> None:
@@ -52,18 +57,29 @@ def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, wa
     one = motion()
     one.dissolved(0.0)
     stand(one, 0.0, outage)
-    assert one.step(outage + watch - 0.001) is NextStep.LOOK
+    look(one, outage + watch - 0.001)
+    assert one.step(outage + watch + 1.0) is NextStep.LOOK
+    look(one, outage + watch)
     assert one.step(outage + watch) is NextStep.DONE
+
+
+def test_the_last_look_begins_after_the_watch() -> None:
+    one = motion()
+    one.dissolved(0.0)
+    stand(one, 0.0, 1.0)
+    one.seen(1.9, 2.1, moving=False)  # it may have been served at 1.9, and the motion at 2.0
+    assert one.step(2.1) is NextStep.LOOK
 
 
 def test_an_arm_that_begins_to_move_in_the_watch_is_stopped_and_watched_anew() -> None:
     one = motion()
     one.dissolved(0.0)
     stand(one, 0.0, 2.0)
-    one.seen(3.0, moving=True)
+    look(one, 3.0, moving=True)
     assert one.step(3.0) is NextStep.STOP
     stand(one, 3.0, 3.1)
     assert one.step(4.0) is NextStep.LOOK
+    look(one, 3.1 + 3.1)
     assert one.step(3.1 + 3.1) is NextStep.DONE
 
 
@@ -71,9 +87,9 @@ def test_an_arm_that_is_braking_is_left_its_time() -> None:
     one = motion()
     one.answered(0.0)
     one.stopped(0.0, 0.1)
-    one.seen(0.2, moving=True)
+    look(one, 0.2, moving=True)
     assert one.step(0.2) is NextStep.LOOK
-    one.seen(0.7, moving=True)
+    look(one, 0.7, moving=True)
     assert one.step(0.7) is NextStep.STOP
 
 
@@ -115,9 +131,9 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
                 one.stopped(now, now)
                 stopped, stop_at = True, now
             case "stands":
-                one.seen(now, moving=False)
+                look(one, now)
             case "moves":
-                one.seen(now, moving=True)
+                look(one, now, moving=True)
                 disturbed_at = now
             case "unheard":
                 one.poll_failed(now)

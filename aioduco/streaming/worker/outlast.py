@@ -99,7 +99,8 @@ class _Line:
                 connection.call("stop", (False,), self._timeout)
                 motion.stopped(begin, time.monotonic())
             else:
-                motion.seen(time.monotonic(), moving=self._moves(connection))
+                moving = self._moves(connection)
+                motion.seen(begin, time.monotonic(), moving=moving)
         except DucoError:
             motion.poll_failed(time.monotonic())
             return False

@@ -1,0 +1,103 @@
+"""A stop that the controller serves before a command that was sent before it."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+from aioduco import RealtimeMode
+from aioduco.errors import TaskStopped
+from aioduco.testing import eventually_async
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    import aioduco
+    from client.bench import Bench
+
+
+class Mode:
+    """Realtime control, which the controller starts only when it is let.
+
+    Attributes:
+        let: set to let it start.
+        on: whether it is on.
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        self.on = False
+        self.let = bench.hold("start_realtime_mode", self._start)
+        bench.answer("end_realtime_mode", self._end)
+
+    def _start(self, *_: object) -> int:
+        self.on = True
+        return 4
+
+    def _end(self) -> int:
+        self.on = False
+        return 4
+
+
+async def enter(robot: aioduco.Robot) -> None:
+    with pytest.raises(TaskStopped):
+        await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_POSITION)
+
+
+async def test_a_mode_that_is_entered_late_is_off_when_the_stop_returns(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    mode = Mode(bench)
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(enter, robot)
+        await eventually_async(lambda: bench.received("start_realtime_mode"))
+
+        async def let_late() -> None:
+            await eventually_async(lambda: bench.received("end_realtime_mode"))
+            mode.let.set()
+
+        tg.start_soon(let_late)
+        await robot.stop()
+        assert mode.let.is_set()
+        assert not mode.on
+
+
+async def test_a_mode_that_is_entered_after_stop_now_is_ended(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    mode = Mode(bench)
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(enter, robot)
+        await eventually_async(lambda: bench.received("start_realtime_mode"))
+        stopping = threading.Thread(target=robot.stop_now)
+        stopping.start()
+        await eventually_async(lambda: not stopping.is_alive())
+        mode.let.set()
+    assert not mode.on
+
+
+async def test_abort_outlasts_what_is_on_its_way(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    let = bench.hold("movej2", bench._motion("movej2"))
+    aborted = anyio.Event()
+
+    async def move() -> None:
+        with pytest.raises(TaskStopped):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+    async def abort() -> None:
+        await robot.abort()
+        assert bench.tasks
+        assert not bench.moving()
+        aborted.set()
+
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(move)
+        await eventually_async(lambda: bench.received("movej2"))
+        tg.start_soon(abort)
+        await eventually_async(lambda: bench.received("abort"))
+        polls = len(bench.received("robotmoving"))
+        await eventually_async(lambda: len(bench.received("robotmoving")) > polls + 5)
+        assert not aborted.is_set()
+        let.set()
