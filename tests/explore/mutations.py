@@ -1,0 +1,324 @@
+"""What the explorer must find: each mend taken out again, in a machine or in what drives it."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
+
+from aioduco._wire.unanswered import UnansweredMotion
+from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.worker.permit import StreamPermit
+from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.heartbeat import HeartbeatMachine
+from aioduco.supervision.task_state import TaskLifecycle
+
+from . import scenarios
+from .program import Program, Task
+from .world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from aioduco.supervision.gate import Permit
+
+    from .arm import Command
+    from .program import Pending
+    from .world import Steps
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """A mend that is taken out.
+
+    Attributes:
+        name: what is then wrong.
+        owner: class whose attribute is replaced.
+        attribute: the attribute.
+        instead: what it is replaced by.
+        scenario: where it is found.
+        depth: number of steps within which it is found.
+    """
+
+    name: str
+    owner: type
+    attribute: str
+    instead: Any
+    scenario: Callable[[], World]
+    depth: int = 20
+
+    def __str__(self) -> str:
+        return self.name
+
+    def made(self) -> Any:
+        """Return a context in which it is in effect."""
+        return patch.object(self.owner, self.attribute, self.instead)
+
+
+# -- 1: a motion that was awaited before a stop is sent after it
+
+
+def _asks_at_lock(self: Program, command: Command, *, reads: bool) -> Steps[Task]:
+    self.world.ask(command)
+    yield from self.acquire()
+    try:
+        permit = self.gate.ask(command.name, self.world.boot())
+        self.permits.append(permit)
+        yield from self.after_stops(permit)
+        self.admit(permit)
+        return (yield from self.launched(command, permit))
+    finally:
+        self.locked = False
+
+
+def _same_epoch(self: Gate, ending: Ending) -> None:
+    self.stops += ending is Ending.STOPPED
+    self._ended(ending)
+
+
+# -- 2, 3: a stream restarts an arm that stood ----------
+
+
+def _never_away(
+    self: StreamPermit, now: int, boot: int, control: list[int], due: int = 0
+) -> Reason:
+    self._away_limit = 10**18
+    return _look(self, now, boot, control, due)
+
+
+def _asks_nothing(self: StreamPermit, *_: object) -> Reason:
+    return Reason.NONE
+
+
+_look = StreamPermit.look
+
+
+# -- 4: motions are admitted while a stop is being confirmed ----------
+
+
+@contextlib.contextmanager
+def _ends_permits_alone(self: Gate, ending: Ending = Ending.STOPPED) -> Iterator[None]:
+    self.end(ending)
+    yield
+
+
+def _envelope_beside_the_gate(self: Program) -> Steps[None]:
+    self.world.say("the arm is about to leave its envelope")
+    with self.world.confirms():
+        self.gate.end(Ending.ENVELOPE)
+        yield from self.send_stop()
+        yield from self.rest()
+
+
+def _waits_for_nothing_confirmed(self: Gate, permit: Permit, now: float) -> bool:
+    self._require_current(permit.name, permit)
+    return bool(self._stopping)
+
+
+# -- others ----------
+
+
+def _nothing(*_: object, **__: object) -> None:
+    return None
+
+
+def _owns_until_it_stands(self: Gate, now: float, *, standing: bool) -> None:
+    self._resumed = self._resumed and not standing
+
+
+def _sees_no_lapse(self: Gate, now: float) -> None:
+    return None
+
+
+def _always_beats(self: HeartbeatMachine, now: float, alive: float) -> bool:
+    return True
+
+
+def _without_watch(self: UnansweredMotion) -> bool:
+    stood = self._stopped is not None and self._standing >= 2
+    return stood and (self._answered or self._dissolved is not None)
+
+
+def _watch_without_last_look(self: UnansweredMotion, now: float) -> object:
+    self._looked = now
+    return _step(self, now)
+
+
+_step = UnansweredMotion.step
+
+
+def _answer_needs_no_stop(self: UnansweredMotion, now: float) -> None:
+    self._answered = True
+
+
+def _leaves_overtaken(self: Program, overtaken: tuple[Pending, ...] = ()) -> Steps[None]:
+    return (yield from _rest(self))
+
+
+_rest = Program.rest
+
+
+def _forgets_when_over(self: Program, pending: Pending) -> Steps[None]:
+    try:
+        return (yield from _carry_out(self, pending))
+    finally:
+        self.forget(pending)
+
+
+_carry_out = Program.carry_out
+
+
+def _settles_nothing(self: Program) -> Steps[None]:
+    return
+    yield
+
+
+def _never_overtaken(self: Program, permit: Permit) -> bool:
+    return False
+
+
+MUTATIONS = (
+    Mutation(
+        "1: a permit is asked for when it is a motion's turn",
+        Program,
+        "launch",
+        _asks_at_lock,
+        scenarios.Stopped,
+    ),
+    Mutation("1: a stop ends no permits", Gate, "end", _same_epoch, scenarios.Stopped),
+    Mutation(
+        "2: a worker's permit never ends", StreamPermit, "look", _asks_nothing, scenarios.Stream
+    ),
+    Mutation(
+        "2: a worker does not ask how long it stood",
+        StreamPermit,
+        "look",
+        _never_away,
+        scenarios.StreamWithoutHeartbeat,
+    ),
+    Mutation(
+        "3: the program's clock stands while the computer sleeps",
+        World,
+        "boot",
+        World.monotonic,
+        scenarios.Frozen,
+    ),
+    Mutation(
+        "3: the worker's clocks stand while the computer sleeps",
+        World,
+        "boot",
+        World.monotonic,
+        scenarios.StreamSuspended,
+    ),
+    Mutation(
+        "4: a stop that is being confirmed ends permits, and no more",
+        Gate,
+        "stop",
+        _ends_permits_alone,
+        scenarios.Envelope,
+    ),
+    Mutation(
+        "4: the stop at the envelope is no stop for the gate",
+        Program,
+        "envelope",
+        _envelope_beside_the_gate,
+        scenarios.Envelope,
+    ),
+    Mutation(
+        "5: what the program resumes is not its own", Gate, "resume", _nothing, scenarios.Resumed
+    ),
+    Mutation(
+        "5: what is resumed is its own until it is first seen to stand",
+        Gate,
+        "seen",
+        _owns_until_it_stands,
+        scenarios.GuardedWithoutHeartbeat,
+    ),
+    Mutation(
+        "6: a mode that may be on is not left before a motion",
+        Program,
+        "settle",
+        _settles_nothing,
+        scenarios.StreamLost,
+    ),
+    Mutation(
+        "what waited for a stop is sent though it is not confirmed",
+        Gate,
+        "waits",
+        _waits_for_nothing_confirmed,
+        scenarios.Unconfirmed,
+    ),
+    Mutation(
+        "the gate does not notice a lapse or a hang by itself",
+        Gate,
+        "look",
+        _sees_no_lapse,
+        scenarios.Frozen,
+    ),
+    Mutation(
+        "a hung program's heartbeat beats",
+        HeartbeatMachine,
+        "may_beat",
+        _always_beats,
+        scenarios.Frozen,
+    ),
+    Mutation(
+        "a lost motion is not waited for after the stop",
+        UnansweredMotion,
+        "_certain",
+        _without_watch,
+        scenarios.Late,
+    ),
+    Mutation(
+        "the wait for a lost motion ends without a last look",
+        UnansweredMotion,
+        "step",
+        _watch_without_last_look,
+        scenarios.Late,
+    ),
+    Mutation(
+        "an answer needs no further stop",
+        UnansweredMotion,
+        "answered",
+        _answer_needs_no_stop,
+        scenarios.Late,
+    ),
+    Mutation(
+        "a stop does not wait for what it may have overtaken",
+        Program,
+        "rest",
+        _leaves_overtaken,
+        scenarios.StoppedInOutage,
+    ),
+    Mutation(
+        "a command is forgotten before its sender has its answer",
+        Program,
+        "carry_out",
+        _forgets_when_over,
+        scenarios.ModeLeft,
+        30,
+    ),
+    Mutation(
+        "a command that was overtaken by a stop is left alone",
+        Program,
+        "overtaken",
+        _never_overtaken,
+        scenarios.StoppedNow,
+    ),
+    Mutation(
+        "a mode is left once, although it may be entered late",
+        Program,
+        "enter_again",
+        _nothing,
+        scenarios.ModeStopped,
+        30,
+    ),
+    Mutation(
+        "a motion that was stopped counts as blended",
+        TaskLifecycle,
+        "stop_sent",
+        _nothing,
+        scenarios.Tasks,
+    ),
+)

@@ -1,0 +1,481 @@
+"""The worlds that are explored: each has a few actors, and a few things that may go wrong in it.
+
+Attributes of each:
+    gate: number of steps to which it is explored in the tests.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .arm import MODE, POINTS, RESUME, ArmWorld, Command
+from .lives import LivingWorld
+from .program import Program
+from .world import Violation
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from .world import Steps
+
+
+class Scenario(ArmWorld):
+    """A world with one program that always runs."""
+
+    gate = 12
+    #: how often each thing may go wrong
+    wrong: dict[str, int] = {}
+
+    def __init__(self, *commands: Command) -> None:
+        super().__init__(*commands)
+        self.program = Program(self)
+        self.left = dict(self.wrong)
+        self.begin()
+
+    def begin(self) -> None:
+        """Start what runs at the beginning."""
+
+    def parts(self) -> Iterable[object]:
+        yield from super().parts()
+        yield self.program.key()
+
+    def passed(self) -> None:
+        super().passed()
+        self.program.gate.alive(self.boot())
+
+    def quiet(self) -> None:
+        """Do what can be done at once, in the order in which it comes."""
+        while actions := [one for one in self.actions() if one[0] in ("run", "serve", "answer")]:
+            self.do(actions[0])
+
+    def runs(self, name: str) -> None:
+        """Let a motion run that was accepted before."""
+        self[name].asked = 0
+        self.controller.begin(self[name])
+
+
+class Stopped(Scenario):
+    """Two motions are awaited, the second reads first; the arm is stopped; a third is awaited."""
+
+    gate = 13
+    prompt = True
+    wrong = {"break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("B"), Command("C"))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("B", self.program.awaits("B", reads=True))
+        self.start("stop", self.stop())
+
+    def stop(self) -> Steps[None]:
+        yield from self.program.stops()
+        yield from self.program.awaits("C")
+
+
+class Refused(Stopped):
+    """The same with a controller that may refuse a motion."""
+
+    wrong = {"refuse": 1}
+
+
+class StoppedNow(Scenario):
+    """A motion and a mode are on their way when the arm is stopped by `robot.stop_now()`."""
+
+    gate = 13
+    prompt = True
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("M", MODE))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("M", self.program.enters("M"))
+        self.start("stop", self.program.stops_now())
+
+
+class StoppedInOutage(Scenario):
+    """A motion is awaited, the arm stopped, and the network fails."""
+
+    gate = 15
+    prompt = True
+    wrong = {"down": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("stop", self.program.stops())
+
+
+class Late(Scenario):
+    """A motion is awaited, and the arm stopped; each call may take any time or be lost."""
+
+    gate = 16
+    wrong = {"break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("stop", self.program.stops())
+
+
+class Outage(Scenario):
+    """A motion is awaited and may be cancelled, and the network fails for any time."""
+
+    gate = 20
+    victims = ("A",)
+    wrong = {"down": 1, "cancel": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+
+
+class Cancelled(Scenario):
+    """Two motions are awaited; the first await is cancelled, also twice."""
+
+    gate = 13
+    prompt = True
+    victims = ("A",)
+    wrong = {"cancel": 2, "break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("B"))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("B", self.program.awaits("B"))
+
+
+class Mode(Scenario):
+    """A mode is entered, and the arm stopped; then a motion is awaited."""
+
+    gate = 14
+    prompt = True
+    victims = ("M",)
+    wrong = {"cancel": 1, "break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("M", MODE), Command("A"))
+
+    def begin(self) -> None:
+        self.start("M", self.program.enters("M"))
+        self.start("stop", self.stop())
+
+    def stop(self) -> Steps[None]:
+        yield from self.program.stops()
+        yield from self.program.awaits("A")
+
+
+class ModeStopped(Scenario):
+    """A mode is entered, and the arm stopped."""
+
+    gate = 25
+    prompt = True
+
+    def __init__(self) -> None:
+        super().__init__(Command("M", MODE))
+
+    def begin(self) -> None:
+        self.start("M", self.program.enters("M"))
+        self.start("stop", self.program.stops())
+
+
+class ModeLeft(ModeStopped):
+    """A mode is entered, and the robot left."""
+
+    def begin(self) -> None:
+        self.start("M", self.program.enters("M"))
+        self.start("leave", self.program.leaves())
+
+
+class Resumed(Scenario):
+    """The paused motion of another program is resumed, and the robot left, or the arm stopped."""
+
+    gate = 18
+    prompt = True
+    victims = ("R",)
+    wrong = {"cancel": 1, "break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("foreign"), Command("R", RESUME))
+
+    def begin(self) -> None:
+        self.runs("foreign")
+        self.controller.pause()
+        self.start("R", self.program.resumes("R"))
+        self.start("leave", self.program.leaves())
+
+
+class ResumedAndStopped(Resumed):
+    """The same with a stop in place of leaving."""
+
+    def begin(self) -> None:
+        super().begin()
+        self.start("leave", self.program.stops())
+
+
+class Paused(Scenario):
+    """A motion is awaited, paused and resumed by another task, and stopped by a third."""
+
+    gate = 13
+    prompt = True
+    wrong = {"arrive": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("R", RESUME))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("pause", self.pause())
+        self.start("stop", self.program.stops())
+
+    def pause(self) -> Steps[None]:
+        yield from self.program.pause()
+        yield from self.program.resumes("R")
+
+
+class Envelope(Scenario):
+    """The arm is stopped at a limit of its envelope while a motion is awaited."""
+
+    gate = 16
+    prompt = True
+    wrong = {"break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("B"))
+
+    def begin(self) -> None:
+        self.runs("A")
+        self.start("B", self.program.awaits("B"))
+        self.start("envelope", self.program.envelope())
+
+
+class Unconfirmed(Scenario):
+    """A motion is awaited while the arm is being stopped, and the network fails."""
+
+    gate = 12
+    wrong = {"down": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("B"))
+
+    def begin(self) -> None:
+        self.runs("A")
+        self.start("stop", self.program.stops())
+        self.start("B", self.program.awaits("B"))
+
+
+class Tasks(Scenario):
+    """A motion blends into the next one, is stopped, or arrives; its task is polled meanwhile."""
+
+    gate = 15
+    prompt = True
+    wrong = {"arrive": 2}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A", blends=True), Command("B"))
+
+    def begin(self) -> None:
+        self.program.polls = True
+        self.start("A", self.program.awaits("A"))
+        self.quiet()
+        self.start("B", self.program.awaits("B"))
+        self.start("stop", self.program.stops())
+
+
+class Left(Scenario):
+    """The robot is left while a motion and a mode are on their way."""
+
+    gate = 12
+    prompt = True
+    wrong = {"break": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"), Command("M", MODE))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A"))
+        self.start("M", self.program.enters("M"))
+        self.start("leave", self.program.leaves())
+
+
+# -- processes that stand still --------------------------------------------------------------------
+
+
+class Living(LivingWorld):
+    """A program with signs of life and a heartbeat."""
+
+    gate = 12
+    wrong: dict[str, int] = {}
+
+    def __init__(self, *commands: Command) -> None:
+        super().__init__(*commands)
+        self.left = dict(self.wrong)
+        program = self.program
+        self.start("loop", program.lives())
+        if self.guarded:
+            self.start("guard", program.guards(), "guard")
+            self.start("guard's death", program.loses_guard())
+        elif self.heartbeat:
+            self.start("heartbeat", program.beats(), "threads")
+        self.periodic = tuple(self.processes)
+        if self.guarded:
+            self.start("claim", program.drops_claim())
+        for name in self.periodic:
+            self.do_run(name)
+        self.begin()
+
+    guarded = False
+
+    def begin(self) -> None:
+        """Start what runs at the beginning."""
+
+
+class Frozen(Living):
+    """A motion that reads first is awaited; the program freezes or hangs, the computer sleeps."""
+
+    gate = 14
+    freezable: tuple[str, ...] = ("program", "loop")
+    wrong = {"freeze": 1, "suspend": 1, "exit": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"))
+
+    def begin(self) -> None:
+        self.start("A", self.program.awaits("A", reads=True))
+
+
+class Stream(Living):
+    """A stream; program and worker are frozen, the program is killed, the computer sleeps."""
+
+    gate = 12
+    freezable: tuple[str, ...] = ("program", "worker", "loop")
+    mortal: tuple[str, ...] = ("program",)
+    wrong = {"freeze": 2, "kill": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("S", POINTS))
+
+    def begin(self) -> None:
+        self.program.opens("S")
+
+
+class StreamSuspended(Stream):
+    """The same with a computer that sleeps."""
+
+    wrong = {"suspend": 1, "freeze": 1}
+
+
+class StreamWithoutHeartbeat(Stream):
+    """A stream whose worker is frozen; no heartbeat would stop the arm."""
+
+    heartbeat = False
+    freezable: tuple[str, ...] = ("worker",)
+    wrong = {"freeze": 1}
+
+
+class StreamStopped(Living):
+    """A stream, and a stop; the worker may be frozen."""
+
+    gate = 14
+    freezable: tuple[str, ...] = ("worker",)
+    wrong = {"freeze": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("S", POINTS))
+
+    def begin(self) -> None:
+        self.program.opens("S")
+        self.start("stop", self.program.stops())
+
+
+class StreamLost(Living):
+    """A stream in a mode of the controller loses its connection; then a motion is awaited."""
+
+    gate = 16
+    freezable: tuple[str, ...] = ("worker",)
+    mortal: tuple[str, ...] = ("worker",)
+    heartbeat = False
+    wrong = {"down": 1, "kill": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("S", POINTS), Command("M", MODE), Command("A"))
+
+    def begin(self) -> None:
+        self.program.opens("S", "M")
+        self.start("A", self.then())
+
+    def check(self) -> None:
+        super().check()
+        mode, queue = self.controller.mode, self.controller.queue
+        if mode is not None and queue:
+            raise Violation(f"{queue[0].name} runs while {mode.name} is on")
+
+    def then(self) -> Steps[None]:
+        yield lambda: not self.program.streaming
+        yield from self.program.awaits("A")
+
+
+class Guarded(Living):
+    """The paused motion of another program is resumed; program or guard are killed or frozen."""
+
+    gate = 12
+    guarded = True
+    freezable: tuple[str, ...] = ("program", "guard")
+    mortal: tuple[str, ...] = ("program", "guard")
+    wrong = {"freeze": 1, "kill": 2}
+
+    def __init__(self) -> None:
+        super().__init__(Command("foreign"), Command("R", RESUME))
+
+    def begin(self) -> None:
+        self["foreign"].asked = 0
+        self.controller.begin(self["foreign"])
+        self.controller.pause()
+        self.start("R", self.program.resumes("R"))
+
+
+class GuardedWithoutHeartbeat(Guarded):
+    """The same without a heartbeat: only the guard stops the arm of a killed program."""
+
+    heartbeat = False
+    freezable: tuple[str, ...] = ()
+    mortal: tuple[str, ...] = ("program",)
+    wrong = {"kill": 1}
+
+
+ALL: tuple[type[Scenario | Living], ...] = (
+    Stopped,
+    Refused,
+    StoppedNow,
+    StoppedInOutage,
+    Late,
+    Outage,
+    Cancelled,
+    Mode,
+    ModeStopped,
+    ModeLeft,
+    Resumed,
+    ResumedAndStopped,
+    Paused,
+    Envelope,
+    Unconfirmed,
+    Tasks,
+    Left,
+    Frozen,
+    Stream,
+    StreamSuspended,
+    StreamWithoutHeartbeat,
+    StreamStopped,
+    StreamLost,
+    Guarded,
+    GuardedWithoutHeartbeat,
+)
