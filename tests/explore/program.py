@@ -521,11 +521,11 @@ class Program:
         seen = -1
         while not life.ended:
             known = seen
-            yield (
-                lambda known=known: (
-                    life.state is not task.command.state or known != gate.stops or life.ended
-                )
-            )
+
+            def due(known: int = known) -> bool:
+                return life.state is not task.command.state or known != gate.stops or life.ended
+
+            yield due
             seen = gate.stops
             self.note_stop(task)
             if not life.undecided:

@@ -334,7 +334,7 @@ async def test_a_freeze_after_a_set_point_ends_it(
     assert [len(arm.points())] == frozen
 
 
-@pytest.mark.parametrize("kind", ["servo", "realtime", "track"])
+@pytest.mark.parametrize("kind", ["servo", "realtime"])
 async def test_a_freeze_between_computing_and_sending_sends_nothing(
     arm: Controller, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -358,8 +358,6 @@ async def test_a_freeze_between_computing_and_sending_sends_nothing(
 
     armed = threading.Event()
     monkeypatch.setattr(sender, "send", send)
-    if kind == "track":
-        arm.server.answer("getQueueSize", 1)  # so that the worker fills the pool at each tick
     error = await ended(arm, kind, replace(THREAD, away_limit=1.0), freeze_once)
     assert isinstance(error, LaneFailed)
     assert [len(arm.server.received(call))] == frozen

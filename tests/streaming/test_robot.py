@@ -141,7 +141,8 @@ async def ended_by(
         )
         if isinstance(ending := end(), Awaitable):
             await ending
-            assert opened.quiet
+            # `stop_now` waits for the worker for a tenth of a second only
+            await eventually_async(lambda: opened.quiet)
         else:
             # It waits for the worker's silence for a time only, for it may be in a signal handler.
             eventually(lambda: opened.quiet)
