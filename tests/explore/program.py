@@ -520,12 +520,14 @@ class Program:
         world, gate, life = self.world, self.gate, task.life
         seen = -1
         while not life.ended:
-            known = seen
-
-            def due(known: int = known) -> bool:
-                return life.state is not task.command.state or known != gate.stops or life.ended
-
-            yield due
+            # the variable does not change before this is true
+            yield (
+                lambda: (
+                    life.state is not task.command.state
+                    or seen != gate.stops  # noqa: B023
+                    or life.ended
+                )
+            )
             seen = gate.stops
             self.note_stop(task)
             if not life.undecided:
