@@ -73,7 +73,7 @@ class DeadlineSocket:
     ) -> None:
         self._waiting = waiting
         #: the socket itself, for the event loop
-        self.socket = socket.socket(family, type_, protocol)
+        self.socket: socket.socket = socket.socket(family, type_, protocol)
         self._readable = readiness(self.socket)
         #: the system's limit in seconds; None: no limit, as on a new socket
         self._limit: float | None = None

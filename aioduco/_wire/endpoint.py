@@ -47,7 +47,7 @@ class Lookup:
         self._error: OSError | UnicodeError | None = None
         self._waiting: deque[Callable[[], object]] = deque()
         #: whether the system has answered
-        self.over = False
+        self.over: bool = False
 
     def start(self) -> None:
         """Begin.
@@ -137,8 +137,8 @@ class Endpoint:
         self.port = port
         self.connect_timeout = connect_timeout
         self.purpose = purpose
-        self.route = Route() if route is None else route
-        self.opened = 0
+        self.route: Route = Route() if route is None else route
+        self.opened: int = 0
         self.known: list[Address] = []
         self._lookup: Lookup | None = None
 

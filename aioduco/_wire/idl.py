@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import re
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -105,7 +105,7 @@ class Function:
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
-        self.packed = packer(self.args.thrift_spec)
+        self.packed: Callable[[tuple[Any, ...]], bytes] | None = packer(self.args.thrift_spec)
         self.void: bool = 0 not in self.result.thrift_spec
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)

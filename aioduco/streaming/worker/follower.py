@@ -236,6 +236,9 @@ class CheckedRates(Rates):
         crossed: callback with the limit that would have been crossed; it must end the stream.
     """
 
+    config: Config
+    limited: int
+
     def __init__(
         self,
         space: Space,
