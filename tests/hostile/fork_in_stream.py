@@ -25,7 +25,7 @@ START = [0.0, 0.1, 1.5, 0.0, -1.5, 0.0]
 async def main(host: str, port: int, lane: Literal["process", "thread"]) -> None:
     told: dict[str, object] = {}
     # a busy machine is not to end the stream
-    options = LaneOptions(lane=lane, timeout=20.0)
+    options = LaneOptions(lane=lane, timeout=20.0, away_limit=20.0)
     async with aioduco.connect(host, port, heartbeat=30.0, loop_stall_limit=20.0) as robot:
         await robot.bring_up()
         await robot.motion.movej2(START, v=1.0, a=2.0)

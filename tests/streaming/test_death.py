@@ -37,8 +37,8 @@ from aioduco.streaming.options import LaneOptions
 here = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 
 async def main(host, port, lane):
-    stream = Servo(StreamEndpoint(host, int(port))).joints(
-        v=1.0, a=5.0, rate=500, options=LaneOptions(lane=lane)
+    stream = Servo(StreamEndpoint(host, int(port), stall_limit=15.0)).joints(
+        v=1.0, a=5.0, rate=500, options=LaneOptions(lane=lane, away_limit=20.0)
     )
     async with stream:
         number = 0

@@ -226,7 +226,8 @@ async def main(host, port, guard):
     async with aioduco.connect(host, int(port), guard=guard or None) as robot:
         await robot.recover()
         start = await robot.state.get_actual_joints_position()
-        async with robot.servo.joints(v=1.0, a=8.0) as stream:
+        options = aioduco.LaneOptions(away_limit=20.0)
+        async with robot.servo.joints(v=1.0, a=8.0, options=options) as stream:
             for n in range(100_000):
                 await stream.send([start[0] + 2e-4 * n, *start[1:]])
                 if n == 150:

@@ -444,8 +444,9 @@ async def test_a_send_that_waits_while_another_task_leaves_raises_a_stream_error
     await stream.send(HERE)
     async with anyio.create_task_group() as tasks:
         # The task that leaves waits first, so it is woken first, and releases the block.
-        tasks.start_soon(stream.__aexit__, None, None, None)
-        await anyio.lowlevel.checkpoint()
+        tasks.start_soon(stream.__aexit__, ZeroDivisionError, ZeroDivisionError(), None)
+        for _ in range(10):
+            await anyio.lowlevel.checkpoint()
         for _ in range(3):
             tasks.start_soon(sends)
         for _ in range(10):
