@@ -5,7 +5,7 @@ They send no heartbeat: it would take the arm's supervision away from the progra
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -106,12 +106,22 @@ def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = 
     address = robot_at(host, port)
     what = f"The arm at {address} goes on with what was paused, at the speed that it had.\n{SAFE}"
     ask(what, "Resume?", yes=yes)
-    _done(address, lambda robot: robot.resume(), "resumed", json)
+    from aioduco import ExitLadder  # noqa: PLC0415 - quick help
+
+    # A program that leaves its robot stops what it resumed; this operator wants it to go on.
+    left_moving = ExitLadder(stop=None, standstill=None)
+    _done(address, lambda robot: robot.resume(), "resumed", json, exit_ladder=left_moving)
 
 
-def _done(address: RobotAddress, work: Callable[[Robot], object], said: str, as_json: bool) -> None:
-    """Do the work, and print the states after it."""
-    with observing_session(address) as robot:
+def _done(
+    address: RobotAddress,
+    work: Callable[[Robot], object],
+    said: str,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Do the work on a robot connected with these options, and print the states after it."""
+    with observing_session(address, **options) as robot:
         work(robot)
         states = robot.state.get_robot_state()
     if as_json:
