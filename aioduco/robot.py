@@ -102,6 +102,7 @@ _STREAMS = {
 _NEEDED_OPEN = frozenset(
     {
         *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint"),
+        "aioduco.supervision.guard.client",  # of `stop_all`
         *(
             place.rpartition(".")[0]
             for places in (_SECTIONS, _SECTIONS_WITH_STREAMS, _STREAMS)

@@ -2,7 +2,7 @@
 
 A function is made when it is first used, which needs memory. Stopping often comes first when a
 program fails, and it may fail because there is no memory left. So everything that opens a robot, a
-guard or a stream also makes what its end needs.
+guard or a stream also makes what its end needs, and loads thriftpy2, which some answers need.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ def prepare(names: Iterable[str]) -> None:
     Args:
         names: the functions; an empty name stands for none.
     """
+    import aioduco._wire.thrift  # noqa: PLC0415, F401 - not with this module: see there
+
     functions = idl.functions()
     for name in names:
         if name:

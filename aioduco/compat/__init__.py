@@ -25,6 +25,7 @@ import threading
 import warnings
 from typing import TYPE_CHECKING, Any
 
+import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco._version import __version__
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY

@@ -48,12 +48,6 @@ from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Ending, Gate
-from aioduco.supervision.guard.guarded import (
-    GuardClient,
-    GuardedHeartbeat,
-    GuardedSignOfLife,
-    GuardedStopChannel,
-)
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
 from aioduco.supervision.motion_sources import Claim
@@ -68,6 +62,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import LaneStatistics
     from aioduco.supervision.gate import Permit
+    from aioduco.supervision.guard.guarded import GuardClient
     from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
@@ -184,13 +179,15 @@ class Supervisor:
                     self._beaten,
                 )
         else:
-            self.guard = GuardClient(host, port, settings)
-            self._life = GuardedSignOfLife(self.guard)
-            self.stop_channel = GuardedStopChannel(
+            from aioduco.supervision.guard import guarded  # noqa: PLC0415  # few robots have one
+
+            self.guard = guarded.GuardClient(host, port, settings)
+            self._life = guarded.GuardedSignOfLife(self.guard)
+            self.stop_channel = guarded.GuardedStopChannel(
                 self.guard, self._stop_lane, self._control_lane, self.poll
             )
             if settings.heartbeat is not None:
-                self.heartbeat = GuardedHeartbeat(self.guard)
+                self.heartbeat = guarded.GuardedHeartbeat(self.guard)
         self.gate: Gate = Gate(
             settings.heartbeat, settings.loop_stall_limit, boot_time(), self._permits_ended
         )
