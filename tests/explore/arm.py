@@ -204,7 +204,7 @@ class ArmWorld(World):
         calls: the calls on their way, and those that were.
         down: whether the network carries nothing.
         asks: number of commands that were asked for.
-        confirming: number of stops that are being confirmed.
+        confirming: how much had been asked for when each stop began that is being confirmed.
         claim: whether the program may be moving the arm, as its guard knows it.
     """
 
@@ -215,7 +215,7 @@ class ArmWorld(World):
         self.calls: dict[str, Call] = {}
         self.down = False
         self.asks = 0
-        self.confirming = 0
+        self.confirming: list[int] = []
         self.claim = False
 
     def __getitem__(self, name: str) -> Command:
@@ -223,7 +223,7 @@ class ArmWorld(World):
 
     def parts(self) -> Iterable[object]:
         yield self.controller.key(self)
-        yield self.down, self.asks, self.confirming, self.claim
+        yield self.down, self.asks, tuple(self.confirming), self.claim
         for command in self.commands.values():
             yield command.key()
         for name, call in sorted(self.calls.items()):
@@ -250,6 +250,12 @@ class ArmWorld(World):
             if command.asked is not None and (before is None or command.asked <= before):
                 command.void = command.void or why
 
+    def void_unsent(self, why: str) -> None:
+        """Note that what was asked for and not sent must not be sent any more."""
+        for command in self.commands.values():
+            if command.asked and command.kind != POINTS and command.name not in self.calls:
+                command.void = command.void or why
+
     def check(self) -> None:
         for command in self.controller.movers:
             if command.void:
@@ -270,8 +276,8 @@ class ArmWorld(World):
     @contextlib.contextmanager
     def confirms(self) -> Iterator[None]:
         """Note that a stop is being confirmed: nothing that moves the arm is sent meanwhile."""
-        self.confirming += 1
         before = self.asks
+        self.confirming.append(before)
         try:
             yield
         except StopUnconfirmed:
@@ -280,7 +286,7 @@ class ArmWorld(World):
                     command.void = "it waited for a stop, and it is not known that the arm stands"
             raise
         finally:
-            self.confirming -= 1
+            self.confirming.remove(before)
 
     def environment(self) -> Iterable[Action]:
         for name, call in self.calls.items():

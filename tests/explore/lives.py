@@ -21,7 +21,7 @@ from aioduco.streaming.shared.words import ControlWord, StreamCommand
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
 
-from .arm import ArmWorld, Command
+from .arm import POINTS, ArmWorld, Command
 from .program import HEARTBEAT, STALL, Program
 from .world import TICK, Action, Process, Steps, canonical
 
@@ -142,8 +142,10 @@ class LivingWorld(ArmWorld):
         self.say("the controller stops by itself, since no heartbeat came")
         self.controller.beat = None
         self.controller.stop()
-        unsent = [one for one in self.commands.values() if one.name not in self.calls]
-        self.void("the controller has stopped by itself", *unsent)
+        self.void_unsent("the controller has stopped by itself")
+        for command in self.commands.values():
+            if command.kind == POINTS and command.asked:
+                self.void("the controller has stopped by itself", command)
 
     def passed(self) -> None:
         super().passed()

@@ -1,4 +1,14 @@
-"""What the explorer must find: each mend taken out again, in a machine or in what drives it."""
+"""What the explorer must find: each mend taken out again, in a machine or in what drives it.
+
+The numbers are those of what was once wrong:
+
+1. A motion that was awaited before a stop was sent after the stop had returned.
+2. A stream that was frozen and thawed moved an arm that stood.
+3. Time was judged by a clock that stands while the computer sleeps.
+4. Motions were sent while a stop of the package's own was being confirmed.
+5. A program resumed the motion of another one and left, and the arm moved on.
+6. A mode stayed on when the connection of its stream broke, and the next motion was sent in it.
+"""
 
 from __future__ import annotations
 
@@ -261,7 +271,7 @@ MUTATIONS = (
         HeartbeatMachine,
         "may_beat",
         _always_beats,
-        scenarios.Frozen,
+        scenarios.Hung,
     ),
     Mutation(
         "a lost motion is not waited for after the stop",

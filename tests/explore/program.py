@@ -109,6 +109,7 @@ class Program:
         self.gate = Gate(heartbeat, STALL, world.boot(), self.ended)
         self.locked = False
         self.pending: list[Pending] = []
+        self.sent: list[Pending] = []
         self.tasks: list[Task] = []
         self.last: Task | None = None
         self.modes: list[Command] = []
@@ -126,7 +127,8 @@ class Program:
             self.unfollowed,
             *[(permit.name, permit.epoch.ending, permit.stops) for permit in self.permits],
             *[canonical(task.life, self.world) for task in self.tasks],
-            *[each.key(self.world) for each in self.pending],
+            *sorted(each.name for each in self.pending),
+            *[each.key(self.world) for each in sorted(self.sent, key=lambda one: one.name)],
             *[(task.name, task.done) for task in self.tasks],
             *[mode.name for mode in self.modes],
             *[mode.name for mode in self.overdue],
@@ -290,6 +292,7 @@ class Program:
         """`StopCoordinator.answered`."""
         pending = Pending(command, permit)
         self.pending.append(pending)
+        self.sent.append(pending)
         self.world.start(f"sender of {command.name}", self.carry_out(pending))
         try:
             return (yield from self.certain(pending, permit, followed=followed))
@@ -489,7 +492,8 @@ class Program:
     def motions_ended(self) -> Steps[None]:
         world = self.world
         until = world.now + 2
-        for task in tuple(self.tasks):
+        tasks = tuple(self.tasks)
+        for task in tasks:
             yield lambda task=task: task.done or world.now >= until  # type: ignore[misc]
 
     def pause(self) -> Steps[None]:
@@ -620,6 +624,7 @@ class Program:
         world = self.world
         asked = world.asks
         world.say("the program calls robot.stop()")
+        world.void_unsent("robot.stop() was called after it was asked for")
         _, cancelled = yield from to_completion(self.halt)
         if cancelled is not None:
             raise cancelled
@@ -635,6 +640,7 @@ class Program:
             if command.asked is not None
             and (command.name not in world.calls or world.calls[command.name].state != "answered")
         ]
+        world.void_unsent("robot.stop_now() was called after it was asked for")
         with self.gate.stop():
             yield None
             world.say("the controller stops")
@@ -648,5 +654,6 @@ class Program:
     def leaves(self) -> Steps[None]:
         """Leave the robot's block."""
         self.world.say("the program leaves the robot")
+        self.world.void_unsent("the program has begun to leave the robot")
         yield from self.leave()
         self.world.void("the program has left the robot")

@@ -199,7 +199,7 @@ class ModeLeft(ModeStopped):
 class Resumed(Scenario):
     """The paused motion of another program is resumed, and the robot left, or the arm stopped."""
 
-    gate = 18
+    gate = 16
     prompt = True
     victims = ("R",)
     wrong = {"cancel": 1, "break": 1}
@@ -276,7 +276,7 @@ class Unconfirmed(Scenario):
 class Tasks(Scenario):
     """A motion blends into the next one, is stopped, or arrives; its task is polled meanwhile."""
 
-    gate = 15
+    gate = 14
     prompt = True
     wrong = {"arrive": 2}
 
@@ -351,6 +351,22 @@ class Frozen(Living):
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A", reads=True))
+
+
+class Hung(Living):
+    """A motion runs, and the event loop hangs."""
+
+    gate = 20
+    freezable: tuple[str, ...] = ("loop",)
+    wrong = {"freeze": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("A"))
+
+    def begin(self) -> None:
+        self["A"].asked = 0
+        self.controller.begin(self["A"])
+        self.claim = True
 
 
 class Stream(Living):
@@ -471,6 +487,7 @@ ALL: tuple[type[Scenario | Living], ...] = (
     Tasks,
     Left,
     Frozen,
+    Hung,
     Stream,
     StreamSuspended,
     StreamWithoutHeartbeat,

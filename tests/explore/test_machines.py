@@ -12,7 +12,7 @@ from .scenarios import ALL, Living, Scenario
 from .world import explore
 
 #: steps by which the quick run goes less deep
-_FEWER = 3
+_FEWER = 4
 
 
 @pytest.mark.parametrize("scenario", ALL, ids=lambda kind: kind.__name__)
