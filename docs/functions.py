@@ -5,7 +5,7 @@
 
 The wire and its meanings come from `idl/robot.thrift`, the manuals' names from
 `tests/data/manual-3.8.json` and `manual-4.3.json`, what older controllers lack from
-`wire-older.json` there, our names from the robot's classes and `aioduco/models/names.py`.
+`wire-older.json` there, our names from `aioduco/models/names.py`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,8 @@ DATA = ROOT / "tests" / "data"
 
 sys.path.insert(0, str(ROOT))
 
-import aioduco.sync  # noqa: E402  # of this checkout
 from aioduco.models import names  # noqa: E402  # of this checkout
 from aioduco.models.names import BY_ITSELF, CLIENT_SIDE  # noqa: E402  # of this checkout
-
-aioduco.sync.connect("192.0.2.1")  # loads the sections, in which functions are looked up
 
 HEAD = """# Functions
 
@@ -171,7 +168,6 @@ def page() -> str:
 
 def main() -> int:
     """Write the page, or compare it."""
-    aioduco.connect("192.0.2.1")  # making a robot loads the sections
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--check", action="store_true", help="fail if the page is out of date")
     text = page()

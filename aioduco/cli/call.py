@@ -64,13 +64,13 @@ def call(
     from aioduco._wire.idempotence import call_kind  # noqa: PLC0415
     from aioduco.models.names import SPELLINGS, place  # noqa: PLC0415
 
-    address = robot_at(host, port)
-    robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
     where = place(name)
     if where is None:
         raise typer.BadParameter(
             f"no function of the robot is called {name}; docs/functions.md lists all of them"
         )
+    address = robot_at(host, port)
+    robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
     if describe:
         function = function_of(robot, where)
         # annotations are strings, which a signature shows in quotes

@@ -1,17 +1,17 @@
 """Place of each function of the manual and of the wire in this package.
 
 The page of functions (`docs/functions.py`) and the errors for a name that is used on the wrong
-object both ask here. The robot's classes themselves say what they have; the tables say only what
-the manual calls otherwise, or what a program does in its place. A test compares all of it with the
-wire and with the manual.
+object both ask here. `places.py` is generated from the robot's classes; the tables here say only
+what the manual calls otherwise, or what a program does in its place. A test compares all of it with
+the wire and with the manual.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._wire.rpc import Functions
 from aioduco.errors import NamedElsewhere
+from aioduco.models.places import PLACES
 
 __all__ = ["BY_ITSELF", "CLIENT_SIDE", "SPELLINGS", "ManualNames", "place"]
 
@@ -42,9 +42,6 @@ CLIENT_SIDE: Final = {
 def place(name: str) -> str | None:
     """Return the notation of a function in a program, such as `robot.motion.movel`.
 
-    The sections are loaded when a robot is made: before that only the robot's own functions are
-    found.
-
     Args:
         name: name of the function on the wire or in the manual.
 
@@ -52,17 +49,9 @@ def place(name: str) -> str | None:
         The notation; None if there is no such function, or if the robot does not have it.
     """
     wire = SPELLINGS.get(name, name)
-    if not hasattr(Functions, wire):
-        return None
-    kinds: list[type] = [ManualNames]
-    for kind in kinds:
-        kinds += kind.__subclasses__()
-        # a section of the robot has the name of the module of `api` that its functions are in
-        match kind.__module__.split("."):
-            case ["aioduco", "robot"] if wire in vars(kind):
-                return f"robot.{wire}"
-            case ["aioduco", "api", section, *_] if wire in vars(kind):
-                return f"robot.{section}.{wire}"
+    for section, names in PLACES.items():
+        if wire in names.split():
+            return ".".join(filter(None, ("robot", section, wire)))
     return None
 
 
