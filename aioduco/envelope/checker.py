@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from math import cos, hypot, sin
+from operator import sub
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.envelope.limits import BODIES, Crossing
@@ -346,6 +347,24 @@ class EnvelopeChecker:
             self._marked = start, elbow, wrist
             return False
         return not self._by_joints or self._joints_clear(start, turn + _ROUNDING)
+
+    def may_reach(self, start: Sequence[float], *others: Sequence[float]) -> bool:
+        """Whether a limit may be in reach on the way from joint angles to others [rad].
+
+        The way may be any on which each joint turns only towards the next of these angles.
+        """
+        if start is not self._at:
+            self.moved(start)
+        elbow = tip = turned = _ROUNDING
+        here = start
+        for there in others:
+            bend, most, _ = self._travel_joints(here, there)
+            elbow, tip = elbow + bend, tip + most
+            turned += sum(map(abs, map(sub, there, here)))
+            here = there
+        if self._near(start, elbow, tip):
+            return True
+        return self._by_joints and not self._joints_clear(start, turned)
 
     def _joints_clear(self, start: Sequence[float], room: float) -> bool:
         """Whether every joint margin is larger than `room`, the sum of the joints' turns [rad].

@@ -259,11 +259,11 @@ class EnvelopeKeeper:
             await self._unknown(envelope, command, before)
             return command
         v, a = float(args[1]), float(args[2])
-        paths = servo.servo_ways(here, last, target, v)
+        slowing = None
         if chain is not None and a < chain.a and sample is not None:
-            paths.append(servo.braking(here, sample.status.joint_speeds.tolist(), a))
+            slowing = servo.braking(here, sample.status.joint_speeds.tolist(), a)
         checker = self._watch.checker(envelope, frames.tool)
-        found, share = servo.check_servo(checker, paths)
+        found, share = servo.check_servo(checker, here, last, target, v, slowing)
         if found is not None:
             await self._refuse(name, before, found)
         if share < 1.0:
@@ -272,7 +272,8 @@ class EnvelopeKeeper:
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
             self._watch.wobj = frames.wobj if wobj is not None and not names[1] else None
-            self._last = _Checked(paths[0], checker, newest, name, frames, a)
+            way = ways.polyline([last, target], v)
+            self._last = _Checked(way, checker, newest, name, frames, a)
         return command
 
     async def _velocity(
