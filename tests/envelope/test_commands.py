@@ -605,3 +605,15 @@ async def test_an_arm_that_moves_again_while_a_stop_is_confirmed_is_stopped_agai
         confirmed.set()
         with suppress(TaskStopped):
             await task
+
+
+async def test_the_watch_waits_for_no_other_call(
+    robot: aioduco.Robot, seen: Seen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The program may have as many calls under way as the pool has connections."""
+    robot.envelope = Envelope("gcr5_910", wall())
+    task = await robot.motion.speedj((0.6, 0, 0, 0, 0, 0), a=3.0, time=5.0).start()
+    monkeypatch.setattr(robot._supervisor.retrying.rpc, "get_tcp_offset", anyio.sleep_forever)
+    with anyio.fail_after(60.0), pytest.raises(TaskStopped):
+        await task
+    assert nearest(seen) > 0
