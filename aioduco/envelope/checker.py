@@ -38,6 +38,7 @@ _Look: TypeAlias = tuple["Sequence[float]", "tuple[Point, ...]", Joints6]
 BESIDE = 3e-3
 #: joint deceleration that a stopping arm reaches for certain [rad/s²]
 STOPPING = 5.0
+_BACK = 1e-5  # least distance by which a path leads back, more than rounding [m, rad]
 _HALVINGS = 8  # halvings of a chord before a zone that it passes closely counts as crossed
 _NOWHERE = (math.nan, math.nan, math.nan)
 _ROUNDING = 1e-9  # upper bound of the rounding error of a summed distance [m]
@@ -296,7 +297,7 @@ class EnvelopeChecker:
         """
         for each in self.margins(config) if self._beyond else ():
             start = self._beyond.get(each.limit, 0.0)
-            if start < -BESIDE and each.margin <= start + _ROUNDING:
+            if start < -BESIDE and each.margin < start + _BACK:
                 return each
         return None
 

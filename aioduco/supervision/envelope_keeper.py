@@ -22,6 +22,7 @@ from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
+from aioduco.supervision.concurrency import every
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ _SLOWEST = {
     "movej_pose": 0.01,
 }
 _SLOWEST_LINE = 0.01
+#: seconds between two checks whether a stop is confirmed
+_STOPPING_EVERY = 0.01
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
 
@@ -485,6 +488,9 @@ class EnvelopeKeeper:
         """
         if self.envelope is None:
             return None
+        async for _ in every(_STOPPING_EVERY):
+            if not self._coordinator.gate.stopping:
+                break  # before, the arm and what moved it would be looked at too early
         if not self._live:  # else the stream is not opened
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
         frames = await self._frames(tool, wobj, standing=True)

@@ -51,10 +51,9 @@ _PERIODS, _REACTION = 3.0, 0.1
 _STILL = 1e-3
 #: rise of the fastest joint's speed after a stop at which the arm moves again [rad/s]
 _AGAIN = 0.02
-#: distance beyond a limit at which a checked motion may be seen, due to its lag [m, rad]
+#: distance beyond a limit at which a checked motion may be seen, due to its lag; and by which an
+#: arm that is beyond may seem to get deeper while its joints swing [m, rad]
 _LAG = 3e-3
-#: depth by which an arm may seem to get deeper beyond a limit while its joints swing [m, rad]
-_SWING = 1e-3
 _FRESH = 0.1  # largest age of a sample that says where a moving arm is [s]
 _MOST_CHECKERS = 8  # checkers that are kept, each for a tool
 #: factor by which a controller may exceed the requested tool speed
@@ -335,7 +334,7 @@ class EnvelopeWatch:
         deeper = (
             each
             for limit, each in beyond.items()
-            if then.get(limit, -math.inf) < self._best[limit] - _SWING
+            if then.get(limit, -math.inf) < self._best[limit] - _LAG
         )
         return next(deeper, None)
 
