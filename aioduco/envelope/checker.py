@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from math import cos, hypot, sin
+from operator import sub
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.envelope.limits import BODIES, Crossing
@@ -37,6 +38,7 @@ _Look: TypeAlias = tuple["Sequence[float]", "tuple[Point, ...]", Joints6]
 BESIDE = 3e-3
 #: joint deceleration that a stopping arm reaches for certain [rad/s²]
 STOPPING = 5.0
+_BACK = 1e-5  # least distance by which a path leads back, more than rounding [m, rad]
 _HALVINGS = 8  # halvings of a chord before a zone that it passes closely counts as crossed
 _NOWHERE = (math.nan, math.nan, math.nan)
 _ROUNDING = 1e-9  # upper bound of the rounding error of a summed distance [m]
@@ -295,7 +297,7 @@ class EnvelopeChecker:
         """
         for each in self.margins(config) if self._beyond else ():
             start = self._beyond.get(each.limit, 0.0)
-            if start < -BESIDE and each.margin <= start + _ROUNDING:
+            if start < -BESIDE and each.margin < start + _BACK:
                 return each
         return None
 
@@ -346,6 +348,24 @@ class EnvelopeChecker:
             self._marked = start, elbow, wrist
             return False
         return not self._by_joints or self._joints_clear(start, turn + _ROUNDING)
+
+    def may_reach(self, start: Sequence[float], *others: Sequence[float]) -> bool:
+        """Whether a limit may be in reach on the way from joint angles to others [rad].
+
+        The way may be any on which each joint turns only towards the next of these angles.
+        """
+        if start is not self._at:
+            self.moved(start)
+        elbow = tip = turned = _ROUNDING
+        here = start
+        for there in others:
+            bend, most, _ = self._travel_joints(here, there)
+            elbow, tip = elbow + bend, tip + most
+            turned += sum(map(abs, map(sub, there, here)))
+            here = there
+        if self._near(start, elbow, tip):
+            return True
+        return self._by_joints and not self._joints_clear(start, turned)
 
     def _joints_clear(self, start: Sequence[float], room: float) -> bool:
         """Whether every joint margin is larger than `room`, the sum of the joints' turns [rad].

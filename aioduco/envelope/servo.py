@@ -116,11 +116,37 @@ def braking(here: Config, speeds: Sequence[float], a: float) -> Way:
     return polyline(_corners(here, rest), max(map(abs, speeds)))
 
 
-def check_servo(checker: EnvelopeChecker, ways: Sequence[Way]) -> tuple[Crossing | None, float]:
-    """Check the paths that the arm may take to a target, as `check_way`."""
+def check_servo(
+    checker: EnvelopeChecker,
+    here: Config,
+    last: Config,
+    target: Config,
+    v: float,
+    slowing: Way | None = None,
+) -> tuple[Crossing | None, float]:
+    """Check all paths that the arm may take to a target.
+
+    Args:
+        checker: checker for joints.
+        here: last known position of the arm [rad].
+        last: the last target [rad].
+        target: the new target [rad].
+        v: largest speed of each joint [rad/s].
+        slowing: a path that is checked as well.
+
+    Returns:
+        The limit that a path would cross, or does not lead back from, if any; and the share of the
+        speed at which the limits with the action "slow" are kept.
+    """
+    if slowing is None and checker.begun and not (checker.leaving or checker.times):
+        # Nearly always no limit is in reach, whichever way the arm takes.
+        reached = checker.may_reach(here, last, target) or checker.may_reach(here, target)
+        if not reached:
+            return None, 1.0
     share = 1.0
-    for way in ways:
-        # Nearly always it is within the limits: only then it may be taken for known.
+    ways = servo_ways(here, last, target, v)
+    for way in ways if slowing is None else [*ways, slowing]:
+        # Nearly always it begins within the limits: only then it may be taken for known.
         found, slowed = check_way(checker, way, known=True)
         if found is not None:
             found, slowed = check_way(checker, way)

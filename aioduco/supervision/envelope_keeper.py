@@ -22,6 +22,7 @@ from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
+from aioduco.supervision.concurrency import every
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ _SLOWEST = {
     "movej_pose": 0.01,
 }
 _SLOWEST_LINE = 0.01
+#: seconds between two checks whether a stop is confirmed
+_STOPPING_EVERY = 0.01
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
 
@@ -259,11 +262,11 @@ class EnvelopeKeeper:
             await self._unknown(envelope, command, before)
             return command
         v, a = float(args[1]), float(args[2])
-        paths = servo.servo_ways(here, last, target, v)
+        slowing = None
         if chain is not None and a < chain.a and sample is not None:
-            paths.append(servo.braking(here, sample.status.joint_speeds.tolist(), a))
+            slowing = servo.braking(here, sample.status.joint_speeds.tolist(), a)
         checker = self._watch.checker(envelope, frames.tool)
-        found, share = servo.check_servo(checker, paths)
+        found, share = servo.check_servo(checker, here, last, target, v, slowing)
         if found is not None:
             await self._refuse(name, before, found)
         if share < 1.0:
@@ -272,7 +275,8 @@ class EnvelopeKeeper:
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
             self._watch.wobj = frames.wobj if wobj is not None and not names[1] else None
-            self._last = _Checked(paths[0], checker, newest, name, frames, a)
+            way = ways.polyline([last, target], v)
+            self._last = _Checked(way, checker, newest, name, frames, a)
         return command
 
     async def _velocity(
@@ -484,6 +488,9 @@ class EnvelopeKeeper:
         """
         if self.envelope is None:
             return None
+        async for _ in every(_STOPPING_EVERY):
+            if not self._coordinator.gate.stopping:
+                break  # before, the arm and what moved it would be looked at too early
         if not self._live:  # else the stream is not opened
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
         frames = await self._frames(tool, wobj, standing=True)

@@ -51,11 +51,9 @@ _PERIODS, _REACTION = 3.0, 0.1
 _STILL = 1e-3
 #: rise of the fastest joint's speed after a stop at which the arm moves again [rad/s]
 _AGAIN = 0.02
-#: distance beyond a limit at which a checked motion may be seen, due to its lag [m, rad]
+#: distance beyond a limit at which a checked motion may be seen, due to its lag; and by which an
+#: arm that is beyond may seem to get deeper while its joints swing [m, rad]
 _LAG = 3e-3
-#: depth by which an arm may seem to go deeper while it leaves a limit, because its joints swing;
-#: in what a sample predicts, and since it was first seen to move beyond the limit [m, rad]
-_SWING, _DEEPER = 2e-4, 1e-3
 _FRESH = 0.1  # largest age of a sample that says where a moving arm is [s]
 _MOST_CHECKERS = 8  # checkers that are kept, each for a tool
 #: factor by which a controller may exceed the requested tool speed
@@ -153,10 +151,12 @@ class EnvelopeWatch:
         self.reaction: float = max(_PERIODS * self._period, _REACTION)
         self._checkers: dict[tuple[Pose, bool], EnvelopeChecker] = {}
         self._running = False
+        #: whether the tool in use is being read
+        self._reading = False
         #: speed of the fastest joint in the last sample [rad/s]
         self._fastest = 0.0
-        #: margins of the limits that the moving arm is beyond, when that was first seen
-        self._first: dict[str, float] = {}
+        #: best margins that the moving arm had, of the limits that it is beyond
+        self._best: dict[str, float] = {}
         #: force at which the arm was stopped, while it is too large [N]
         self._force_at_stop = math.inf
         #: whether a stop is being confirmed, and the lowest speed of the fastest joint since then
@@ -170,7 +170,7 @@ class EnvelopeWatch:
         """Judge samples by another envelope; None for none."""
         self.envelope = envelope
         self._checkers = {}
-        self._first = {}
+        self._best = {}
 
     def begin(self) -> None:
         """Start to watch the state, unless it is watched."""
@@ -267,13 +267,13 @@ class EnvelopeWatch:
     async def _place(self, envelope: Envelope, sample: Snapshot, fastest: float) -> Crossing | None:
         """Return the limit that a moving arm has passed or is about to pass; None if none."""
         if not fastest > _STILL:
-            self._first = {}
+            self._best = {}
             return None
-        try:
-            self.tool = tool = pose_of(await self._reads.rpc.get_tcp_offset())
-            if self.wobj is not None:
-                self.wobj = pose_of(await self._reads.rpc.get_wobj())
-        except DucoError:
+        if self.tool is None:
+            await self._read_frames()
+        else:
+            self._refresh_frames()
+        if (tool := self.tool) is None:
             return None  # a lost connection is handled elsewhere
         status, checker = sample.status, self.checker(envelope, tool)
         q, speeds = tuple(status.joints), status.joint_speeds.tolist()
@@ -293,28 +293,50 @@ class EnvelopeWatch:
             return None
         checker.begin(q, leaving=True, slack=math.inf)
         found = checker.sweep(q, there, speed)
-        if found is None and not self._first and fastest > self._fastest:
+        if found is None and not self._best and fastest > self._fastest:
             found = self._speeding_up(envelope, tool, q)
         return found
+
+    def _refresh_frames(self) -> None:
+        """Read the tool in use for the next sample; this one does not wait for other calls."""
+        if not self._reading:
+            self._reading = True
+            self._background.start(self._read_frames(), "aioduco tool in use", self._was_read)
+
+    def _was_read(self) -> None:
+        self._reading = False
+
+    async def _read_frames(self) -> None:
+        rpc = self._reads.rpc
+        try:
+            self.tool = pose_of(await rpc.get_tcp_offset())
+            if self.wobj is not None:
+                self.wobj = pose_of(await rpc.get_wobj())
+        except DucoError:
+            return  # the next sample tries again
 
     def _beyond(
         self, checker: EnvelopeChecker, q: Sequence[float], there: Sequence[float], lag: float
     ) -> Crossing | None:
-        """Return a limit that the arm is beyond, and does not move back from."""
+        """Return a limit that the arm is beyond, and gets deeper beyond."""
         beyond = {
             each.limit: each
             for each in checker.margins(q)
             if each.margin < -lag and each.action != "slow"
         }
-        self._first = {limit: self._first.get(limit, each.margin) for limit, each in beyond.items()}
+        self._best = {
+            limit: max(self._best.get(limit, each.margin), each.margin)
+            for limit, each in beyond.items()
+        }
         if not beyond:
             return None
         then = {each.limit: each.margin for each in checker.margins(there)}
-        for limit, each in beyond.items():
-            led = then.get(limit, -math.inf) < each.margin - _SWING
-            if led or each.margin < self._first[limit] - _DEEPER:
-                return each
-        return None
+        deeper = (
+            each
+            for limit, each in beyond.items()
+            if then.get(limit, -math.inf) < self._best[limit] - _LAG
+        )
+        return next(deeper, None)
 
     def _speeding_up(self, envelope: Envelope, tool: Pose, q: tuple[float, ...]) -> Crossing | None:
         """Return the limit that the arm will cross before a stop, once it has its full velocity."""

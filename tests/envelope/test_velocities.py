@@ -172,7 +172,7 @@ def test_what_is_known_is_not_looked_at_again_and_decides_alike(seed: int) -> No
     for number in range(60):
         target = tuple((here + 0.02 * number * way + rng.uniform(-0.01, 0.01, 6)).tolist())
         paths = servo_ways(q, last, target, 1.0)
-        found, _ = check_servo(known, paths)
+        found, _ = check_servo(known, q, last, target, 1.0)
         judged = [check_way(new, path)[0] for path in paths]
         assert (found is None) == (not any(judged))
         for path in paths:
