@@ -20,14 +20,16 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any, Final
 
+_ioctl: Any = None
+_UNSENT = 0
 try:
     import fcntl
     import termios
-except ImportError:  # not on Windows
-    _ioctl: Any = None
+except ImportError:
+    pass  # not on Windows
 else:
     _ioctl = fcntl.ioctl
-    _UNSENT: Final = termios.TIOCOUTQ
+    _UNSENT = termios.TIOCOUTQ
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

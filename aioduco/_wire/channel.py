@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import os
+import socket
+import sys
 import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -505,8 +509,30 @@ async def _connected(loop: asyncio.AbstractEventLoop, to: Address, until: float)
     try:
         stream.prepare()
         async with asyncio.timeout(max(0.0, until - time.monotonic())):
-            await loop.sock_connect(stream.socket, to.address)
+            await _connect(loop, stream.socket, to.address)
     except BaseException:
         stream.discard()
         raise
     return stream
+
+
+async def _connect(loop: asyncio.AbstractEventLoop, sock: socket.socket, address: Any) -> None:
+    """Connect a non-blocking socket to an address of `socket.getaddrinfo`.
+
+    uvloop's `sock_connect` resolves the address again, on threads of libuv's; a child that is
+    forked after that crashes at its end (`uv__threadpool_cleanup`).
+    """
+    if sys.platform == "win32":
+        await loop.sock_connect(sock, address)
+        return
+    error = sock.connect_ex(address)
+    if error in (errno.EINPROGRESS, errno.EINTR):
+        writable = asyncio.Event()
+        loop.add_writer(sock.fileno(), writable.set)
+        try:
+            await writable.wait()
+        finally:
+            loop.remove_writer(sock.fileno())
+        error = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+    if error:
+        raise OSError(error, os.strerror(error))

@@ -75,17 +75,18 @@ class Section(ManualNames):
         where = f"{self._supervisor.host}:{self._supervisor.port}"
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
 
-    async def _finish(self, call: WireCall[int], timeout: float | None = None) -> None:
-        """Call a function that answers with the end state of a task, and check that it finished.
+    async def _finish(self, call: WireCall[int]) -> None:
+        """Call a function that answers with the end state of a task, and check that it finished."""
+        check_finished(call.name, await self._rpc.send(call))
+
+    async def _finish_within(self, call: WireCall[int], timeout: float) -> None:
+        """The same for a call that may take long; it is made on a thread.
 
         Args:
             call: the call, with block true if it has that argument.
-            timeout: another time-out than the robot's call_timeout [s], for a call that may take
-                long: it is made on a thread.
+            timeout: time-out in place of the robot's call_timeout [s].
         """
-        rpc = self._rpc
-        if timeout is not None:
-            rpc = self._supervisor.blocking.within(ranges.TIMEOUT("timeout", timeout))
+        rpc = self._supervisor.blocking.within(ranges.TIMEOUT("timeout", timeout))
         check_finished(call.name, await rpc.send(call))
 
     async def _accept(self, call: WireCall[int]) -> None:

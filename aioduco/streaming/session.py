@@ -31,7 +31,7 @@ from aioduco.streaming.shared.words import StreamCommand
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
-from aioduco.supervision.gate import Ending
+from aioduco.supervision.gate import PermitEnding
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -47,7 +47,7 @@ _KILLED = 1.0  # seconds within which a killed process must end
 _SIGNS = 10  # signs of life of the event loop per stall limit
 _SIGN_EVERY = 0.1  # longest time between two signs of life [s]
 #: why a stream ends whose permit has ended; FAILED for others
-_REASONS = {Ending.LAPSED: Reason.LAPSED, Ending.HUNG: Reason.HUNG}
+_REASONS = {PermitEnding.LAPSED: Reason.LAPSED, PermitEnding.HUNG: Reason.HUNG}
 
 
 class Session:
@@ -363,7 +363,7 @@ class Session:
         """Send nothing more, from now on; may be called from any thread or signal handler."""
         self._command(StreamCommand.HALT)
 
-    def withdraw(self, ending: Ending) -> None:
+    def withdraw(self, ending: PermitEnding) -> None:
         """Send nothing more and stop the arm; may be called from any thread or signal handler.
 
         Args:

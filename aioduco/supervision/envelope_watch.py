@@ -23,7 +23,7 @@ from aioduco.errors import DucoError, EnvelopeViolated
 from aioduco.models.samples import pose as pose_of
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.events import EnvelopeLeft
-from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence, Sized
@@ -361,7 +361,7 @@ class EnvelopeWatch:
         self._events.tell(EnvelopeLeft(time.monotonic(), found))
         self._name_cause(found)
         # At once: what is on its way to a socket must not pass while the stop's task starts.
-        self._coordinator.gate.end(Ending.ENVELOPE)
+        self._coordinator.gate.end(PermitEnding.ENVELOPE)
         self._stopping, self._slowest = True, fastest
         accepted = anyio.Event()
         self._background.start(self._rest(accepted), "aioduco stop at the envelope", accepted.set)
@@ -371,7 +371,7 @@ class EnvelopeWatch:
         """Stop the arm, and wait until it stands. The clock is held until a stop is accepted."""
         settings = self._settings
         try:
-            with self._coordinator.gate.stop(Ending.ENVELOPE):
+            with self._coordinator.gate.stop(PermitEnding.ENVELOPE):
                 self._unconfirmed = 1
                 await self._coordinator.send_stop(settings.stop_timeout)
                 accepted.set()

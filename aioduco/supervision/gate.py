@@ -39,14 +39,14 @@ if TYPE_CHECKING:
 
     from aioduco.errors import DucoError
 
-__all__ = ["STANDING", "Ending", "Gate", "Permit"]
+__all__ = ["STANDING", "Gate", "Permit", "PermitEnding"]
 
 #: seconds for which an arm must be seen to stand until a resumed motion counts as over: it may not
 #: have begun to move
 STANDING = 0.5
 
 
-class Ending(Enum):
+class PermitEnding(Enum):
     """Why permits end."""
 
     STOPPED = "the arm was stopped"
@@ -60,7 +60,12 @@ class Ending(Enum):
     @property
     def stops(self) -> bool:
         """Whether the one that ended the permits also stops, or pauses, the arm."""
-        return self in (Ending.STOPPED, Ending.ENVELOPE, Ending.PAUSED, Ending.LEFT)
+        return self in (
+            PermitEnding.STOPPED,
+            PermitEnding.ENVELOPE,
+            PermitEnding.PAUSED,
+            PermitEnding.LEFT,
+        )
 
 
 class _Epoch:
@@ -69,7 +74,7 @@ class _Epoch:
     __slots__ = ("ending",)
 
     def __init__(self) -> None:
-        self.ending: Ending | None = None
+        self.ending: PermitEnding | None = None
 
 
 class Permit:
@@ -117,7 +122,7 @@ class Gate:
         heartbeat: float | None,
         stall_limit: float,
         now: float,
-        ended: Callable[[Ending], object] = lambda _: None,
+        ended: Callable[[PermitEnding], object] = lambda _: None,
     ) -> None:
         self._heartbeat = heartbeat
         self._stall_limit = stall_limit
@@ -171,7 +176,7 @@ class Gate:
         if self._heartbeat is None or sent + self._heartbeat <= self._lease:
             return
         if sent > self._lease > -math.inf:
-            self.end(Ending.LAPSED)
+            self.end(PermitEnding.LAPSED)
         self._lease = sent + self._heartbeat
         self._unbeaten = ""
 
@@ -187,7 +192,7 @@ class Gate:
             why: the reason, for errors; empty: the controller does not answer.
         """
         if self._heartbeat is not None:
-            self.end(Ending.LAPSED)
+            self.end(PermitEnding.LAPSED)
             self._lease = -math.inf
             self._unbeaten = why
 
@@ -195,7 +200,7 @@ class Gate:
         """Note that the program hangs, or stood still: no permit is given until `rearm`."""
         if not self.hung:
             self.hung = self._heartbeat is not None
-            self.end(Ending.HUNG)
+            self.end(PermitEnding.HUNG)
 
     def rearm(self, now: float) -> None:
         """Open the gate after a hang, on request of the program."""
@@ -271,24 +276,24 @@ class Gate:
             )
         return bool(self._stopping)
 
-    def ending(self, permit: Permit) -> Ending | None:
+    def ending(self, permit: Permit) -> PermitEnding | None:
         """Return why a permit has ended; None if it has not."""
         if permit.epoch in (self._epoch, self._lasting):
             return None
-        return permit.epoch.ending or Ending.STOPPED
+        return permit.epoch.ending or PermitEnding.STOPPED
 
-    def end(self, ending: Ending) -> None:
+    def end(self, ending: PermitEnding) -> None:
         """End all permits, from any thread."""
-        if ending in (Ending.STOPPED, Ending.ENVELOPE):
+        if ending in (PermitEnding.STOPPED, PermitEnding.ENVELOPE):
             self.stops += 1
         epoch, self._epoch = self._epoch, _Epoch()
         epoch.ending = ending
-        if ending is not Ending.PAUSED:
+        if ending is not PermitEnding.PAUSED:
             lasting, self._lasting = self._lasting, _Epoch()
             lasting.ending = ending
         self._ended(ending)
 
-    def close(self, why: str, ending: Ending = Ending.LEFT) -> None:
+    def close(self, why: str, ending: PermitEnding = PermitEnding.LEFT) -> None:
         """Give no permit any more.
 
         Args:
@@ -297,7 +302,7 @@ class Gate:
         """
         self.closed = self.closed or why
         # No sign of life counts any more: a guard must not go on beating for a failed supervision.
-        self.hung = self.hung or ending is Ending.FAILED
+        self.hung = self.hung or ending is PermitEnding.FAILED
         self.end(ending)
 
     def _closed(self, name: str) -> DucoError | None:
@@ -331,7 +336,7 @@ class Gate:
         return bool(self._stopping)
 
     @contextlib.contextmanager
-    def stop(self, ending: Ending = Ending.STOPPED) -> Iterator[None]:
+    def stop(self, ending: PermitEnding = PermitEnding.STOPPED) -> Iterator[None]:
         """End all permits, and give no valid one until the block is left.
 
         The block sends the stop, and returns when the arm was seen to stand; it raises if that is

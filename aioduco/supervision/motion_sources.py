@@ -36,7 +36,7 @@ from aioduco.reporting import BackgroundLogger
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
-    from aioduco.supervision.gate import Ending
+    from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
 __all__ = ["TRACK_POOL", "Claim", "Modes", "OpenStream", "Streams"]
@@ -201,7 +201,7 @@ class OpenStream(Protocol):
     def halt(self) -> None:
         """Stop sending at once: the arm is being stopped; from any thread or signal handler."""
 
-    def withdraw(self, ending: Ending) -> None:
+    def withdraw(self, ending: PermitEnding) -> None:
         """Stop sending at once, and stop the arm; from any thread or signal handler."""
 
     def renew(self, lease: float) -> None:
@@ -258,7 +258,7 @@ class Streams:
             stream.halt()
         return bool(streams)
 
-    def withdraw(self, ending: Ending) -> None:
+    def withdraw(self, ending: PermitEnding) -> None:
         """Stop all streams from sending; each stops the arm. From any thread or signal handler.
 
         Args:

@@ -34,7 +34,7 @@ from aioduco.errors import (
 )
 from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import every, run_to_completion
-from aioduco.supervision.gate import Ending
+from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import PendingCommand, PendingCommands, stop_until_certain
@@ -137,20 +137,20 @@ class StopCoordinator:
             return True
         return any(task.motion for task in self.follower.tasks)
 
-    def permits_ended(self, ending: Ending) -> None:
+    def permits_ended(self, ending: PermitEnding) -> None:
         """End what sends by itself, at once; from any thread or signal handler.
 
         Args:
             ending: why the permits have ended.
         """
-        if ending is not Ending.PAUSED:
+        if ending is not PermitEnding.PAUSED:
             self.modes.overdue(TRACK_POOL)
         if ending.stops:
             self.streams.halt()
             return
         self.streams.withdraw(ending)
         why = HeartbeatLost(ending.value)
-        if ending is Ending.HUNG:
+        if ending is PermitEnding.HUNG:
             why = HeartbeatLost(
                 "the program's event loop did not run for longer than "
                 f"{self._settings.loop_stall_limit:g} s (loop_stall_limit). "
@@ -287,7 +287,7 @@ class StopCoordinator:
 
     def begin_stop(self) -> None:
         """Send a stop before anything else runs on the event loop; `stop` must be awaited next."""
-        self.gate.end(Ending.STOPPED)
+        self.gate.end(PermitEnding.STOPPED)
         self._channel.begin(self._settings.stop_timeout)
 
     async def stop(self) -> None:
@@ -373,7 +373,7 @@ class StopCoordinator:
 
     def overtaken(self, permit: Permit) -> bool:
         """Whether the arm was stopped since a permit was asked for, perhaps before its command."""
-        return self.gate.ending(permit) not in (None, Ending.PAUSED)
+        return self.gate.ending(permit) not in (None, PermitEnding.PAUSED)
 
     async def _stop_unanswered(self, pending: PendingCommand) -> BaseException | None:
         _log.warning(
@@ -496,7 +496,7 @@ class StopCoordinator:
 
     async def pause(self) -> None:
         """Pause all tasks, and wait until the arm stands."""
-        with self.gate.stop(Ending.PAUSED):
+        with self.gate.stop(PermitEnding.PAUSED):
             await self._pause()
 
     async def _pause(self) -> None:

@@ -47,7 +47,7 @@ from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_compl
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.events import Events, LoopBlocked
-from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
 from aioduco.supervision.motion_sources import Claim
@@ -227,7 +227,7 @@ class Supervisor:
         self._opened = False
         self._closed = False
 
-    def _permits_ended(self, ending: Ending) -> None:
+    def _permits_ended(self, ending: PermitEnding) -> None:
         """Tell the streams, and the tasks of a program that hung, that their permit has ended."""
         self.stop_coordinator.permits_ended(ending)
 
@@ -593,7 +593,7 @@ class Supervisor:
     def _crashed(self, error: BaseException) -> None:
         """End the heartbeat after a failure of the supervision: the controller stops the arm."""
         why = f"the supervision of the robot failed ({error!r}); open it anew"
-        self.gate.close(why, Ending.FAILED)
+        self.gate.close(why, PermitEnding.FAILED)
         if self.heartbeat is not None:
             self.heartbeat.end()
 

@@ -13,7 +13,7 @@ from anyio.from_thread import start_blocking_portal
 from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Plan, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
-from aioduco.testing.relay import Gate, Relay
+from aioduco.testing.relay import Relay, Valve
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -128,11 +128,11 @@ class FaultProxy:
 
     def freeze(self) -> None:
         """Forward nothing in either direction, but keep all sockets open, until `thaw`."""
-        self._portal.call(self._gate.close)
+        self._portal.call(self._valve.close)
 
     def thaw(self) -> None:
         """Forward again, beginning with what `freeze` has held back."""
-        self._portal.call(self._gate.open)
+        self._portal.call(self._valve.open)
 
     def refuse(self) -> None:
         """Refuse new connections; open ones stay open."""
@@ -168,7 +168,7 @@ class FaultProxy:
     # On the proxy's own loop
 
     async def _serve(self, *, task_status: TaskStatus[None]) -> None:
-        self._gate = Gate()
+        self._valve = Valve()
         self._listening: anyio.CancelScope | None = None
         async with anyio.create_task_group() as self._group:
             task_status.started()
@@ -217,7 +217,7 @@ class FaultProxy:
                 self._upstream,
                 script=self._script,
                 records=self._records,
-                gate=self._gate,
+                valve=self._valve,
                 jitter=self._random,
             )
             self._relays.add(relay)

@@ -32,30 +32,30 @@ if TYPE_CHECKING:
 
     from aioduco.testing.records import Records
 
-__all__ = ["Gate", "Relay"]
+__all__ = ["Relay", "Valve"]
 
 #: time between two slices of a throttled sender [s]
 _SLICE = 0.002
 
 
-class Gate:
-    """A gate, open or closed; while it is closed, nothing passes."""
+class Valve:
+    """A valve, open or closed; while it is closed, nothing passes."""
 
     def __init__(self) -> None:
         self._opened = anyio.Event()
         self._opened.set()
 
     def open(self) -> None:
-        """Open the gate; what waits passes."""
+        """Open it; what waits passes."""
         self._opened.set()
 
     def close(self) -> None:
-        """Close the gate; nothing passes."""
+        """Close it; nothing passes."""
         if self._opened.is_set():
             self._opened = anyio.Event()
 
     async def passed(self) -> None:
-        """Wait until the gate is open."""
+        """Wait until it is open."""
         await self._opened.wait()
 
 
@@ -75,15 +75,15 @@ class Relay:
         *,
         script: Script,
         records: Records,
-        gate: Gate,
+        valve: Valve,
         jitter: random.Random,
     ) -> None:
         self._client = client
         self._upstream = upstream
         self._script = script
         self._records = records
-        self._gate = gate
-        self._own_gate = Gate()
+        self._valve = valve
+        self._own_valve = Valve()
         self._jitter = jitter
         self._index = records.connected()
         self._scope = anyio.CancelScope()
@@ -149,8 +149,8 @@ class Relay:
                     # the proxy does not reject it: it forwards this and all that follows unchanged
                     readable = False
                     await self._send(sink, parser.pending)
-            await self._gate.passed()
-            await self._own_gate.passed()
+            await self._valve.passed()
+            await self._own_valve.passed()
         except OSError:
             # the sink has closed: data from the source are lost
             self.cut(Ending.CLOSE, "server" if name == "client" else "client")
@@ -172,7 +172,7 @@ class Relay:
             case Delay(request=seconds, jitter=jitter) if seconds:
                 await anyio.sleep(seconds + jitter * self._jitter.random())
             case HalfOpen(seconds):
-                self._own_gate.close()
+                self._own_valve.close()
                 await anyio.sleep(math.inf if seconds is None else seconds)
                 await self._cut(Ending.RESET)
             case ApplicationError(code, message, forward=False):
@@ -221,8 +221,8 @@ class Relay:
             await self._cut(fault.how)
 
     async def _send(self, sink: AwaitedSocket, data: bytes, rate: float | None = None) -> None:
-        await self._gate.passed()
-        await self._own_gate.passed()
+        await self._valve.passed()
+        await self._own_valve.passed()
         if rate is None:
             await sink.send(data)
             return

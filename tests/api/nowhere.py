@@ -27,19 +27,24 @@ class _Launcher:
     ) -> Any:
         return await self._answer(command.name, command.args)
 
+    async def feed(self, command: Any, _lane: Any) -> Any:
+        return await self._answer(command.name, command.args)
+
 
 def robot_on(answer: Answer) -> aioduco.Robot:
     """A robot whose sections call this function; supervision is left out."""
     robot = aioduco.connect("192.0.2.1")
     supervisor: Any = robot._supervisor
 
-    async def call(name: str, args: tuple[Any, ...], _timeout: float | None = None) -> Any:
+    async def call(
+        name: str, args: tuple[Any, ...], _timeout: float | None = None, **_: object
+    ) -> Any:
         return await answer(name, args)
 
     async def end(ending: str, step: Callable[[], Awaitable[None]] | None) -> None:
         await (answer(ending, (False,)) if step is None else step())
 
-    supervisor.calls.call = call
+    supervisor.calls.call = supervisor.blocking.call = call
     supervisor.dispatcher = _Launcher(answer)
     supervisor.stop_coordinator.end = end
     supervisor.check_open = lambda _: None

@@ -9,7 +9,7 @@ import pytest
 
 import aioduco
 from aioduco import Joints, PointOp, Pose
-from aioduco.supervision.gate import Ending
+from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import Cut, FaultProxy, Place
 from api.motion_cases import HOME, POSE
 
@@ -142,16 +142,19 @@ async def test_a_stop_empties_a_pool_with_points_of_this_program(
     assert pool.commands.count("trackClearQueue") == 1
 
 
-@pytest.mark.parametrize("ending", [Ending.LAPSED, Ending.HUNG, Ending.STOPPED, Ending.PAUSED])
+@pytest.mark.parametrize(
+    "ending",
+    [PermitEnding.LAPSED, PermitEnding.HUNG, PermitEnding.STOPPED, PermitEnding.PAUSED],
+)
 async def test_it_is_emptied_before_anything_else_if_another_one_stopped_the_arm(
-    robot: aioduco.Robot, pool: Desk, ending: Ending
+    robot: aioduco.Robot, pool: Desk, ending: PermitEnding
 ) -> None:
     """A guard, a controller without a heartbeat, `stop_now`; but a pause is resumed."""
     await robot.track.trackEnqueue([Joints(*HOME)])
     robot._supervisor.gate.end(ending)
     await robot.track.trackEnqueue([Joints(*HOME)])
     await robot.track.trackJointMotion(1.0, 2.0)
-    emptied = [] if ending is Ending.PAUSED else ["trackClearQueue"]
+    emptied = [] if ending is PermitEnding.PAUSED else ["trackClearQueue"]
     assert pool.commands == ["trackEnqueue", *emptied, "trackEnqueue", "trackJointMotion"]
 
 

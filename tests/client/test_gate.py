@@ -13,7 +13,7 @@ import aioduco
 import aioduco.sync
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
-from aioduco.supervision.gate import STANDING, Ending, Gate
+from aioduco.supervision.gate import STANDING, Gate, PermitEnding
 from aioduco.testing import eventually_async
 from client.bench import HOME, POSE, Bench
 
@@ -84,7 +84,7 @@ def test_a_lapse_that_nothing_reported_is_seen_at_the_last_check() -> None:
 
 
 def test_a_program_that_stood_still_is_told_first() -> None:
-    ended: list[Ending] = []
+    ended: list[PermitEnding] = []
     gate = Gate(1.0, 2.0, 0.0, ended.append)
     gate.beaten(0.0)
     permit = gate.ask("movej2", 0.5)
@@ -94,7 +94,7 @@ def test_a_program_that_stood_still_is_told_first() -> None:
         with pytest.raises(HeartbeatLost, match="rearm_heartbeat"):
             asked()
     assert not gate.alive(5.3)
-    assert ended == [Ending.HUNG, Ending.LAPSED]
+    assert ended == [PermitEnding.HUNG, PermitEnding.LAPSED]
     gate.rearm(5.4)
     assert gate.alive(5.5)
     gate.check(gate.ask("movej2", 5.5), 5.5)
@@ -112,12 +112,12 @@ def test_without_a_heartbeat_a_standstill_ends_permits_and_closes_nothing() -> N
 def test_a_pause_ends_what_was_not_sent_and_no_undertaking() -> None:
     gate = beating()
     motion, block = gate.ask("movej2", 0.1), gate.ask("pick", 0.1, lasting=True)
-    with gate.stop(Ending.PAUSED):
+    with gate.stop(PermitEnding.PAUSED):
         pass
     with pytest.raises(TaskStopped, match="the arm was paused"):
         gate.check(motion, 0.2)
     gate.check(gate.ask("movej2", 0.2, within=block), 0.2)
-    gate.end(Ending.STOPPED)
+    gate.end(PermitEnding.STOPPED)
     with pytest.raises(TaskStopped, match="the arm was stopped"):
         gate.ask("movej2", 0.3, within=block)
 

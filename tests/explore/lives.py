@@ -28,7 +28,7 @@ from .world import TICK, Action, Process, Steps, canonical
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from aioduco.supervision.gate import Ending
+    from aioduco.supervision.gate import PermitEnding
 
 #: seconds that a controller waits beyond the heartbeat time, and for which a worker may be away
 SLACK: Final = 0.5
@@ -290,7 +290,7 @@ class LivingProgram(Program):
 
     # -- the stream ------------------------------------------------------------------------------
 
-    def ended(self, ending: Ending) -> None:
+    def ended(self, ending: PermitEnding) -> None:
         if not self.control:
             return
         if ending.stops:

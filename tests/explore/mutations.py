@@ -20,7 +20,7 @@ from unittest.mock import patch
 from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.streaming.shared.state import Reason
 from aioduco.streaming.worker.permit import StreamPermit
-from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
 
@@ -82,8 +82,8 @@ def _asks_at_lock(self: Program, command: Command, *, reads: bool) -> Steps[Task
         self.locked = False
 
 
-def _same_epoch(self: Gate, ending: Ending) -> None:
-    self.stops += ending is Ending.STOPPED
+def _same_epoch(self: Gate, ending: PermitEnding) -> None:
+    self.stops += ending is PermitEnding.STOPPED
     self._ended(ending)
 
 
@@ -108,7 +108,7 @@ _look = StreamPermit.look
 
 
 @contextlib.contextmanager
-def _ends_permits_alone(self: Gate, ending: Ending = Ending.STOPPED) -> Iterator[None]:
+def _ends_permits_alone(self: Gate, ending: PermitEnding = PermitEnding.STOPPED) -> Iterator[None]:
     self.end(ending)
     yield
 
@@ -116,7 +116,7 @@ def _ends_permits_alone(self: Gate, ending: Ending = Ending.STOPPED) -> Iterator
 def _envelope_beside_the_gate(self: Program) -> Steps[None]:
     self.world.say("the arm is about to leave its envelope")
     with self.world.confirms():
-        self.gate.end(Ending.ENVELOPE)
+        self.gate.end(PermitEnding.ENVELOPE)
         yield from self.send_stop()
         yield from self.rest()
 

@@ -21,7 +21,7 @@ from aioduco.errors import (
     TaskStopped,
 )
 from aioduco.models.enums import Outcome
-from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.task_state import TaskLifecycle
 
 from .arm import MODE, Call, Command
@@ -117,7 +117,7 @@ class Program:
         self.unfollowed = False
         self.permits: list[Permit] = []
 
-    def ended(self, ending: Ending) -> None:
+    def ended(self, ending: PermitEnding) -> None:
         """`StopCoordinator.permits_ended`: what sends by itself is told."""
 
     def key(self) -> object:
@@ -331,7 +331,7 @@ class Program:
 
     def overtaken(self, permit: Permit) -> bool:
         """Whether the arm was stopped after it was asked for, perhaps before it was served."""
-        return self.gate.ending(permit) not in (None, Ending.PAUSED)
+        return self.gate.ending(permit) not in (None, PermitEnding.PAUSED)
 
     def wait(self, pending: Pending, ticks: int | None = None) -> Steps[None]:
         world = self.world
@@ -498,7 +498,7 @@ class Program:
 
     def pause(self) -> Steps[None]:
         """`StopCoordinator.pause`."""
-        with self.world.confirms(), self.gate.stop(Ending.PAUSED):
+        with self.world.confirms(), self.gate.stop(PermitEnding.PAUSED):
             yield from self.up()
             self.world.say("the controller pauses")
             self.world.controller.pause()
@@ -549,7 +549,7 @@ class Program:
     def envelope(self) -> Steps[None]:
         """`EnvelopeKeeper._rest`."""
         self.world.say("the arm is about to leave its envelope")
-        with self.world.confirms(), self.gate.stop(Ending.ENVELOPE):
+        with self.world.confirms(), self.gate.stop(PermitEnding.ENVELOPE):
             yield from self.send_stop()
             yield from self.rest()
 

@@ -9,7 +9,7 @@ from unittest.mock import patch
 from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
-from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.motion_sources import Modes
 from aioduco.supervision.stop_coordinator import StopCoordinator
 
@@ -64,7 +64,7 @@ async def _asks_at_lock(
 
 async def _rests_beside_the_gate(self: EnvelopeWatch, accepted: Any) -> None:
     settings = self._settings
-    self._coordinator.gate.end(Ending.ENVELOPE)
+    self._coordinator.gate.end(PermitEnding.ENVELOPE)
     await self._coordinator.send_stop(settings.stop_timeout)
     accepted.set()
     await self._coordinator.rest(settings.stop_timeout, settings.standstill_timeout)

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 
     from aioduco._wire.lane import WireLane
-    from aioduco.supervision.gate import Ending
+    from aioduco.supervision.gate import PermitEnding
 
 #: seconds after which a run must have ended, and turns of the loop that it may take
 _LIMIT: Final = 200.0
@@ -542,7 +542,7 @@ class Robot:
         self.dispatcher = Dispatcher(lanes[3], self.coordinator, self.background, settings)
         self.background.start(self.coordinator.follower.run(), "follower")
 
-    def _permits_ended(self, ending: Ending) -> None:
+    def _permits_ended(self, ending: PermitEnding) -> None:
         self.coordinator.permits_ended(ending)
 
     def _crashed(self, error: BaseException) -> None:

@@ -206,7 +206,7 @@ asyncio.run(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4]))
 @pytest.mark.slow
 @pytest.mark.parametrize(("spare", "guard"), [(0, ""), (3, ""), (6, ""), (6, "process")])
 def test_a_program_without_descriptors_is_told_so(bench: Bench, spare: int, guard: str) -> None:
-    """Six lanes and the heartbeat take one descriptor each; the guard takes more."""
+    """The heartbeat and each lane in use take one descriptor; the guard takes more, beside them."""
     done = subprocess.run(
         [sys.executable, "-c", LIMITED, bench.host, str(bench.port), str(spare), guard],
         capture_output=True,
@@ -214,7 +214,9 @@ def test_a_program_without_descriptors_is_told_so(bench: Bench, spare: int, guar
         check=True,
         timeout=60,
     )
-    assert done.stdout.startswith("GuardLost: " if guard else "ConnectError: "), done.stdout
+    # which of the two lacks one is a matter of which is faster
+    said = ("GuardLost: ", "ConnectError: ") if guard else "ConnectError: "
+    assert done.stdout.startswith(said), done.stdout
     assert "no file descriptor left (EMFILE)" in done.stdout
     assert done.stdout.endswith("[]\n"), done.stdout
 

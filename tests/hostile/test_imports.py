@@ -120,7 +120,7 @@ def test_packages_that_only_the_program_knows_of_are_found(
         (
             "anyio._backends._asyncio, aioduco.supervision.guard.process, aioduco.streaming.worker",
             (),
-            {"anyio", "thriftpy2"},
+            {"anyio"},
         ),
         ("aioduco.planning.worker as w; w.load()", planner._PACKAGES, {"ompl", "toppra"}),
         ("aioduco.sim.view.drawing, mujoco.egl", render._PACKAGES, {"mujoco", "OpenGL"}),

@@ -159,6 +159,10 @@ class Fuzzer:
         self._seed = seed
         self._count = connections
         self._lock = threading.Lock()
+        #: held while the arm is switched on, which the other connections' frames would undo
+        self._alone = threading.Lock()
+        self._under_way = 0
+        self._nobody = threading.Condition(self._lock)
         self._done = threading.Event()
         self.outcome = Outcome()
 
@@ -186,10 +190,20 @@ class Fuzzer:
         odd = min(_BATCH, self._frames - number) - 1
         frames = [mutator.odd(seqid) for seqid in range(1, odd + 1)]
         frames.append(mutator.broken(odd + 1))
-        if number % (_ENABLED_EVERY * _BATCH) == 0:
-            self._enable()
+        with self._alone:
+            if number % (_ENABLED_EVERY * _BATCH) == 0:
+                with self._nobody:
+                    self._nobody.wait_for(lambda: self._under_way == 0)
+                self._enable()
+            with self._lock:
+                self._under_way += 1
         began = time.perf_counter()
-        answers, ended = self._exchange(b"".join(frames), reset=number % (7 * _BATCH) == 0)
+        try:
+            answers, ended = self._exchange(b"".join(frames), reset=number % (7 * _BATCH) == 0)
+        finally:
+            with self._nobody:
+                self._under_way -= 1
+                self._nobody.notify_all()
         took = time.perf_counter() - began
         with self._lock:
             outcome = self.outcome

@@ -25,7 +25,7 @@ from aioduco.streaming.track import TrackStreams
 from aioduco.streaming.worker.encoding import Batch, Point
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.streaming.worker.watch import ControllerWatch
-from aioduco.supervision.gate import Ending, Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles
@@ -262,7 +262,7 @@ async def test_a_withdrawn_permit_ends_the_mode_and_stops_and_nothing_more(
     arm: Controller, kind: str, options: LaneOptions
 ) -> None:
     def withdraw(stream: Stream) -> None:
-        stream._session.withdraw(Ending.LAPSED)
+        stream._session.withdraw(PermitEnding.LAPSED)
 
     error = await ended(arm, kind, options, withdraw)
     assert isinstance(error, StreamStarved)
@@ -366,14 +366,14 @@ async def test_a_freeze_between_computing_and_sending_sends_nothing(
 @pytest.mark.parametrize(
     ("ending", "error", "text"),
     [
-        (Ending.STOPPED, StreamStopped, "the robot was stopped"),
-        (Ending.LEFT, StreamStopped, "the robot was stopped"),
-        (Ending.HUNG, StreamStarved, "event loop did not run"),
-        (Ending.LAPSED, StreamStarved, "heartbeat was lost"),
+        (PermitEnding.STOPPED, StreamStopped, "the robot was stopped"),
+        (PermitEnding.LEFT, StreamStopped, "the robot was stopped"),
+        (PermitEnding.HUNG, StreamStarved, "event loop did not run"),
+        (PermitEnding.LAPSED, StreamStarved, "heartbeat was lost"),
     ],
 )
 async def test_a_permit_that_ends_before_the_worker_exists_is_never_used(
-    arm: Controller, ending: Ending, error: type[StreamError], text: str
+    arm: Controller, ending: PermitEnding, error: type[StreamError], text: str
 ) -> None:
     gate = Gate(None, 1000.0, boot_time())
 
@@ -397,7 +397,7 @@ async def test_a_permit_that_ends_while_the_arm_is_braked_stops_it(arm: Controll
 
     def answer(*_: Any) -> int:
         if not sent and stream.state is StreamState.DECELERATING:
-            stream._session.withdraw(Ending.HUNG)
+            stream._session.withdraw(PermitEnding.HUNG)
             sent.append(len(arm.points()))
         return 1001
 

@@ -38,7 +38,7 @@ class Schemes(Section):
         Manual section 1.3.14.
         """
         name = ranges.LONG_NAME("scheme_name", scheme_name)
-        await self._finish(calls.enable_eaxis_scheme(name), timeout)
+        await self._finish_within(calls.enable_eaxis_scheme(name), timeout)
 
     async def disable_eaxis_scheme(self, scheme_name: str, *, timeout: float = _SWITCHING) -> None:
         """Deactivate a scheme of external axes (结束外部轴方案).
@@ -55,7 +55,7 @@ class Schemes(Section):
         Manual section 1.3.14.
         """
         name = ranges.LONG_NAME("scheme_name", scheme_name)
-        await self._finish(calls.disable_eaxis_scheme(name), timeout)
+        await self._finish_within(calls.disable_eaxis_scheme(name), timeout)
 
     async def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
         """Read the state of each scheme of external axes (外部轴反馈信息).
