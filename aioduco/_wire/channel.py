@@ -6,7 +6,6 @@ import asyncio
 import errno
 import os
 import socket
-import sys
 import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -522,7 +521,9 @@ async def _connect(loop: asyncio.AbstractEventLoop, sock: socket.socket, address
     uvloop's `sock_connect` resolves the address again, on threads of libuv's; a child that is
     forked after that crashes at its end (`uv__threadpool_cleanup`).
     """
-    if sys.platform == "win32":
+    try:
+        loop.remove_writer(sock.fileno())
+    except NotImplementedError:  # Windows' default loop
         await loop.sock_connect(sock, address)
         return
     error = sock.connect_ex(address)

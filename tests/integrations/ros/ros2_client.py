@@ -60,12 +60,15 @@ class Peer:
     def __init__(self) -> None:
         self.node = rclpy.create_node(f"client_{os.getpid()}")
         self._joints: Any = None
+        #: where the arm was by the last state that came
+        self.place: list[float] = []
         # Reliable, as rclpy asks by itself; `states` asks for sensor data.
         self.node.create_subscription(JointState, "joint_states", self._note, 5)
 
     def _note(self, message: Any) -> None:
         if list(message.name) == NAMES:  # of two arms there may be two kinds
             self._joints = message
+            self.place = list(message.position)
 
     def until(self, condition: Callable[[], object], patience: float = PATIENT) -> bool:
         end = time.monotonic() + patience
@@ -85,7 +88,7 @@ class Peer:
         self._joints = None
         if not self.until(lambda: self._joints):
             raise SystemExit("no joint states")
-        return list(self._joints.position)
+        return self.place
 
     def ask(self, kind: Any, name: str, request: Any) -> Any:
         service = self.node.create_client(kind, name)
@@ -242,13 +245,17 @@ def stream(peer: Peer, how: str) -> None:
     else:
         publisher = peer.node.create_publisher(JointState, f"{PREFIX}joint_commands", 1)
     peer.until(publisher.get_subscription_count)
-    sent = 0
+    sent, lead = 0, start[0]
 
     def send() -> None:
-        nonlocal sent
-        # the first second stands, for the driver's stream to open
-        place = [start[0] + 0.2 * min(max(sent - 50, 0) / 200, 1.0), *start[1:]]
+        nonlocal sent, lead
         sent += 1
+        here = peer.place[0]
+        if abs(lead - here) > 0.03:
+            lead = here  # a busy machine ended the stream: the next one begins where the arm is
+        elif sent > 50:  # the first second stands, for the driver's stream to open
+            lead = min(lead + 0.001, start[0] + 0.2)
+        place = [lead, *start[1:]]
         if how == "trajectory":
             point = JointTrajectoryPoint(positions=place)
             point.time_from_start = Duration(seconds=0.02).to_msg()
