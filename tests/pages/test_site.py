@@ -1,0 +1,58 @@
+"""The built pages as a reader opens them: as files, in a browser that reaches no network."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Route, sync_playwright
+
+ROOT = Path(__file__).parents[2]
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Path:
+    """The pages: those that the gate has built, or built now."""
+    built = os.environ.get("AIODUCO_SITE")
+    if built:
+        return Path(built)
+    if importlib.util.find_spec("mkdocs") is None:
+        pytest.skip("needs the extra docs")
+    command = [sys.executable, "-m", "mkdocs", "build", "-q", "--site-dir", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"})
+    return tmp_path
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+@pytest.mark.parametrize("page", ["index.html", "reference/motion.html"])
+def test_the_search_finds_a_word_and_asks_the_network_for_nothing(site: Path, page: str) -> None:
+    asked: list[str] = []
+
+    def refused(route: Route) -> None:
+        if route.request.url.startswith(("file:", "data:")):
+            route.continue_()
+        else:
+            asked.append(route.request.url)
+            route.abort()
+
+    with sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        opened = chromium.new_page()
+        errors: list[str] = []
+        opened.on("pageerror", lambda error: errors.append(str(error)))
+        opened.route("**/*", refused)
+        opened.goto((site / page).as_uri())
+        opened.locator("input[name=query]").fill("HeartbeatLost")
+        first = opened.locator(".md-search-result__link").first
+        first.wait_for(state="attached")
+        link = first.get_attribute("href") or ""
+        chromium.close()
+    assert link.partition("#")[0].endswith("reference/errors.html")
+    assert (asked, errors) == ([], [])
