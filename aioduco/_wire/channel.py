@@ -24,7 +24,7 @@ from aioduco._wire.failures import (
 from aioduco._wire.framing import Malformed
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import ConnectError, ControllerError, NotSent
+from aioduco.errors import ConnectError, ControllerError, DucoError, NotSent, OutcomeUnknown
 
 if TYPE_CHECKING:
     from collections import deque
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from aioduco._wire.idl import Function
     from aioduco.errors import ConnectionLost
 
-__all__ = ["AwaitedCall", "Call", "Carrier", "Channel", "connect"]
+__all__ = ["Call", "Carrier", "Channel", "LaneCall", "connect"]
 
 
 @dataclass(slots=True, eq=False)
@@ -85,18 +85,35 @@ class Call:
 
 
 @dataclass(slots=True, eq=False)
-class AwaitedCall(Call):
-    """A call for which a task of the event loop waits.
+class LaneCall(Call):
+    """A call of a lane. It goes on to its end whether or not a task waits for it.
 
     Attributes:
-        over: resolved when the call is over; then one of `value` and `error` is set.
+        args: its arguments as they were given, for reports.
+        over: resolved when it is over; then one of `value` and `error` is set.
+        ended: called once, when it is over.
+        begun: when it was made [s of `time.monotonic`].
+        ended_at: when it was over; None before.
         carrier: what carries it; None while it waits for that.
+        abandoned: whether it was given up by its caller.
+        value: the answer.
+        error: why there is no answer.
     """
 
+    args: tuple[Any, ...] = field(kw_only=True)
     over: asyncio.Future[None] = field(kw_only=True)
+    ended: Callable[[LaneCall], object] = field(kw_only=True)
+    begun: float = field(kw_only=True)
+    ended_at: float | None = None
     carrier: Carrier | None = None
+    abandoned: bool = False
     value: Any = None
     error: BaseException | None = None
+
+    def __repr__(self) -> str:
+        if self.ended_at is not None:
+            return f"<LaneCall {self.name} over>"
+        return f"<LaneCall {self.name} {'handed over' if self.handed_over else 'not sent yet'}>"
 
     @property
     def undelivered(self) -> int:
@@ -104,11 +121,68 @@ class AwaitedCall(Call):
         carrier = self.carrier
         return carrier.undelivered if carrier is not None and carrier.call is self else 0
 
+    @property
+    def answered(self) -> bool:
+        """Whether its result is certain: it was answered, also by an error, or it was not sent."""
+        if self.ended_at is None or isinstance(self.error, OutcomeUnknown):
+            return False
+        return self.error is None or isinstance(self.error, DucoError)
+
+    async def wait(self, timeout: float | None = None) -> bool:
+        """Wait until it is over. Cancelling this changes nothing: the call goes on.
+
+        Args:
+            timeout: most seconds to wait; None for no limit.
+
+        Returns:
+            Whether it is over.
+        """
+        if self.ended_at is None:
+            await asyncio.wait([self.over], timeout=timeout)
+        return self.ended_at is not None
+
+    async def answer(self) -> Any:
+        """Wait for the answer and return it; cancelling this abandons the call.
+
+        Raises:
+            The errors of `WireLane.call`.
+        """
+        try:
+            await self.over
+        except BaseException:
+            self.abandon()
+            raise
+        error, self.error = self.error, None
+        if error is None:
+            return self.value
+        try:
+            raise error
+        finally:
+            del error  # its traceback refers to this frame, which makes a reference cycle
+
+    def abandon(self, reason: str = "the call was cancelled", *, late: bool = False) -> None:
+        """End it, unless it is over. Bytes that were not delivered by now never will be.
+
+        Args:
+            reason: why, for its error and that of its connection, which is dissolved.
+            late: whether its time is over, which is then its error.
+        """
+        if self.ended_at is not None:
+            return
+        self.abandoned = True
+        if self.carrier is None:
+            self.end(error=NotSent(f"{self.name} was not sent, since {reason}"))
+        else:
+            self.carrier.give_up(self, reason, DeadlinePassed() if late else Ended())
+
     def end(self, value: Any = None, error: BaseException | None = None) -> None:
-        """Give the waiting task the outcome, unless it has gone."""
-        if not self.over.done():
+        """Note the outcome, and wake the task that waits for it."""
+        if self.ended_at is None:
+            self.ended_at = time.monotonic()
             self.value = value
             self.error = error
+            self.ended(self)
+        if not self.over.done():
             self.over.set_result(None)
 
 
@@ -126,31 +200,37 @@ class Carrier:
     """
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[AwaitedCall]
+        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[LaneCall]
     ) -> None:
         self._loop = loop
         self._endpoint = endpoint
         self._waiting = waiting
-        self.call: AwaitedCall | None = None
+        self.call: LaneCall | None = None
 
     @property
     def undelivered(self) -> int:
         """Number of sent bytes that the other side has not acknowledged."""
         return 0
 
-    def take(self, call: AwaitedCall) -> bool:
+    def take(self, call: LaneCall) -> bool:
         """Take a call; there must be none. Returns whether the caller must now `send` it."""
         raise NotImplementedError
 
-    def send(self, call: AwaitedCall) -> None:
+    def send(self, call: LaneCall) -> None:
         """Send the call that was taken, before anything else runs on the loop."""
         raise NotImplementedError
 
-    def expire(self, call: AwaitedCall) -> None:
+    def expire(self, call: LaneCall) -> None:
         """End a call whose deadline has passed, unless its end is certain anyway."""
 
-    def give_up(self, call: AwaitedCall, reason: str) -> None:
-        """End a call whose task has gone, or whose lane is closed; its connection is dissolved."""
+    def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
+        """End a call that was abandoned, or whose lane is closed; its connection is dissolved.
+
+        Args:
+            call: the call.
+            reason: why, in words.
+            exc: the same as for `failure`.
+        """
         raise NotImplementedError
 
     def _end(self, value: Any = None, error: BaseException | None = None) -> None:
@@ -172,7 +252,7 @@ class Channel(Carrier):
     """
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[AwaitedCall]
+        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[LaneCall]
     ) -> None:
         super().__init__(loop, endpoint, waiting)
         self._life = Lifecycle()
@@ -210,7 +290,7 @@ class Channel(Carrier):
 
     # A call
 
-    def take(self, call: AwaitedCall) -> bool:
+    def take(self, call: LaneCall) -> bool:
         """Take a call; there must be none. Returns whether the caller must now `send` it.
 
         If not, a connection is opened for it first, or the call is over.
@@ -227,7 +307,7 @@ class Channel(Carrier):
         self._open_for(call)
         return False
 
-    def send(self, call: AwaitedCall) -> None:
+    def send(self, call: LaneCall) -> None:
         """Send the call that was taken, before anything else runs on the loop."""
         stream = self._stream
         assert stream is not None
@@ -252,13 +332,13 @@ class Channel(Carrier):
         elif self._rest:
             self._loop.add_writer(stream.socket.fileno(), self._writable)
 
-    def expire(self, call: AwaitedCall) -> None:
+    def expire(self, call: LaneCall) -> None:
         # a connection that is being opened for it has the same deadline
         if self.call is call and self._opening is None:
             self._lost(DeadlinePassed())
 
-    def give_up(self, call: AwaitedCall, reason: str) -> None:
-        """End a call whose task has gone, or whose lane is closed; its connection is dissolved."""
+    def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
+        """End a call that was abandoned, or whose lane is closed; its connection is dissolved."""
         if self.call is not call:
             return
         progress = self._life.progress
@@ -266,7 +346,7 @@ class Channel(Carrier):
             self._opening.cancel()
             self._opening, progress = None, Progress.NOTHING_SENT
         self._drop(reason)
-        self._end(error=of_two(call.first, call.failed(progress, Ended(), reason)))
+        self._end(error=of_two(call.first, call.failed(progress, exc, reason)))
 
     # Its connection
 
@@ -285,7 +365,7 @@ class Channel(Carrier):
     def close(self, reason: str) -> None:
         """Close the connection; on the loop."""
         if self.call is not None:
-            self.give_up(self.call, reason)
+            self.give_up(self.call, reason, Ended())
         stream = self._stream
         if stream is not None and self._life.state is ConnectionState.IDLE:
             self._stream = None
@@ -309,11 +389,11 @@ class Channel(Carrier):
         """Wait until nothing runs for it any more."""
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    def _open_for(self, call: AwaitedCall) -> None:
+    def _open_for(self, call: LaneCall) -> None:
         call.fresh = True
         self._opening = self._begin(self._reopen(call))
 
-    async def _reopen(self, call: AwaitedCall) -> None:
+    async def _reopen(self, call: LaneCall) -> None:
         limit = time.monotonic() + self._endpoint.connect_timeout
         try:
             await self.open(limit if call.deadline is None else min(limit, call.deadline))
@@ -324,7 +404,7 @@ class Channel(Carrier):
             self._opening = None
             self._end(error=of_two(call.first, exc))
         except BaseException:
-            self.give_up(call, "the wait for its connection was interrupted")
+            self.give_up(call, "the wait for its connection was interrupted", Ended())
             raise
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
@@ -396,7 +476,7 @@ class Channel(Carrier):
             self._drop("bytes came behind an answer")
         self._end(value, error)
 
-    async def _receive(self, call: AwaitedCall, stream: DeadlineSocket) -> None:
+    async def _receive(self, call: LaneCall, stream: DeadlineSocket) -> None:
         """Send the rest and wait for the answer, on a loop that reports nothing."""
         try:
             if self._rest:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
 import enum
 import math
 import time
 import warnings
 import weakref
 from collections import deque
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 from anyio import current_effective_deadline
 from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
-from aioduco._wire.channel import AwaitedCall, Call, Channel, connect
+from aioduco._wire.channel import Call, Channel, LaneCall, connect
 from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop
@@ -25,8 +26,7 @@ from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunctio
 from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit, tell
 
 if TYPE_CHECKING:
-    import asyncio
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Callable
 
     from aioduco._wire.endpoint import Address
     from aioduco._wire.host import Route
@@ -72,11 +72,6 @@ class LaneStatistics(NamedTuple):
     opened: int
     abandoned: int
     stuck: int
-
-
-#: function that returns the coroutine that awaits the answer to a started call; to be called once;
-#: the coroutine raises the errors of `WireLane.call`
-BegunCall: TypeAlias = "Callable[[], Coroutine[Any, Any, Any]]"
 
 
 class WireLane:
@@ -145,7 +140,7 @@ class WireLane:
         #: the loop on which its connections are
         self._loop: asyncio.AbstractEventLoop | None = None
         self._carriers: list[Channel | PoolThread] = []
-        self._waiting: deque[AwaitedCall] = deque()
+        self._waiting: deque[LaneCall] = deque()
         self._deadlines = _Deadlines(weakref.WeakMethod(self._expired))
         self._calls = 0
         self._failed = 0
@@ -243,7 +238,6 @@ class WireLane:
         name: str,
         args: tuple[Any, ...],
         timeout: float | _Default | None = _Default.LIMIT,
-        begun: Callable[[AwaitedCall], object] | None = None,
         permit: Callable[[], object] | None = None,
     ) -> Any:
         """Call a function of the wire and wait for its answer.
@@ -252,7 +246,6 @@ class WireLane:
             name: the function.
             args: one value per parameter.
             timeout: time limit of the whole call [s]; None: no limit. By default the lane's limit.
-            begun: callback that gets the call before it is sent, to observe its progress.
             permit: called as the very last thing before the bytes are handed to the socket. It
                 raises a `DucoError` if the call may not be sent any more; that error is raised
                 here, nothing was sent, and the connection stays usable.
@@ -270,57 +263,61 @@ class WireLane:
             WrongLoop: the lane belongs to another event loop; nothing was sent.
             WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
         """
-        begin = time.monotonic()
-        seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
-        call = self._new(name, args, None if seconds is None else begin + seconds, permit)
+        call = self.prepare(name, args, timeout, permit)
         # A task whose scope is already cancelled must send nothing. From here to the send there is
         # no other checkpoint that would detect this.
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()
-        self._calls += 1
-        if begun is not None:
-            begun(call)
-        try:
-            if (carrier := self._take(call)) is not None:
-                carrier.send(call)
-        except BaseException:  # what a signal handler raises
-            self._give_up(call)
-            raise
-        if self._trace is None and not self.observers:
-            return await self._answer(call)
-        return await self._reported(name, args, begin, call)
+        self.send(call)
+        return await call.answer()
 
-    def begin(
+    def prepare(
         self,
         name: str,
         args: tuple[Any, ...],
-        timeout: float,
+        timeout: float | _Default | None = _Default.LIMIT,
         permit: Callable[[], object] | None = None,
-    ) -> BegunCall:
-        """Send a call before any other code of the event loop runs.
-
-        If a connection is free, the call has been sent when this returns.
+    ) -> LaneCall:
+        """Make a call, which `send` then sends. It does not end with a task that waits for it.
 
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: time limit of the whole call [s].
+            timeout: as for `call`, from now on.
             permit: as for `call`.
-
-        Returns:
-            The started call, whose answer must be awaited.
 
         Raises:
             ParameterError: a value cannot be sent.
-            ConnectionLost: the lane is not open; nothing was sent.
-            WrongLoop: the lane belongs to another event loop; nothing was sent.
-            WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
+            ConnectionLost: the lane is not open.
+            WrongLoop: the lane belongs to another event loop.
+            WrongProcess: the lane belongs to the process that forked this one.
         """
-        begin = time.monotonic()
-        call = self._new(name, args, begin + timeout, permit)
-        self._calls += 1
-        self._start(call)
-        return lambda: self._reported(name, args, begin, call)
+        function = self._functions[name]
+        # Encode first. A value that cannot be sent then costs no connection, and a value that the
+        # caller changes later is sent unchanged.
+        encoded = codec.encode(function, args)
+        self._require_open(name)
+        loop = self.owner_loop.require(name)
+        begun = time.monotonic()
+        seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
+        deadline = None if seconds is None else begun + seconds
+        over, ended = loop.create_future(), self._ended
+        return LaneCall(
+            function, encoded, deadline, permit, args=args, over=over, ended=ended, begun=begun
+        )
+
+    def send(self, call: LaneCall) -> None:
+        """Send a call before any other code of the event loop runs, if a connection is free.
+
+        It is over if it cannot be sent. An interrupt abandons it.
+        """
+        self._calls += 1 + len(call.further)
+        try:
+            if (carrier := self._take(call)) is not None:
+                carrier.send(call)
+        except BaseException:  # what a signal handler raises
+            call.abandon()
+            raise
 
     async def ask(self, *names: str) -> list[codec.ReadResult]:
         """Call functions that only read and have no parameters, in one batch on one connection.
@@ -338,16 +335,15 @@ class WireLane:
         Raises:
             The errors of `call`, except `ControllerError` and `OutcomeUnknown`.
         """
-        begin = time.monotonic()
-        call = self._new(names[0], (), begin + self.call_timeout)
+        call = self.prepare(names[0], ())
+        begin = call.begun
         further = [self._functions[name] for name in names[1:]]
         call.further = [(function, codec.encode(function, ())) for function in further]
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()  # as in `call`
-        self._calls += len(names)
         try:
-            self._start(call)
-            answers: list[codec.ReadResult] = await self._answer(call)
+            self.send(call)
+            answers: list[codec.ReadResult] = await call.answer()
         except BaseException as exc:
             self.report(names[0], (), None, exc, begin)
             raise
@@ -422,34 +418,11 @@ class WireLane:
 
     # One call
 
-    def _new(
-        self,
-        name: str,
-        args: tuple[Any, ...],
-        deadline: float | None,
-        permit: Callable[[], object] | None = None,
-    ) -> AwaitedCall:
-        function = self._functions[name]
-        # Encode first. A value that cannot be sent then costs no connection, and a value that the
-        # caller changes later is sent unchanged.
-        encoded = codec.encode(function, args)
-        self._require_open(name)
-        loop = self.owner_loop.require(name)
-        return AwaitedCall(function, encoded, deadline, permit, over=loop.create_future())
-
     def _require_open(self, name: str) -> None:
         if self._state is not LaneState.OPEN:
             raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
 
-    def _start(self, call: AwaitedCall) -> None:
-        try:
-            if (carrier := self._take(call)) is not None:
-                carrier.send(call)
-        except BaseException:  # what a signal handler raises
-            self._give_up(call)
-            raise
-
-    def _take(self, call: AwaitedCall) -> Channel | PoolThread | None:
+    def _take(self, call: LaneCall) -> Channel | PoolThread | None:
         """Give a call to a free connection, or queue it; return the connection if it must send."""
         loop = call.over.get_loop()
         if loop is not self._loop:
@@ -470,51 +443,26 @@ class WireLane:
         self._carriers.append(made)
         return made
 
-    async def _answer(self, call: AwaitedCall) -> Any:
-        try:
-            await call.over
-        except BaseException:
-            self._give_up(call)
-            raise
-        finally:
-            self._deadlines.discard(call)
-        error, call.error = call.error, None
-        if error is None:
-            return call.value
-        if isinstance(error, ConnectionLost | ConnectError):
-            self._failed += 1 + len(call.further)
-        try:
-            if isinstance(error, UnknownFunction):
-                raise error.of(self.version)
-            raise error
-        finally:
-            del error  # its traceback refers to this frame, which makes a reference cycle
-
-    async def _reported(
-        self, name: str, args: tuple[Any, ...], begin: float, call: AwaitedCall
-    ) -> Any:
-        value: Any = None
-        error: BaseException | None = None
-        try:
-            value = await self._answer(call)
-        except BaseException as exc:
-            error = exc
-            raise
-        finally:
-            self.report(name, args, value, error, begin)
-        return value
-
-    def _give_up(self, call: AwaitedCall) -> None:
-        """Remove every trace of a call whose waiting task was cancelled or interrupted."""
+    def _ended(self, call: LaneCall) -> None:
+        """Count and report a call that is over."""
         self._deadlines.discard(call)
-        carrier = call.carrier
-        if carrier is not None and carrier.call is call:
-            self._abandoned += 1 + len(call.further)
-            carrier.give_up(call, "the call was cancelled")
-        elif call in self._waiting:
-            self._waiting.remove(call)
+        error = call.error
+        if call.abandoned:
+            if call.carrier is not None:
+                self._abandoned += 1 + len(call.further)
+            elif call in self._waiting:
+                self._waiting.remove(call)
+        elif isinstance(error, ConnectionLost | ConnectError):
+            self._failed += 1 + len(call.further)
+        elif isinstance(error, UnknownFunction):
+            error = call.error = error.of(self.version)
+        if not call.further:  # `ask` reports each of its functions
+            value = call.value
+            if call.over.cancelled():
+                value, error = None, asyncio.CancelledError()
+            self.report(call.name, call.args, value, error, call.begun)
 
-    def _expired(self, call: AwaitedCall) -> None:
+    def _expired(self, call: LaneCall) -> None:
         """Fail a call whose deadline has passed."""
         if call.carrier is not None:
             call.carrier.expire(call)
@@ -578,13 +526,13 @@ class _Deadlines:
         expired: method that gets a call whose deadline has passed.
     """
 
-    def __init__(self, expired: weakref.WeakMethod[Callable[[AwaitedCall], None]]) -> None:
+    def __init__(self, expired: weakref.WeakMethod[Callable[[LaneCall], None]]) -> None:
         self._expired = expired
-        self._calls: set[AwaitedCall] = set()
+        self._calls: set[LaneCall] = set()
         self._timer: asyncio.TimerHandle | None = None
         self._expires_at = math.inf
 
-    def add(self, call: AwaitedCall) -> None:
+    def add(self, call: LaneCall) -> None:
         """Watch a call until it is discarded."""
         if call.deadline is None:
             return
@@ -592,7 +540,7 @@ class _Deadlines:
         if call.deadline < self._expires_at:
             self._set(call.over.get_loop(), call.deadline)
 
-    def discard(self, call: AwaitedCall) -> None:
+    def discard(self, call: LaneCall) -> None:
         """Stop watching a call. The timer stays as it is: the next call will use it."""
         self._calls.discard(call)
 

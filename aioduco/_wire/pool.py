@@ -12,7 +12,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._wire.channel import AwaitedCall, Carrier
+from aioduco._wire.channel import Carrier, LaneCall
 from aioduco._wire.connection import Connection
 from aioduco._wire.failures import Ended, of_two
 from aioduco._wire.idempotence import CallKind, call_kind
@@ -103,10 +103,10 @@ class PoolThread(Carrier):
     """
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[AwaitedCall]
+        self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[LaneCall]
     ) -> None:
         super().__init__(loop, endpoint, waiting)
-        self._inbox: SimpleQueue[AwaitedCall | Callable[[], object]] = SimpleQueue()
+        self._inbox: SimpleQueue[LaneCall | Callable[[], object]] = SimpleQueue()
         self._own = _OwnConnection(endpoint)
         self._thread: Thread | None = None
         self._ended = asyncio.Event()
@@ -116,7 +116,7 @@ class PoolThread(Carrier):
         """Number of sent bytes that the other side has not acknowledged."""
         return self._own.connection.undelivered
 
-    def take(self, call: AwaitedCall) -> bool:
+    def take(self, call: LaneCall) -> bool:
         """Pass a call to the thread, which sends it and keeps its deadline."""
         self.call, call.carrier, self._own.given_up = call, self, ""
         if self._thread is None:
@@ -133,13 +133,13 @@ class PoolThread(Carrier):
         self._inbox.put(call)
         return False
 
-    def give_up(self, call: AwaitedCall, reason: str) -> None:
+    def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
         """Make the thread drop its call. It is free when it has come back."""
         if self.call is call and not self._own.given_up:
             self._own.give_up(reason)
             # The thread may be within the send: the system may have bytes of which nothing says so.
             progress = Progress.SENT if call.handed_over else Progress.NOTHING_SENT
-            call.end(error=of_two(call.first, call.failed(progress, Ended(), reason)))
+            call.end(error=of_two(call.first, call.failed(progress, exc, reason)))
 
     async def open(self, deadline: float) -> None:
         """Do nothing: the thread opens its connection for its first call."""
@@ -147,7 +147,7 @@ class PoolThread(Carrier):
     def close(self, reason: str) -> None:
         """Make the thread close its connection and end."""
         if self.call is not None:
-            self.give_up(self.call, reason)
+            self.give_up(self.call, reason, Ended())
         self._inbox.put(loop_callback(self._ended.set))
 
     async def closed(self) -> None:
@@ -165,7 +165,7 @@ class PoolThread(Carrier):
         """Do nothing: the connection closes its copy, and the thread does not run in the child."""
 
     def _run(self) -> None:
-        while isinstance(item := self._inbox.get(), AwaitedCall):
+        while isinstance(item := self._inbox.get(), LaneCall):
             value: Any = None
             error: BaseException | None = None
             try:

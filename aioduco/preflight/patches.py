@@ -439,11 +439,11 @@ def _unanswered(clock: ProgramClock) -> None:
     coordinator: Any = StopCoordinator
     until_certain = coordinator.stop_until_certain
 
-    async def stop_until_certain(self: Any, *commands: Any, **options: Any) -> None:
+    async def stop_until_certain(self: Any, *arguments: Any, **options: Any) -> None:
         over = threading.Event()
         clock.stream_begins(over.is_set)
         try:
-            await until_certain(self, *commands, **options)
+            await until_certain(self, *arguments, **options)
         finally:
             over.set()
 

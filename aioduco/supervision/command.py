@@ -108,8 +108,7 @@ class MotionCommand:
         return self._run().__await__()
 
     async def _run(self) -> Outcome:
-        task = await self.start()
-        return await task
+        return await (await self._dispatcher.launch(self.command, aim=self._aim))
 
     async def __aenter__(self) -> Task:
         if self._open is not None:

@@ -3,9 +3,9 @@
 Guarantees:
 - A motion is asked for when it is awaited or started, and sent only while that permit is valid: the
   gate decides (`supervision.gate`).
-- A motion is stopped if it is not certain whether the controller accepted it. A background task
-  sends the motion, so that a cancellation of the caller cannot lose the answer that says whether it
-  was accepted: the stop would then overtake the motion.
+- A motion is stopped if it is not certain whether the controller accepted it. Its call goes on if
+  the caller is cancelled, so the answer that says whether it was accepted is not lost: the stop
+  would otherwise overtake the motion.
 - A stop that is requested while a motion is on its way also applies to that motion.
 - Motions reach the controller in the order in which they were started, over a lane of their
   own: the start of a motion never waits behind a blocking call.
@@ -22,21 +22,21 @@ import anyio
 import anyio.lowlevel
 
 from aioduco._platform import boot_time
-from aioduco.errors import OutcomeUnknown, Refused, RobotStateError, StopUnconfirmed
+from aioduco.errors import Refused, RobotStateError, StopUnconfirmed
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import TaskLifecycle
-from aioduco.supervision.unanswered import PendingCommand
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Sequence
     from typing import Any
 
+    from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
     from aioduco.models.enums import Outcome
-    from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.gate import Permit
+    from aioduco.supervision.motion_sources import ModeEnding
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import OnCancel
@@ -53,7 +53,6 @@ class Dispatcher:
     Args:
         lane: lane on which commands are sent.
         coordinator: follows the tasks, and stops motions that went wrong.
-        background: runs the tasks that send commands, beside the caller.
         settings: times and limits.
 
     Attributes:
@@ -65,14 +64,12 @@ class Dispatcher:
         self,
         lane: WireLane,
         coordinator: StopCoordinator,
-        background: BackgroundTasks,
         settings: RobotSettings,
     ) -> None:
         self._lane = lane
         self._coordinator = coordinator
         self._permits = coordinator.permits
         self._gate = coordinator.permits.gate
-        self._background = background
         self._settings = settings
         self._clock = settings.clock
         self._order = anyio.Lock()
@@ -156,6 +153,7 @@ class Dispatcher:
             if command.motion:
                 command = await self._prepared(command, permit, aim)
             errors = await self._coordinator.follower.error_list()
+            await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
             return await self._launch(command, permit, errors, deadline, on_cancel)
 
@@ -191,29 +189,40 @@ class Dispatcher:
         before = self._last if command.motion else None
         if before is not None:
             before.life.successor_sent()
-        mode: tuple[str, tuple[bool, ...]] | None = None
+        mode: ModeEnding | None = None
         if command.continuous is not None and command.continuous.mode:
             mode = command.continuous.ending, (False,)
         modes = self._coordinator.modes
         was_on = mode is not None and modes.enter(*mode)
         with self._held(command):
+            call: LaneCall | None = None
             try:
-                pending, cancelled = await self._sent(command, permit, mode)
-            except StopUnconfirmed:
-                if before is not None:
-                    before.life.successor_refused()
-                raise
-            error = pending.error
-            if error is None and pending.answer < 0:
-                error = Refused(command.name, pending.answer, "no reason is given")
-            if error is not None:
-                if mode is not None and not was_on and not isinstance(error, OutcomeUnknown):
+                if command.motion:
+                    call, cancelled = await self._coordinator.answered(
+                        *(self._lane, permit, command.name, command.args),
+                        self._settings.call_timeout,
+                        followed=True,
+                        mode=mode,
+                    )
+                else:
+                    call = self._lane.prepare(command.name, command.args)
+                    self._lane.send(call)
+                    _, cancelled = await run_to_completion(call.wait)
+                error = call.error
+                if error is None and call.value < 0:
+                    error = Refused(command.name, call.value, "no reason is given")
+                if error is not None:
+                    raise cancelled or error  # noqa: TRY301  # one way out for all failures
+            except BaseException as exc:
+                unsure = isinstance(exc, StopUnconfirmed) if call is None else not call.answered
+                if mode is not None and not was_on and not unsure:
                     modes.over(mode[0])
                 if before is not None:
                     before.life.successor_refused()
-                raise cancelled or error
+                raise
+            accepted_at = time.monotonic() if call.ended_at is None else call.ended_at
             task = self._accept(
-                command, pending.answer, pending.at, permit.stops, errors, deadline, on_cancel
+                command, call.value, accepted_at, permit.stops, errors, deadline, on_cancel
             )
         if command.motion and self._coordinator.overtaken(permit):
             # The controller may have served the stop first.
@@ -224,27 +233,12 @@ class Dispatcher:
         await self._hand_over(task, cancelled)
         return task
 
-    async def _sent(
-        self, command: Command, permit: Permit, mode: tuple[str, tuple[bool, ...]] | None
-    ) -> tuple[PendingCommand, BaseException | None]:
-        """Send a command, and wait until its result is certain."""
-        timeout = self._settings.call_timeout
-        if command.motion:
-            return await self._coordinator.answered(
-                self._lane, permit, command.name, command.args, timeout, followed=True, mode=mode
-            )
-        pending = PendingCommand(command.name)
-        work = pending.carry_out(self._lane, command.args, timeout)
-        self._background.start(work, f"aioduco {command.name}", pending.close)
-        _, cancelled = await run_to_completion(pending.wait)
-        return pending, cancelled
-
     async def conduct(
         self,
         command: Command,
         lane: WireLane,
         timeout: float | None,
-        mode: tuple[str, tuple[bool, ...]] | None = None,
+        mode: ModeEnding | None = None,
     ) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
@@ -261,15 +255,17 @@ class Dispatcher:
         """
         permit = self._asked(command)
         command = await self._prepared(command, permit)
+        await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
         self._admit(command, permit)
-        pending, cancelled = await self._coordinator.answered(
+        call, cancelled = await self._coordinator.answered(
             lane, permit, command.name, command.args, timeout, followed=False, mode=mode
         )
         if cancelled is not None:
             raise cancelled
-        if pending.error is not None:
-            raise pending.error
-        return pending.answer
+        if call.error is not None:
+            raise call.error
+        answer: int = call.value
+        return answer
 
     async def feed(self, command: Command, lane: WireLane) -> int:
         """Send points that the arm may follow at once, and return the answer.

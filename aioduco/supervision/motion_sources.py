@@ -25,7 +25,7 @@ Guarantees:
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import anyio
 
@@ -39,9 +39,12 @@ if TYPE_CHECKING:
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
-__all__ = ["TRACK_POOL", "Claim", "Modes", "OpenStream", "Streams"]
+__all__ = ["TRACK_POOL", "Claim", "ModeEnding", "Modes", "OpenStream", "Streams"]
 
 _log = BackgroundLogger(__name__)
+
+#: the function of the wire that ends a mode, and its arguments
+ModeEnding: TypeAlias = "tuple[str, tuple[bool, ...]]"
 
 #: seconds within which a mode must be left after a stop
 _LEAVE_LIMIT = 0.5

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
     from typing import Any
 
-    from aioduco._wire.lane import BegunCall, WireLane
+    from aioduco._wire.channel import LaneCall
+    from aioduco._wire.lane import WireLane
 
 #: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
 FIRST_ATTEMPT = 0.25
@@ -54,7 +55,7 @@ class _BegunStop:
         by_guard: awaits the guard's answer; None if the guard did not send it.
 
     Attributes:
-        call: awaits the controller's answer.
+        call: the stop on the lane; None if none was sent there.
         error: why nothing was sent.
     """
 
@@ -63,7 +64,7 @@ class _BegunStop:
     def __init__(self, at: float, by_guard: ByGuard | None) -> None:
         self.at: float = at
         self.by_guard: ByGuard | None = by_guard
-        self.call: BegunCall | None = None
+        self.call: LaneCall | None = None
         self.error: Exception | None = None
 
 
@@ -109,7 +110,7 @@ class StopChannel:
         if begun.by_guard is None:
             self.attempts += 1
             try:
-                begun.call = self._stop.begin("stop", (False,), min(FIRST_ATTEMPT, timeout))
+                begun.call = self._send(self._stop, min(FIRST_ATTEMPT, timeout))
             except (DucoError, MemoryError) as exc:
                 begun.error = exc
         self._begun = begun
@@ -146,8 +147,8 @@ class StopChannel:
                     # Each repeat uses the other lane: a cause that blocks one lane does not block
                     # both.
                     self.attempts += 1
-                    call = lanes[attempt % 2].begin("stop", (False,), min(budget, left))
-                answer: int = await call()
+                    call = self._send(lanes[attempt % 2], min(budget, left))
+                answer: int = await call.answer()
                 if answer >= 0:
                     self.stops += 1
                     return
@@ -161,6 +162,12 @@ class StopChannel:
             budget = min(budget * 2, _LONGEST_ATTEMPT)
             left = until - time.monotonic()
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    @staticmethod
+    def _send(lane: WireLane, timeout: float) -> LaneCall:
+        call = lane.prepare("stop", (False,), timeout)
+        lane.send(call)
+        return call
 
     def stop_now(self, timeout: float) -> None:
         """Send a stop from any thread or signal handler, and block until it is accepted.

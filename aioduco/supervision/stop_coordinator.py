@@ -17,6 +17,7 @@ from __future__ import annotations
 import atexit
 import os
 import time
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import anyio
@@ -37,17 +38,18 @@ from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
-from aioduco.supervision.unanswered import PendingCommand, PendingCommands, stop_until_certain
+from aioduco.supervision.unanswered import stop_until_certain
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
     from typing import Any
 
+    from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.gate import Gate, Permit
     from aioduco.supervision.heartbeat import HeartbeatLike
-    from aioduco.supervision.motion_sources import Claim
+    from aioduco.supervision.motion_sources import Claim, ModeEnding
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_channel import StopChannel
@@ -65,6 +67,8 @@ _ASK_LIMIT = 0.5
 _LAPSED_EVERY = 0.05
 #: seconds between two checks whether a command that is on its way was overtaken by a stop
 _OVERTAKEN_EVERY = 0.05
+#: seconds within which a peer acknowledges received bytes, on any network that carries motions
+_ACKNOWLEDGED = 0.25
 #: seconds within which an arm that its controller stops has come to rest
 _BRAKED = 1.0
 #: seconds for the lane of a stream to stop sending: longer than it waits for an answer
@@ -89,7 +93,9 @@ class StopCoordinator:
         follower: follows the tasks.
         unfollowed_motion: whether a motion may be running that is not followed. A stop ends that.
         modes: modes that this program has switched on.
-        pending: commands on their way that may move the arm.
+        pending: commands on their way that may move the arm, each with the mode that it enters, as
+            for `Modes.enter`, or None. A command stays here until its sender has its result:
+            meanwhile it is neither on its way nor known to move the arm otherwise.
         streams: the open streams; they are ended before the arm is brought to rest.
         closed: whether the connections are closed, so that nothing can be sent any more.
         worker_died: whether a stream's worker has died, perhaps with a set-point on its way.
@@ -115,7 +121,7 @@ class StopCoordinator:
         self.follower: TaskFollower = TaskFollower(poll, self, background, settings.clock)
         self.unfollowed_motion: bool = False
         self.modes: Modes = Modes(channel)
-        self.pending: PendingCommands = PendingCommands(background, settings.unanswered_timeout)
+        self.pending: dict[LaneCall, ModeEnding | None] = {}
         self.streams: Streams = Streams()
         self.closed: bool = False
         self.worker_died: bool = False
@@ -177,7 +183,7 @@ class StopCoordinator:
         settings = self._settings
         with self.gate.stop():
             # Of these, the controller may serve any after the stop.
-            overtaken = tuple(self.pending)
+            overtaken = dict(self.pending)
             await self.send_stop(settings.stop_timeout)
             await self.rest(settings.stop_timeout, settings.standstill_timeout, overtaken)
 
@@ -209,7 +215,7 @@ class StopCoordinator:
         self,
         stop_timeout: float | None,
         timeout: float,
-        overtaken: Sequence[PendingCommand] = (),
+        overtaken: Mapping[LaneCall, ModeEnding | None] = MappingProxyType({}),
     ) -> None:
         """Wait until the arm stands.
 
@@ -226,9 +232,9 @@ class StopCoordinator:
             await self._channel.standstill(timeout)
         else:
             await self._channel.rest(stop_timeout, timeout)
-            on_their_way = dict.fromkeys((*overtaken, *self.pending))
+            on_their_way = {**overtaken, **self.pending}
             if on_their_way or self.worker_died:
-                await self.stop_until_certain(*on_their_way)
+                await self.stop_until_certain(on_their_way)
             self.unfollowed_motion = False
 
     def stop_now(self, timeout: float) -> None:
@@ -306,8 +312,8 @@ class StopCoordinator:
         timeout: float | None,
         *,
         followed: bool,
-        mode: tuple[str, tuple[bool, ...]] | None = None,
-    ) -> tuple[PendingCommand, BaseException | None]:
+        mode: ModeEnding | None = None,
+    ) -> tuple[LaneCall, BaseException | None]:
         """Send a command that may move the arm, and wait until its result is certain.
 
         The arm is stopped if the answer does not come in time, or if it leaves open whether the arm
@@ -331,70 +337,73 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it is not known that the arm stands, and keeps standing.
         """
-        last_check = self.permits.last_check(permit)
-        pending = self.pending.send(lane, name, args, timeout, last_check, mode)
+        limit = None if timeout is None else timeout + self._settings.unanswered_timeout
+        call = lane.prepare(name, args, limit, self.permits.last_check(permit))
+        self.pending[call] = mode
+        interrupt: BaseException | None = None
         try:
-            return pending, await self._certain(pending, permit, timeout, followed=followed)
+            try:
+                lane.send(call)
+            except BaseException as exc:  # what a signal handler raises: some of it may be sent
+                interrupt = exc
+            cancelled = await self._certain(call, permit, timeout, followed=followed)
+            return call, cancelled or interrupt
         finally:
-            self.pending.remove(pending)
+            del self.pending[call]
 
     async def _certain(
-        self, pending: PendingCommand, permit: Permit, timeout: float | None, *, followed: bool
+        self, call: LaneCall, permit: Permit, timeout: float | None, *, followed: bool
     ) -> BaseException | None:
         """Wait until the result of a command is certain; `answered` describes it."""
         cancelled: BaseException | None = None
         if followed:
-            _, cancelled = await run_to_completion(lambda: pending.wait(timeout))
+            _, cancelled = await run_to_completion(lambda: call.wait(timeout))
         else:
             try:
                 with anyio.move_on_after(timeout):
-                    while not pending.over and not (pending.sent and self.overtaken(permit)):
-                        await pending.wait(_OVERTAKEN_EVERY)
+                    while not (call.handed_over and self.overtaken(permit)):
+                        if await call.wait(_OVERTAKEN_EVERY):
+                            break
             except BaseException as exc:
                 cancelled = exc
-        if not pending.over and not pending.sent:
-            pending.give_up()
-            _, again = await run_to_completion(pending.wait)
-            cancelled = again or cancelled
-        unsure = not pending.over or _may_move(pending.error)
-        overtaken = not followed and pending.error is None and self.overtaken(permit)
+        if not call.handed_over:
+            _give_up(call)
+        unsure = call.ended_at is None or _may_move(call.error)
+        overtaken = not followed and call.error is None and self.overtaken(permit)
         if not self.closed and (unsure or overtaken or (cancelled is not None and not followed)):
-            again = await self._stop_unanswered(pending)
+            again = await self._stop_unanswered(call)
             cancelled = again or cancelled
-            if pending.error is None and overtaken:
-                pending.error = TaskStopped(
-                    pending.name, None, "was stopped: a stop was requested while it was on its way"
+            if call.error is None and overtaken:
+                call.error = TaskStopped(
+                    call.name, None, "was stopped: a stop was requested while it was on its way"
                 )
-            elif pending.error is None and timeout is not None:
-                pending.error = OutcomeUnknown(
-                    pending.name, "it was answered late, and the arm stopped"
-                )
+            elif call.error is None and timeout is not None:
+                call.error = OutcomeUnknown(call.name, "it was answered late, and the arm stopped")
+        _give_up(call)  # the robot was closed meanwhile
         return cancelled
 
     def overtaken(self, permit: Permit) -> bool:
         """Whether the arm was stopped since a permit was asked for, perhaps before its command."""
         return self.gate.ending(permit) not in (None, PermitEnding.PAUSED)
 
-    async def _stop_unanswered(self, pending: PendingCommand) -> BaseException | None:
-        _log.warning(
-            "the arm is stopped, and watched until nothing can come any more of %r", pending
-        )
+    async def _stop_unanswered(self, call: LaneCall) -> BaseException | None:
+        _log.warning("the arm is stopped, and watched until nothing can come any more of %r", call)
         begin = time.monotonic()
 
         async def stop() -> None:
             with self.gate.stop():
-                await self.stop_until_certain(pending, since=begin)
+                await self.stop_until_certain({call: self.pending[call]}, since=begin)
 
         _, cancelled = await run_to_completion(stop)
         return cancelled
 
     async def stop_until_certain(
-        self, *commands: PendingCommand, since: float | None = None
+        self, commands: Mapping[LaneCall, ModeEnding | None], since: float | None = None
     ) -> None:
         """Stop the arm, and return when none of the commands can move it any more.
 
         Args:
-            *commands: commands that may or may not reach the controller.
+            commands: commands that may or may not reach the controller, as `pending`.
             since: when that began [s of `time.monotonic`]; None for now.
 
         Raises:
@@ -427,13 +436,13 @@ class StopCoordinator:
             await self.modes.leave()
         self.unfollowed_motion = self.worker_died = False
 
-    def _enter_again(self, commands: Sequence[PendingCommand]) -> bool:
+    def _enter_again(self, commands: Mapping[LaneCall, ModeEnding | None]) -> bool:
         """Note the modes of commands on their way, which may be entered after they were left.
 
         Returns:
             Whether there are any.
         """
-        modes = [command.mode for command in commands if command.mode and not command.void]
+        modes = [mode for call, mode in commands.items() if mode and not _void(call)]
         for mode in modes:
             self.modes.enter(*mode)
         return bool(modes)
@@ -524,13 +533,13 @@ class StopCoordinator:
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands."""
         with self.gate.stop():
-            overtaken = tuple(self.pending)
+            overtaken = dict(self.pending)
             if self.streams.halt():
                 await self._silence_streams()
             await self._controlled("abort")
             await self.standstill()
             if overtaken:
-                await self.stop_until_certain(*overtaken)
+                await self.stop_until_certain(overtaken)
 
     async def standstill(self) -> None:
         """Wait until the arm stands, without a stop.
@@ -571,21 +580,35 @@ class StopCoordinator:
     async def _resumed(self, permit: Permit) -> int:
         """Send resume. Returns the id of the task that it became."""
         lane, timeout = self._channel.others, self._settings.call_timeout
-        pending, cancelled = await self.answered(
+        call, cancelled = await self.answered(
             lane, permit, "resume", (False,), timeout, followed=False
         )
-        error = pending.error
-        if error is None and pending.answer < 0:
-            error = Refused("resume", pending.answer, "no reason is given")
+        error = call.error
+        if error is None and call.value < 0:
+            error = Refused("resume", call.value, "no reason is given")
         if cancelled is not None:
             raise cancelled
         if error is not None:
             raise error
-        return pending.answer
+        answer: int = call.value
+        return answer
 
 
-def _may_move(error: DucoError | None) -> bool:
+def _give_up(call: LaneCall) -> None:
+    """Wait for its answer no longer."""
+    missing = "no answer came in time" if call.handed_over else "it could not be sent in time"
+    call.abandon(missing, late=True)
+
+
+def _void(call: LaneCall) -> bool:
+    """Whether it is certain that the controller did not get it."""
+    return call.answered and call.error is not None and not isinstance(call.error, ControllerError)
+
+
+def _may_move(error: BaseException | None) -> bool:
     """Whether the controller may have accepted a command that ended with this error."""
+    if error is not None and not isinstance(error, DucoError):
+        return True
     if isinstance(error, OutcomeUnknown):
         return True
     # An application error says that something failed, perhaps after the motion was queued.
@@ -600,31 +623,32 @@ class _CommandDelivery:
         commands: the commands.
     """
 
-    def __init__(self, coordinator: StopCoordinator, commands: Sequence[PendingCommand]) -> None:
+    def __init__(self, coordinator: StopCoordinator, commands: Iterable[LaneCall]) -> None:
         self._coordinator = coordinator
-        self._commands = commands
+        self._commands = tuple(commands)
 
     def report(self, motion: UnansweredMotion) -> bool:
         """Report the delivery of each; discard the unsent bytes of a command that is stuck."""
         if self._coordinator.closed:
             return False
         now = time.monotonic()
-        for command in self._commands:
-            if not command.over and command.stuck:
-                command.give_up()
-        if not all(command.over for command in self._commands):
+        for call in self._commands:
+            if now - call.begun > _ACKNOWLEDGED and call.undelivered > 0:
+                _give_up(call)
+        ended = [call.ended_at for call in self._commands if call.ended_at is not None]
+        if len(ended) < len(self._commands):
             return True
-        if self._coordinator.worker_died or not all(command.answered for command in self._commands):
+        if self._coordinator.worker_died or not all(call.answered for call in self._commands):
             # Since then, and not since it is noticed: the stop that was sent meanwhile took longer.
-            motion.dissolved(max((command.at for command in self._commands), default=now))
+            motion.dissolved(max(ended, default=now))
         else:
             motion.answered(now)
         return True
 
     def dissolve(self) -> None:
         """Stop waiting for answers."""
-        for command in self._commands:
-            command.give_up()
+        for call in self._commands:
+            _give_up(call)
 
 
 #: seconds within which the stop must be accepted: after it, the interpreter exits

@@ -202,9 +202,7 @@ class Supervisor:
             self.heartbeat,
             self.permits,
         )
-        self.dispatcher: Dispatcher = Dispatcher(
-            self._motion_lane, self.stop_coordinator, self._background, settings
-        )
+        self.dispatcher: Dispatcher = Dispatcher(self._motion_lane, self.stop_coordinator, settings)
         self.feed: StateFeed = StateFeed(
             self._feed_lane, self.samples, self._background, settings.state_rate
         )

@@ -1,6 +1,6 @@
 """Runs the package's own coroutines on an event loop whose time and events are chosen.
 
-`Dispatcher`, `StopCoordinator`, `StopChannel`, `TaskFollower`, `PendingCommands`, `Permits` and
+`Dispatcher`, `StopCoordinator`, `StopChannel`, `TaskFollower`, `LaneCall`, `Permits` and
 `Gate` are those of the package. Only the lanes are scripted: they lead to the controller of
 `arm.py`. A run is determined by its choices: in each turn of the loop, whether something happens
 first, and what. Without choices, calls are served and answered in their order, what the program
@@ -25,6 +25,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 from unittest.mock import patch
 
+from aioduco._wire.channel import LaneCall
+from aioduco._wire.idl import functions
 from aioduco.errors import (
     CallTimeout,
     DucoError,
@@ -50,6 +52,7 @@ from .world import Violation
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 
+    from aioduco._wire.channel import Carrier
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.gate import PermitEnding
 
@@ -108,39 +111,25 @@ class _Loop(asyncio.SelectorEventLoop):
         return self._run.seconds
 
 
-@dataclass(eq=False)
-class _LaneCall:
-    """A call of a lane, as `AwaitedCall`.
+@dataclass(slots=True, eq=False)
+class _Call(LaneCall):
+    """A call on a scripted lane.
 
     Attributes:
-        name: the function of the wire.
-        args: its arguments.
-        answer: where its answer is awaited.
-        permit: the last check before it is sent.
-        handed_over: whether the connection was asked to send it.
         call: what moves the arm by it; None for other functions.
         at: when it was sent [s].
-        value: the answer, once it was served.
+        result: the answer, once it was served.
         served: whether the controller has carried it out.
         held_until: until when it comes only by choice, or if nothing else does [s].
         gone: whether nobody waits for the answer any more.
     """
 
-    name: str
-    args: tuple[Any, ...]
-    answer: asyncio.Future[Any]
-    permit: Callable[[], object] | None
-    handed_over: bool = False
     call: Call | None = None
     at: float = 0.0
-    value: Any = None
+    result: Any = None
     served: bool = False
     held_until: float = 0.0
     gone: bool = False
-
-    @property
-    def undelivered(self) -> int:
-        return 0
 
     def __str__(self) -> str:
         return self.call.command.name if self.call is not None else self.name
@@ -156,35 +145,53 @@ class _OwnerLoop:
 
 
 class Lane:
-    """A lane with one connection, as `WireLane`."""
+    """A lane with one connection, as `WireLane` and `Channel`."""
 
     def __init__(self, run: Run, name: str) -> None:
         self._run = run
         self.name = name
         self.owner_loop = _OwnerLoop()
-        self._busy: _LaneCall | None = None
-        self._waiting: deque[_LaneCall] = deque()
+        self._busy: _Call | None = None
+        self._waiting: deque[_Call] = deque()
+        self._timers: dict[LaneCall, asyncio.TimerHandle] = {}
 
     async def call(
         self,
         name: str,
         args: tuple[Any, ...],
         timeout: float | None = 2.0,
-        begun: Callable[[Any], object] | None = None,
         permit: Callable[[], object] | None = None,
     ) -> Any:
-        call = self._new(name, args, permit)
-        if begun is not None:
-            begun(call)
-        self._start(call)
-        return await self._answer(call, timeout)
+        call = self.prepare(name, args, timeout, permit)
+        self.send(call)
+        return await call.answer()
 
-    def begin(
-        self, name: str, args: tuple[Any, ...], timeout: float
-    ) -> Callable[[], Coroutine[Any, Any, Any]]:
-        call = self._new(name, args, None)
+    def prepare(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | None = 2.0,
+        permit: Callable[[], object] | None = None,
+    ) -> _Call:
+        run = self._run
+        over, deadline = (
+            run.loop.create_future(),
+            None if timeout is None else run.seconds + timeout,
+        )
+        return _Call(
+            *(functions()[name], b"", deadline, permit),
+            args=args,
+            over=over,
+            ended=self._over,
+            begun=run.seconds,
+        )
+
+    def send(self, call: _Call) -> None:
+        if call.deadline is not None:
+            self._timers[call] = self._run.loop.call_later(
+                call.deadline - self._run.seconds, self._expire, call
+            )
         self._start(call)
-        return lambda: self._answer(call, timeout)
 
     def call_from_thread(self, *_: object) -> int:
         """Send a stop, which is served at once."""
@@ -195,12 +202,7 @@ class Lane:
     def report(self, *_: object) -> None:
         """Report nothing."""
 
-    def _new(
-        self, name: str, args: tuple[Any, ...], permit: Callable[[], object] | None
-    ) -> _LaneCall:
-        return _LaneCall(name, args, self._run.loop.create_future(), permit)
-
-    def _start(self, call: _LaneCall) -> None:
+    def _start(self, call: _Call) -> None:
         if self._busy is not None:
             self._waiting.append(call)
             return
@@ -208,27 +210,19 @@ class Lane:
             if call.permit is not None:
                 call.permit()
         except DucoError as exc:
-            call.answer.set_exception(exc)
+            call.end(error=exc)
             return
         self._busy = call
+        call.carrier = cast("Carrier", _Carrier())
         call.handed_over = True
         self._run.send(call)
 
-    async def _answer(self, call: _LaneCall, timeout: float | None) -> Any:
-        timer = None
-        if timeout is not None:
-            timer = self._run.loop.call_later(timeout, self._expire, call)
-        try:
-            return await call.answer
-        finally:
-            if timer is not None:
-                timer.cancel()
-            self._over(call)
-
-    def _over(self, call: _LaneCall) -> None:
+    def _over(self, call: LaneCall) -> None:
         """Use the connection for the next call; one that was given up is dissolved."""
+        if call in self._timers:
+            self._timers.pop(call).cancel()
         if call in self._waiting:
-            self._waiting.remove(call)
+            self._waiting.remove(cast("_Call", call))
         if self._busy is not call:
             return
         self._busy = None
@@ -236,16 +230,26 @@ class Lane:
         if self._waiting:
             self._start(self._waiting.popleft())
 
-    def _expire(self, call: _LaneCall) -> None:
-        if call.answer.done():
-            return
-        if not call.handed_over:
-            call.answer.set_exception(NotSent(f"{call.name} was not sent"))
+    @staticmethod
+    def _expire(call: _Call) -> None:
+        if call.handed_over:
+            call.end(error=lost(call))
         else:
-            call.answer.set_exception(lost(call))
+            call.end(error=NotSent(f"{call.name} was not sent"))
 
 
-def lost(call: _LaneCall) -> DucoError:
+class _Carrier:
+    """Gives up a call that it carries."""
+
+    call = None
+    undelivered = 0
+
+    def give_up(self, call: LaneCall, *_: object) -> None:
+        """End a call that was abandoned."""
+        call.end(error=lost(call))
+
+
+def lost(call: LaneCall) -> DucoError:
     """The error of a call whose answer is lost."""
     if call.name in _COMMANDS:
         return OutcomeUnknown(call.name, "no answer came")
@@ -273,7 +277,7 @@ class Run(ArmWorld):
         self._choices = choices
         self.fine = fine
         self.seconds = 0.0
-        self._wire: list[_LaneCall] = []
+        self._wire: list[_Call] = []
         self._turns = 0
         self.acts: dict[str, Callable[[], object]] = {}
         self.watched: list[asyncio.Task[Any]] = []
@@ -402,7 +406,7 @@ class Run(ArmWorld):
         self._wire.append(call)
         return None
 
-    def dissolve(self, call: _LaneCall) -> None:
+    def dissolve(self, call: _Call) -> None:
         """Note that nobody waits for the answer of a call any more."""
         call.gone = True
         if call.call is not None and call.call.state in ("sent", "served"):
@@ -414,13 +418,13 @@ class Run(ArmWorld):
         super().passed()
         self._wire = [one for one in self._wire if one.call is None or one.call.state != "dropped"]
 
-    def _serve(self, call: _LaneCall) -> None:
+    def _serve(self, call: _Call) -> None:
         call.served, call.held_until = True, 0.0
-        call.value = self._carry_out(call)
+        call.result = self._carry_out(call)
         if call.gone:
             self._wire.remove(call)
 
-    def _reply(self, call: _LaneCall) -> None:
+    def _reply(self, call: _Call) -> None:
         self._wire.remove(call)
         if call.call is not None:
             call.call.state = "answered"
@@ -430,17 +434,15 @@ class Run(ArmWorld):
         self.loop.call_soon(self._settle, call)
 
     @staticmethod
-    def _settle(call: _LaneCall) -> None:
-        if not call.answer.done():
-            call.answer.set_result(call.value)
+    def _settle(call: _Call) -> None:
+        call.end(call.result)
 
-    def _break(self, call: _LaneCall) -> None:
+    def _break(self, call: _Call) -> None:
         self.breaks -= 1
         self.say(f"the connection of {call} breaks")
-        if not call.answer.done():
-            call.answer.set_exception(lost(call))
+        call.end(error=lost(call))
 
-    def _carry_out(self, call: _LaneCall) -> Any:
+    def _carry_out(self, call: _Call) -> Any:
         controller = self.controller
         if call.call is not None:
             late = " late" if call.gone else ""
@@ -539,7 +541,7 @@ class Robot:
             None,
             self.permits,
         )
-        self.dispatcher = Dispatcher(lanes[3], self.coordinator, self.background, settings)
+        self.dispatcher = Dispatcher(lanes[3], self.coordinator, settings)
         self.background.start(self.coordinator.follower.run(), "follower")
 
     def _permits_ended(self, ending: PermitEnding) -> None:

@@ -61,7 +61,9 @@ def test_calls_are_answered(runner: asyncio.Runner) -> None:
                     group.start_soon(lane.rpc.get_noneblock_taskstate, number)
             answers = await lane.ask("get_robot_state", "getRobotStatus", "get_global_speed")
             assert [answer.error for answer in answers] == [None] * 3
-            assert await lane.begin("stop", (True,), PATIENCE)() == 0
+            call = lane.prepare("stop", (True,), PATIENCE)
+            lane.send(call)
+            assert await call.answer() == 0
             assert server.connections == 2
 
     runner.run(main())

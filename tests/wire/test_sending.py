@@ -57,9 +57,10 @@ class Permit:
 
 async def test_a_call_that_was_begun_is_sent_before_anything_else_runs() -> None:
     async with opened() as (lane, server):
-        answer = lane.begin("stop", (True,), PATIENCE)
+        call = lane.prepare("stop", (True,), PATIENCE)
+        lane.send(call)
         server.wait_calls(1)  # blocks the loop
-        assert await answer() == 0
+        assert await call.answer() == 0
 
 
 async def test_a_lane_needs_no_thread() -> None:
@@ -71,7 +72,7 @@ async def test_a_lane_needs_no_thread() -> None:
 
 async def test_a_call_that_was_begun_and_not_awaited_disturbs_nothing() -> None:
     async with opened() as (lane, server):
-        lane.begin("stop", (True,), PATIENCE)
+        lane.send(lane.prepare("stop", (True,), PATIENCE))
         server.wait_calls(1)
         assert await lane.rpc.get_global_speed() == 0
         assert server.connections == 1
@@ -108,8 +109,10 @@ async def test_a_permit_that_ended_sends_nothing_and_keeps_the_connection() -> N
         with pytest.raises(RobotStateError) as raised:
             await lane.call("pause", (True,), permit=permit)
         assert raised.value is permit.error
+        call = lane.prepare("pause", (True,), PATIENCE, permit)
+        lane.send(call)
         with pytest.raises(RobotStateError):
-            await lane.begin("pause", (True,), PATIENCE, permit)()
+            await call.answer()
         with pytest.raises(RobotStateError):
             lane.call_from_thread("pause", (True,), PATIENCE, permit)
         assert await lane.rpc.stop(True) == 0
@@ -223,5 +226,5 @@ async def test_a_closed_lane_sends_nothing() -> None:
     async with opened() as (lane, server):
         await lane.aclose()
         with pytest.raises(ConnectionLost, match="not open"):
-            lane.begin("stop", (True,), PATIENCE)
+            lane.prepare("stop", (True,), PATIENCE)
         assert server.calls == []
