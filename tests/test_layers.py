@@ -156,7 +156,7 @@ STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "shared": {"aioduco.streaming.shared", "aioduco._platform"},
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
-        "aioduco._platform",
+        *("aioduco._platform", "aioduco.supervision.unanswered"),
         *("aioduco.envelope.checker", "aioduco.envelope.limits", "aioduco.envelope.zones"),
         *("aioduco.streaming.shared", "aioduco.streaming.worker"),
     },
@@ -222,6 +222,7 @@ PURE = {
     "_wire/lifecycle.py",
     "_wire/failures.py",
     "_wire/idempotence.py",
+    "supervision/unanswered.py",
     "sim/controller",
     "sim/force",
     "sim/planner",

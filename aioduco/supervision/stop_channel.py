@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
-from aioduco._wire.unanswered import LOOK_EVERY
 from aioduco.errors import DucoError, Refused, StopUnconfirmed
 from aioduco.supervision.concurrency import every
+from aioduco.supervision.unanswered import LOOK_EVERY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine

@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.errors import (
     ControllerError,
     DucoError,
@@ -37,8 +36,9 @@ from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
+from aioduco.supervision.rest import stop_until_certain
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
-from aioduco.supervision.unanswered import stop_until_certain
+from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence

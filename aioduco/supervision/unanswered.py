@@ -1,79 +1,159 @@
-"""Carries out what `UnansweredMotion` decides, on an event loop."""
+"""Procedure for a motion that was sent and not answered: without socket, thread or clock.
+
+Such a motion may reach the controller at any later time: its bytes may wait in this system, in a
+switch, in a proxy, or in the controller, which may have received them and not read them yet. The
+arm would then start to move unexpectedly. So the sender stops the arm, and watches it until one of
+these is certain:
+
+- The answer has arrived. The controller has the motion, and a stop that was sent after the answer
+  ends it.
+- None of its bytes are left in this system. A stop was delivered since then, and after it the path
+  delivered nothing else for as long as the stop took: a look that began after this time saw the arm
+  stand.
+
+The reason for this time: a delay that held back the stop may hold back an older packet for as long
+again, in another queue of the same path. The time has two bounds: `MIN_WATCH` covers the fast paths
+of a local network, and no network delays a packet for more than `MAX_WATCH`. A proxy can hold bytes
+longer than that, and a controller can read them later. Both acknowledge the bytes, so the sender
+waits for the answer, up to a limit.
+"""
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING, Protocol
+import enum
+from typing import Final
 
-import anyio.lowlevel
+__all__ = ["LOOK_EVERY", "MAX_WATCH", "MIN_WATCH", "NextStep", "UnansweredMotion"]
 
-from aioduco._wire.unanswered import LOOK_EVERY, NextStep, UnansweredMotion
-from aioduco.errors import DucoError, StopUnconfirmed
-from aioduco.reporting import BackgroundLogger
-from aioduco.supervision.concurrency import every
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
-__all__ = ["Delivery", "stop_until_certain"]
-
-_log = BackgroundLogger(__name__)
-
-
-class Delivery(Protocol):
-    """Interface that reports the delivery of a motion to the controller."""
-
-    def report(self, motion: UnansweredMotion) -> bool:
-        """Report the delivery to `motion`. Returns whether the controller can still be polled."""
-        ...
-
-    def dissolve(self) -> None:
-        """Stop waiting for its answer: close its connection."""
-        ...
+#: time between two polls whether the arm moves [s]
+LOOK_EVERY: Final = 0.01
+#: minimum time for which the arm must be watched after a stop was accepted [s]
+MIN_WATCH: Final = 0.3
+#: maximum time for which the arm must be watched after a stop was accepted [s]
+MAX_WATCH: Final = 5.0
+#: number of consecutive polls that must show a standing arm
+_STANDING: Final = 2
+#: seconds after which an arm that still moves is stopped again
+_STOP_AGAIN: Final = 0.5
 
 
-async def stop_until_certain(
-    motion: UnansweredMotion,
-    delivery: Delivery,
-    stop: Callable[[], Awaitable[object]],
-    moves: Callable[[], Awaitable[bool]],
-) -> bool:
-    """Stop the arm, and return when the motion cannot move it any more.
+class NextStep(enum.Enum):
+    """The next action of the sender."""
+
+    STOP = "send a stop"
+    LOOK = "ask whether the arm moves"
+    DISSOLVE = "wait for no answer any more: dissolve the connection"
+    DONE = "the motion cannot move the arm any more"
+    GIVE_UP = "the time is over, and it may still move the arm"
+
+
+class UnansweredMotion:
+    """Decides on the next action until an unanswered motion cannot move the arm any more.
+
+    Times are seconds of one monotonic clock.
 
     Args:
-        motion: decides on the next step.
-        delivery: reports the delivery of the motion.
-        stop: sends a stop until one is accepted, and raises `StopUnconfirmed` if none is.
-        moves: polls whether the arm moves, and raises a `DucoError` if no answer comes.
-
-    Returns:
-        Whether that is certain; if not, the time is over, or the controller cannot be polled.
+        now: the present time.
+        answer_by: time until which to wait for the answer.
+        until: time at which to give up.
     """
-    ticker = every(LOOK_EVERY)
-    while True:
-        if not delivery.report(motion):
+
+    __slots__ = (
+        "_answer_by",
+        "_answered",
+        "_dissolved",
+        "_looked",
+        "_since",
+        "_standing",
+        "_stop_needed_since",
+        "_stopped",
+        "_until",
+    )
+
+    def __init__(self, now: float, answer_by: float, until: float) -> None:
+        self._answer_by = answer_by
+        self._until = until
+        #: only a stop that was sent at this time or later counts
+        self._stop_needed_since = now
+        self._answered = False
+        #: time since which none of its bytes are left in this system
+        self._dissolved: float | None = None
+        #: time at which the last stop was accepted
+        self._stopped: float | None = None
+        #: time since which the arm has been watched after that stop
+        self._since = now
+        self._standing = 0
+        #: when the last look began that saw the arm stand
+        self._looked = now
+
+    def __repr__(self) -> str:
+        state = "answered" if self._answered else "dissolved" if self._dissolved else "open"
+        return f"<UnansweredMotion {state}, seen standing {self._standing} times>"
+
+    def answered(self, now: float) -> None:
+        """Record the answer: the controller has the motion, so earlier stops no longer count."""
+        if not self._answered:
+            self._answered = True
+            self._require_stop(now)
+
+    def dissolved(self, now: float) -> None:
+        """Record that the connection was dissolved, with all bytes not delivered by this system."""
+        if self._dissolved is None and not self._answered:
+            self._dissolved = now
+            self._require_stop(now)
+
+    def stopped(self, sent: float, now: float) -> None:
+        """Record that a stop was accepted.
+
+        Args:
+            sent: time at which it was sent.
+            now: the present time.
+        """
+        if sent >= self._stop_needed_since:
+            self._stopped = self._since = now
+            self._standing = 0
+
+    def seen(self, asked: float, now: float, *, moving: bool) -> None:
+        """Record the controller's answer whether the arm moves.
+
+        Args:
+            asked: time at which it was asked.
+            now: the present time.
+            moving: whether it moves.
+        """
+        if not moving:
+            self._standing += 1
+            self._looked = asked
+        elif self._standing >= _STANDING or now - self._since > _STOP_AGAIN:
+            self._require_stop(now)
+        else:
+            self._standing = 0
+
+    def poll_failed(self, now: float) -> None:
+        """Record that the controller did not answer: send another stop, which does no harm."""
+        self._require_stop(now)
+
+    def step(self, now: float) -> NextStep:
+        """Return the next action."""
+        if self._certain():
+            return NextStep.DONE
+        if now >= self._until:
+            return NextStep.GIVE_UP
+        if now >= self._answer_by and not self._answered and self._dissolved is None:
+            return NextStep.DISSOLVE
+        return NextStep.STOP if self._stopped is None else NextStep.LOOK
+
+    def _certain(self) -> bool:
+        if self._stopped is None or self._standing < _STANDING:
             return False
-        now = time.monotonic()
-        match motion.step(now):
-            case NextStep.DONE:
-                return True
-            case NextStep.GIVE_UP:
-                return False
-            case NextStep.DISSOLVE:
-                delivery.dissolve()
-                await anyio.lowlevel.checkpoint()
-            case NextStep.STOP:
-                try:
-                    await stop()
-                except StopUnconfirmed as exc:
-                    _log.error("%s", exc)
-                else:
-                    motion.stopped(now, time.monotonic())
-            case NextStep.LOOK:
-                try:
-                    moving = await moves()
-                except DucoError:
-                    motion.poll_failed(time.monotonic())
-                else:
-                    motion.seen(now, time.monotonic(), moving=moving)
-                await ticker.wait()
+        if self._answered:
+            return True
+        if self._dissolved is None:
+            return False
+        took = self._stopped - self._dissolved
+        return self._looked - self._stopped >= min(max(took, MIN_WATCH), MAX_WATCH)
+
+    def _require_stop(self, now: float) -> None:
+        self._stop_needed_since = now
+        self._stopped = None
+        self._standing = 0

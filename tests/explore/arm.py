@@ -15,9 +15,9 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING, Final
 
-from aioduco._wire.unanswered import MAX_WATCH, MIN_WATCH
 from aioduco.errors import StopUnconfirmed
 from aioduco.models.enums import TaskState
+from aioduco.supervision.unanswered import MAX_WATCH, MIN_WATCH
 
 from .world import Action, Named, Violation, World
 

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from aioduco._wire.unanswered import NextStep, UnansweredMotion
 from aioduco.errors import StopUnconfirmed
 from aioduco.streaming.shared.state import Reason
 from aioduco.streaming.shared.words import ControlWord, StreamCommand
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
+from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
 from .arm import POINTS, ArmWorld, Command
 from .program import HEARTBEAT, STALL, Program

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
-from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.streaming.shared.state import Reason
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
+from aioduco.supervision.unanswered import UnansweredMotion
 
 from . import scenarios
 from .program import Program, Task

@@ -1,7 +1,7 @@
 """The program's side for the explorer: the machines of the package, and what drives them.
 
 `Program` mirrors what the coroutines of `supervision.dispatcher`, `supervision.stop_coordinator`,
-`supervision.unanswered`, `supervision.task_follower` and `supervision.supervisor` do between two
+`supervision.rest`, `supervision.task_follower` and `supervision.supervisor` do between two
 awaits: each `yield` is one of their awaits. The decisions are those of the package: `Gate`,
 `UnansweredMotion`, `TaskLifecycle`.
 """
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from aioduco._wire.unanswered import NextStep, UnansweredMotion
 from aioduco.errors import (
     DucoError,
     NotSent,
@@ -23,6 +22,7 @@ from aioduco.errors import (
 from aioduco.models.enums import Outcome
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.task_state import TaskLifecycle
+from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
 from .arm import MODE, Call, Command
 from .world import TICK, Cancelled, Named, Steps, Violation, canonical
@@ -48,7 +48,7 @@ STALL: Final = 1.0
 
 
 class Pending(Named):
-    """A command on its way: `supervision.unanswered.PendingCommand`."""
+    """A command on its way: `_wire.channel.LaneCall`."""
 
     __slots__ = ("answered", "at", "call", "command", "error", "given_up", "over", "permit")
 
@@ -300,7 +300,7 @@ class Program:
             self.forget(pending)
 
     def forget(self, pending: Pending) -> None:
-        """`PendingCommands.over`."""
+        """the end of `StopCoordinator.answered`."""
         if pending in self.pending:
             self.pending.remove(pending)
 
@@ -339,7 +339,7 @@ class Program:
         yield lambda: pending.over or (until is not None and world.now >= until)
 
     def carry_out(self, pending: Pending) -> Steps[None]:
-        """`PendingCommand.carry_out`, with `WireLane.call`."""
+        """`WireLane.send`, and what comes of it."""
         world, command = self.world, pending.command
         until = world.now + CALL + LATE
         try:
@@ -369,7 +369,7 @@ class Program:
             yield from self.stop_until_certain(*pending)
 
     def stop_until_certain(self, *pending: Pending) -> Steps[None]:
-        """`StopCoordinator.stop_until_certain`, with that of `supervision.unanswered`."""
+        """`StopCoordinator.stop_until_certain`, with that of `supervision.rest`."""
         world = self.world
         self.unfollowed = True
         now = world.monotonic()

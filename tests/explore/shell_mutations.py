@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
-from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.motion_sources import Modes
 from aioduco.supervision.stop_coordinator import StopCoordinator
+from aioduco.supervision.unanswered import UnansweredMotion
 
 from . import programs
 from .mutations import _ends_permits_alone, _same_epoch, _without_watch

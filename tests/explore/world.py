@@ -18,12 +18,12 @@ from enum import Enum
 from types import GeneratorType
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 
-from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.errors import DucoError
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.gate import Gate, Permit
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
+from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco._wire.unanswered import MAX_WATCH, MIN_WATCH, NextStep, UnansweredMotion
+from aioduco.supervision.unanswered import MAX_WATCH, MIN_WATCH, NextStep, UnansweredMotion
 
 ANSWER_BY, UNTIL = 60.0, 70.0
 

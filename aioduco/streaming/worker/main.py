@@ -44,8 +44,8 @@ from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamComman
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
-from aioduco.streaming.worker.outlast import outlast
 from aioduco.streaming.worker.permit import PermitEnded, WorkerPermit
+from aioduco.streaming.worker.rest import outlast
 
 if TYPE_CHECKING:
     import socket

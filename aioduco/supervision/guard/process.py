@@ -33,7 +33,6 @@ from aioduco._platform import handed_socket, set_realtime_priority
 from aioduco._wire.connection import Connection
 from aioduco._wire.host import Route
 from aioduco._wire.lane import WireLane
-from aioduco._wire.unanswered import UnansweredMotion
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError
 from aioduco.reporting import BackgroundLogger
@@ -54,8 +53,9 @@ from aioduco.supervision.guard.messages import (
 )
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import SignOfLife
+from aioduco.supervision.rest import stop_until_certain
 from aioduco.supervision.stop_channel import StopChannel
-from aioduco.supervision.unanswered import stop_until_certain
+from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Sequence

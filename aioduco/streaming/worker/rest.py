@@ -10,9 +10,9 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco._wire.lifecycle import ConnectionState
-from aioduco._wire.unanswered import NextStep, UnansweredMotion
 from aioduco.errors import ControllerError, DucoError, StopUnconfirmed
 from aioduco.streaming.worker.clock import sleep_until
+from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
