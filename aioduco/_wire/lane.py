@@ -268,7 +268,13 @@ class WireLane:
         # no other checkpoint that would detect this.
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()
-        self.send(call)
+        self._calls += 1
+        try:  # as `send`, without its frame
+            if (carrier := self._take(call)) is not None:
+                carrier.send(call)
+        except BaseException:
+            call.abandon()
+            raise
         return await call.answer()
 
     def prepare(

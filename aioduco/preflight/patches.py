@@ -453,7 +453,7 @@ def _unanswered(clock: ProgramClock) -> None:
 def _calls(recorder: RunRecorder) -> None:
     lanes: Any = lane.WireLane
     vendor: Any = DucoCobot
-    call, begin = lanes.call, lanes.begin
+    call, send = lanes.call, lanes.send
     from_thread, vendor_call = lanes.call_from_thread, vendor._call
 
     async def called(self: Any, name: str, args: Any, *rest: Any, **options: Any) -> Any:
@@ -461,19 +461,23 @@ def _calls(recorder: RunRecorder) -> None:
             record.result = await call(self, name, args, *rest, **options)
             return record.result
 
-    def begun(self: Any, name: str, args: Any, timeout: float) -> Any:
-        with ExitStack() as stack:
-            record = stack.enter_context(recorder.call(name, args))
-            answer = begin(self, name, args, timeout)
-            # If the answer is never awaited, this ends with the last reference to it.
-            under_way = stack.pop_all()
+    def sent(self: Any, one: Any) -> None:
+        if one.further:  # of `ask`: it only reads
+            send(self, one)
+            return
+        under_way = ExitStack()
+        record = under_way.enter_context(recorder.call(one.name, one.args))
+        ended = one.ended
 
-        async def answered() -> Any:
-            with under_way:
-                record.result = await answer()
-                return record.result
+        def over(one: Any) -> None:
+            ended(one)
+            record.result = one.value
+            if one.error is not None:
+                record.error = f"{type(one.error).__name__}: {one.error}"
+            under_way.close()
 
-        return answered
+        one.ended = over
+        send(self, one)
 
     def called_from_thread(self: Any, name: str, args: Any, timeout: Any) -> Any:
         with recorder.call(name, args) as record:
@@ -485,7 +489,7 @@ def _calls(recorder: RunRecorder) -> None:
             record.result = vendor_call(self, name, args)
             return record.result
 
-    lanes.call, lanes.begin, lanes.call_from_thread = called, begun, called_from_thread
+    lanes.call, lanes.send, lanes.call_from_thread = called, sent, called_from_thread
     vendor._call = called_by_vendor
 
     motion: Any = MotionCommand

@@ -1,9 +1,9 @@
-"""Carries out what `UnansweredMotion` decides, on an event loop."""
+"""Brings the arm to rest, by the steps of `UnansweredMotion`, on an event loop."""
 
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import anyio.lowlevel
 
@@ -15,44 +15,42 @@ from aioduco.supervision.unanswered import LOOK_EVERY, NextStep, UnansweredMotio
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-__all__ = ["Delivery", "stop_until_certain"]
+__all__ = ["Delivery", "bring_to_rest"]
 
 _log = BackgroundLogger(__name__)
 
 
-class Delivery(Protocol):
-    """Interface that reports the delivery of a motion to the controller."""
+class Delivery:
+    """What is known of the delivery of a motion to the controller: here, nothing more."""
 
-    def report(self, motion: UnansweredMotion) -> bool:
-        """Report the delivery to `motion`. Returns whether the controller can still be polled."""
-        ...
+    def report(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to report
+        """Report it to `motion`. Returns whether the controller can still be polled."""
+        return True
 
     def dissolve(self) -> None:
         """Stop waiting for its answer: close its connection."""
-        ...
 
 
-async def stop_until_certain(
+async def bring_to_rest(
     motion: UnansweredMotion,
-    delivery: Delivery,
     stop: Callable[[], Awaitable[object]],
     moves: Callable[[], Awaitable[bool]],
+    delivery: Delivery | None = None,
 ) -> bool:
-    """Stop the arm, and return when the motion cannot move it any more.
+    """Return when the arm stands and the motion cannot move it any more.
 
     Args:
         motion: decides on the next step.
-        delivery: reports the delivery of the motion.
         stop: sends a stop until one is accepted, and raises `StopUnconfirmed` if none is.
         moves: polls whether the arm moves, and raises a `DucoError` if no answer comes.
+        delivery: reports the delivery of the motion; None if there is nothing to report.
 
     Returns:
         Whether that is certain; if not, the time is over, or the controller cannot be polled.
     """
+    delivery = delivery or Delivery()
     ticker = every(LOOK_EVERY)
-    while True:
-        if not delivery.report(motion):
-            return False
+    while delivery.report(motion):
         now = time.monotonic()
         match motion.step(now):
             case NextStep.DONE:
@@ -67,13 +65,15 @@ async def stop_until_certain(
                     await stop()
                 except StopUnconfirmed as exc:
                     _log.error("%s", exc)
+                    motion.poll_failed(now, time.monotonic())
                 else:
                     motion.stopped(now, time.monotonic())
             case NextStep.LOOK:
                 try:
                     moving = await moves()
-                except DucoError:
-                    motion.poll_failed(time.monotonic())
+                except (DucoError, MemoryError):
+                    motion.poll_failed(now, time.monotonic())
                 else:
                     motion.seen(now, time.monotonic(), moving=moving)
                 await ticker.wait()
+    return False

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import anyio
 
 from aioduco.errors import DucoError, Refused, StopUnconfirmed
-from aioduco.supervision.concurrency import every
-from aioduco.supervision.unanswered import LOOK_EVERY
+from aioduco.supervision.rest import bring_to_rest
+from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -33,10 +33,6 @@ FIRST_ATTEMPT = 0.25
 #: the maximum of that: a connection that is made while the network is down detects late that it is
 #: up again
 _LONGEST_ATTEMPT = 1.0
-#: seconds after which an arm that still moves is stopped once more
-STOP_AGAIN = 0.5
-#: answers "it does not move" in a row that count as standing
-STANDSTILL_COUNT = 2
 #: seconds of `robotmoving` without an answer after which a fresh connection is used
 _ASK_LIMIT = 0.5
 #: the same after the deadline
@@ -205,13 +201,16 @@ class StopChannel:
         """Send a stop by the guard, if there is one. Returns whether the controller accepted it."""
         return False
 
-    async def moving(self) -> bool:
+    async def moving(self, timeout: float = _ASK_LIMIT) -> bool:
         """Whether the arm moves.
+
+        Args:
+            timeout: seconds for the answer.
 
         Raises:
             DucoError: the controller does not answer.
         """
-        answer: bool = await self._watch.call("robotmoving", (), _ASK_LIMIT)
+        answer: bool = await self._watch.call("robotmoving", (), timeout)
         return answer
 
     async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
@@ -224,20 +223,10 @@ class StopChannel:
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
         """
-        begin = time.monotonic()
-        until = begin + standstill_timeout
-        while (left := until - time.monotonic()) > STOP_AGAIN:
-            try:
-                await self.standstill(STOP_AGAIN)
-            except StopUnconfirmed:
-                # It brakes for a long time, or something made it move again after the stop.
-                await self.stop(min(stop_timeout, left))
-            else:
-                return
-        await self._standstill(begin, until)
+        await self._come_to_rest(standstill_timeout, stop_timeout)
 
     async def standstill(self, timeout: float) -> None:
-        """Wait until the arm stands.
+        """Wait until the arm stands, without a stop.
 
         Args:
             timeout: seconds within which it must stand.
@@ -245,35 +234,29 @@ class StopChannel:
         Raises:
             StopUnconfirmed: the arm still moves, or the controller does not answer.
         """
+        await self._come_to_rest(timeout, None)
+
+    async def _come_to_rest(self, timeout: float, stop_timeout: float | None) -> None:
         begin = time.monotonic()
-        await self._standstill(begin, begin + timeout)
-
-    async def _standstill(self, begin: float, until: float) -> None:
-        """Wait until the arm stands.
-
-        This program may have been suspended, so the time alone says nothing about the arm. Only
-        the answer to a poll after the deadline does.
-
-        Args:
-            begin: when the wait began, for the error.
-            until: deadline for the standstill [s of `time.monotonic`].
-        """
-        still = 0
+        until = begin + timeout
         error: Exception | None = None
-        async for _ in every(LOOK_EVERY):
+
+        async def stop() -> None:
             left = until - time.monotonic()
-            limit = min(_ASK_LIMIT, left) if left > 0 else _LAST_LIMIT
-            error = None
+            await self.stop(min(stop_timeout or left, max(left, FIRST_ATTEMPT)))
+
+        async def moves() -> bool:
+            nonlocal error
+            left, error = until - time.monotonic(), None
             try:
-                moving: bool = await self._watch.call("robotmoving", (), limit)
+                return await self.moving(min(_ASK_LIMIT, left) if left > 0 else _LAST_LIMIT)
             except (DucoError, MemoryError) as exc:
-                error, still = exc, 0
-            else:
-                still = 0 if moving else still + 1
-                if still >= STANDSTILL_COUNT:
-                    return
-            if left <= 0 and not still:
-                break
+                error = exc
+                raise
+
+        motion = UnansweredMotion.none(begin, until, stops=stop_timeout is not None)
+        if await bring_to_rest(motion, stop, moves):
+            return
         seconds = time.monotonic() - begin
         if error is not None:
             raise _unconfirmed(

@@ -36,7 +36,7 @@ from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
-from aioduco.supervision.rest import stop_until_certain
+from aioduco.supervision.rest import Delivery, bring_to_rest
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import UnansweredMotion
 
@@ -418,12 +418,8 @@ class StopCoordinator:
             self._enter_again(commands)
             await self.send_stop(settings.stop_timeout)
 
-        certain = await stop_until_certain(
-            UnansweredMotion(now, answer_by, until),
-            _CommandDelivery(self, commands),
-            stop,
-            self._channel.moving,
-        )
+        motion, delivery = UnansweredMotion(now, answer_by, until), _CommandDelivery(self, commands)
+        certain = await bring_to_rest(motion, stop, self._channel.moving, delivery)
         if self.closed:
             return  # the code that closed the robot has already done what was possible
         if not certain:
@@ -615,8 +611,8 @@ def _may_move(error: BaseException | None) -> bool:
     return isinstance(error, ControllerError) and not isinstance(error, UnknownFunction)
 
 
-class _CommandDelivery:
-    """Reports the delivery of commands on their way.
+class _CommandDelivery(Delivery):
+    """The delivery of commands on their way.
 
     Args:
         coordinator: coordinator whose connections and streams sent them.

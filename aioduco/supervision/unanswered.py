@@ -1,9 +1,11 @@
-"""Procedure for a motion that was sent and not answered: without socket, thread or clock.
+"""Procedure that brings the arm to rest: without socket, thread or clock.
 
-Such a motion may reach the controller at any later time: its bytes may wait in this system, in a
-switch, in a proxy, or in the controller, which may have received them and not read them yet. The
-arm would then start to move unexpectedly. So the sender stops the arm, and watches it until one of
-these is certain:
+It ends when the arm was seen to stand twice in a row. It may stop the arm again if that takes long.
+
+A motion that was sent and not answered makes it longer. Such a motion may reach the controller at
+any later time: its bytes may wait in this system, in a switch, in a proxy, or in the controller,
+which may have received them and not read them yet. The arm would then start to move unexpectedly.
+So the sender stops the arm, and watches it until one of these is certain:
 
 - The answer has arrived. The controller has the motion, and a stop that was sent after the answer
   ends it.
@@ -16,12 +18,18 @@ again, in another queue of the same path. The time has two bounds: `MIN_WATCH` c
 of a local network, and no network delays a packet for more than `MAX_WATCH`. A proxy can hold bytes
 longer than that, and a controller can read them later. Both acknowledge the bytes, so the sender
 waits for the answer, up to a limit.
+
+It never gives up by the time alone: the program may have been suspended meanwhile. What it tried
+last, after the time was over, must have failed.
 """
 
 from __future__ import annotations
 
 import enum
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from typing import Self
 
 __all__ = ["LOOK_EVERY", "MAX_WATCH", "MIN_WATCH", "NextStep", "UnansweredMotion"]
 
@@ -48,25 +56,27 @@ class NextStep(enum.Enum):
 
 
 class UnansweredMotion:
-    """Decides on the next action until an unanswered motion cannot move the arm any more.
+    """Decides on the next action until the arm stands and an unanswered motion cannot move it.
 
     Times are seconds of one monotonic clock.
 
     Args:
         now: the present time.
         answer_by: time until which to wait for the answer.
-        until: time at which to give up.
+        until: time after which to give up.
     """
 
     __slots__ = (
         "_answer_by",
         "_answered",
         "_dissolved",
+        "_given_up",
         "_looked",
         "_since",
         "_standing",
         "_stop_needed_since",
         "_stopped",
+        "_stops",
         "_until",
     )
 
@@ -85,6 +95,24 @@ class UnansweredMotion:
         self._standing = 0
         #: when the last look began that saw the arm stand
         self._looked = now
+        #: whether the arm may be stopped
+        self._stops = True
+        self._given_up = False
+
+    @classmethod
+    def none(cls, now: float, until: float, *, stops: bool) -> Self:
+        """Make the procedure for an arm that was stopped, or stops by itself, with none on its way.
+
+        Args:
+            now: the present time.
+            until: time after which to give up.
+            stops: whether an arm that still moves is stopped again.
+        """
+        made = cls(now, now, until)
+        made.answered(now)
+        made.stopped(now, now)
+        made._stops = stops
+        return made
 
     def __repr__(self) -> str:
         state = "answered" if self._answered else "dissolved" if self._dissolved else "open"
@@ -124,20 +152,28 @@ class UnansweredMotion:
         if not moving:
             self._standing += 1
             self._looked = asked
-        elif self._standing >= _STANDING or now - self._since > _STOP_AGAIN:
+            return
+        self._given_up = asked >= self._until
+        if self._standing >= _STANDING or now - self._since > _STOP_AGAIN:
             self._require_stop(now)
         else:
             self._standing = 0
 
-    def poll_failed(self, now: float) -> None:
-        """Record that the controller did not answer: send another stop, which does no harm."""
+    def poll_failed(self, asked: float, now: float) -> None:
+        """Record that the controller did not answer: send another stop, which does no harm.
+
+        Args:
+            asked: time at which it was asked, or told to stop.
+            now: the present time.
+        """
+        self._given_up = asked >= self._until
         self._require_stop(now)
 
     def step(self, now: float) -> NextStep:
         """Return the next action."""
         if self._certain():
             return NextStep.DONE
-        if now >= self._until:
+        if self._given_up:
             return NextStep.GIVE_UP
         if now >= self._answer_by and not self._answered and self._dissolved is None:
             return NextStep.DISSOLVE
@@ -154,6 +190,7 @@ class UnansweredMotion:
         return self._looked - self._stopped >= min(max(took, MIN_WATCH), MAX_WATCH)
 
     def _require_stop(self, now: float) -> None:
-        self._stop_needed_since = now
-        self._stopped = None
         self._standing = 0
+        if self._stops:
+            self._stop_needed_since = now
+            self._stopped = None

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
@@ -244,3 +245,26 @@ async def test_a_read_is_few_frames_and_no_thread_from_its_send(
     await robot.state.get_tcp_pose()
     # beside these: `DeadlineSocket.send_at_once` and `nonblocking.send_at_once`
     assert names[::-1] == ["get_tcp_pose", "call", "call", "send"]
+
+
+async def test_an_awaited_motion_is_few_frames_and_no_task_from_its_send(
+    robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names: list[str] = []
+    senders: list[asyncio.Task[Any] | None] = []
+    send = DeadlineSocket.send_at_once
+
+    def sent(stream: DeadlineSocket, data: bytes) -> int:
+        frame = sys._getframe(1)
+        if b"movej2" in data:
+            senders.append(asyncio.current_task())
+            while frame.f_back is not None and frame.f_code.co_filename != __file__:
+                names.append(frame.f_code.co_name)
+                frame = frame.f_back
+        return send(stream, data)
+
+    monkeypatch.setattr(DeadlineSocket, "send_at_once", sent)
+    await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert senders == [asyncio.current_task()]
+    # beside these: `DeadlineSocket.send_at_once` and `nonblocking.send_at_once`
+    assert names[::-1] == ["_run", "launch", "_launch", "answered", "send", "send"]

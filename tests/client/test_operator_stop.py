@@ -11,7 +11,7 @@ from wire.servers import ScriptedServer, exception
 
 from aioduco.errors import ConnectError, NotAController, StopUnconfirmed
 from aioduco.models.enums import RobotState
-from aioduco.supervision import operator_stop, stop_channel
+from aioduco.supervision import operator_stop, stop_channel, unanswered
 from aioduco.supervision.operator_stop import stop_arm
 
 if TYPE_CHECKING:
@@ -54,7 +54,8 @@ def controller(
 def calm(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is sent again, however long a busy machine takes."""
     monkeypatch.setattr(operator_stop, "FIRST_ATTEMPT", 20.0)
-    for limit in ("FIRST_ATTEMPT", "STOP_AGAIN", "_ASK_LIMIT"):
+    monkeypatch.setattr(unanswered, "_STOP_AGAIN", 20.0)
+    for limit in ("FIRST_ATTEMPT", "_ASK_LIMIT"):
         monkeypatch.setattr(stop_channel, limit, 20.0)
 
 
@@ -87,7 +88,7 @@ async def test_a_connection_that_breaks_is_replaced() -> None:
 
 
 async def test_an_arm_that_moves_on_is_not_said_to_stand(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stop_channel, "STOP_AGAIN", 0.1)
+    monkeypatch.setattr(unanswered, "_STOP_AGAIN", 0.1)
     with controller(moving=10**9) as server:
         with pytest.raises(StopUnconfirmed, match="emergency stop"):
             await stop_arm(server.host, server.port, standstill_timeout=0.5)

@@ -398,6 +398,7 @@ class Program:
                     try:
                         yield from self.send_stop()
                     except StopUnconfirmed:
+                        motion.poll_failed(now, world.monotonic())
                         yield None
                     else:
                         motion.stopped(now, world.monotonic())
@@ -405,7 +406,7 @@ class Program:
                 case NextStep.LOOK:
                     moving = yield from self.look()
                     if moving is None:
-                        motion.poll_failed(world.monotonic())
+                        motion.poll_failed(now, world.monotonic())
                     else:
                         motion.seen(now, world.monotonic(), moving=moving)
                     looks += 1

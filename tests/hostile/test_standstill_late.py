@@ -10,7 +10,7 @@ import pytest
 
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import ConnectionLost, StopUnconfirmed
-from aioduco.supervision import concurrency
+from aioduco.supervision import concurrency, rest
 from aioduco.supervision import stop_channel as control
 from aioduco.supervision.stop_channel import StopChannel
 
@@ -34,6 +34,13 @@ class Clock:
         await anyio.lowlevel.checkpoint()
 
 
+class AcceptedStop:
+    """A call of a stop."""
+
+    async def answer(self) -> int:
+        return 1
+
+
 class Watch:
     """A lane that answers from a script, and keeps the limits that it was given."""
 
@@ -44,13 +51,12 @@ class Watch:
         self.limits: list[float] = []
         self.owner_loop = OwnerLoop()
 
-    def begin(self, name: str, args: tuple[Any, ...], timeout: float) -> Any:
+    def prepare(self, name: str, args: tuple[Any, ...], timeout: float) -> AcceptedStop:
         assert name == "stop"
+        return AcceptedStop()
 
-        async def accepted() -> int:
-            return 1
-
-        return accepted
+    def send(self, call: AcceptedStop) -> None:
+        """Send nothing: it is accepted."""
 
     async def call(self, name: str, args: tuple[Any, ...], timeout: float) -> Any:
         self.limits.append(timeout)
@@ -65,6 +71,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
     monkeypatch.setattr(control, "time", clock)
     monkeypatch.setattr(concurrency, "time", clock)
+    monkeypatch.setattr(rest, "time", clock)
     monkeypatch.setattr(anyio, "sleep", clock.sleep)
     return clock
 

@@ -45,7 +45,8 @@ from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriv
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, WorkerPermit
-from aioduco.streaming.worker.rest import outlast
+from aioduco.streaming.worker.rest import Line, bring_to_rest
+from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     import socket
@@ -71,9 +72,7 @@ _SLICE = 100_000  # ns: the shortest time slice that the system allows
 _LATE = 1_000_000  # ns of lateness, or a quarter of a period, after which a worker takes SCHED_FIFO
 _LONGEST = 0.05  # s of work without a wait, after which it loses SCHED_FIFO
 _LOOK = 5_000_000  # ns between two checks whether the program is alive
-_STANDING = 2  # answers in a row that the arm does not move
-_STAND_EVERY = 10_000_000  # ns between two queries for that
-_STAND_LIMIT = 5_000_000_000  # ns within which the arm must stand still
+_STAND_LIMIT = 5.0  # s within which the arm must stand still
 _REPORT = 10_000_000  # ns between two reports of the set-point
 
 
@@ -215,32 +214,39 @@ class StreamWorker:
 
     def _outlast(self, connection: Connection) -> None:
         """Stop the arm until the unanswered set-point cannot move it any more."""
-        status, config = self._block.status, self._config
-
-        def alive() -> None:
-            status[StatusWord.BEAT] = time.monotonic_ns()
-
+        status, now = self._block.status, time.monotonic()
+        answer_by = now + self._config.unanswered_timeout
         status[StatusWord.UNANSWERED] = 1
         self._wake_program()
-        outlast(connection, self._connection, self._timeout, config.unanswered_timeout, alive)
+        motion = UnansweredMotion(now, answer_by, answer_by + _STAND_LIMIT)
+        line = Line(self._connection, self._timeout)
+        try:
+            if not bring_to_rest(motion, line, self._alive, connection):
+                raise StopUnconfirmed(
+                    "a set-point was sent, and it is not known what became of it: the arm may "
+                    "be moving, or begin to. Press the emergency stop"
+                )
+        finally:
+            line.close()
+            connection.close()
         status[StatusWord.UNANSWERED] = 0
 
     def _wait_for_standstill(self, connection: Connection) -> None:
         """Wait until the arm stands still: a controller smooths set-points, so the arm lags."""
-        start = time.monotonic_ns()
-        standing = looks = 0
-        while standing < _STANDING:
-            looks += 1
-            try:
-                moving = connection.call("robotmoving", (), self._timeout)
-            except ControllerError:
-                # This controller does not report it, so there is nothing to wait for.
-                return
-            standing = 0 if moving else standing + 1
-            now = sleep_until(start + looks * _STAND_EVERY)
-            if now - start > _STAND_LIMIT:
-                connection.call("stop", (True,), self._timeout)
-                raise StopUnconfirmed("it was still moving long after the end, and told to stop")
+        now = time.monotonic()
+        line = Line(self._connection, self._timeout, connection)
+        try:
+            motion = UnansweredMotion.none(now, now + _STAND_LIMIT, stops=False)
+            if not bring_to_rest(motion, line, self._alive):
+                line.call("stop", True)
+                raise StopUnconfirmed(
+                    "it was not seen to stand long after the end, and told to stop"
+                )
+        finally:
+            line.close()
+
+    def _alive(self) -> None:
+        self._block.status[StatusWord.BEAT] = time.monotonic_ns()
 
     def _loop(self, driver: Driver) -> None:
         block, config = self._block, self._config

@@ -1,8 +1,4 @@
-"""How a worker outlasts a set-point that was sent but not answered.
-
-It applies the supervision's rule for motions, `UnansweredMotion`, without an event loop: the worker
-has its own connections and only one thread.
-"""
+"""Brings the arm to rest, by the steps of `UnansweredMotion`, on the worker's only thread."""
 
 from __future__ import annotations
 
@@ -10,117 +6,120 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco._wire.lifecycle import ConnectionState
-from aioduco.errors import ControllerError, DucoError, StopUnconfirmed
+from aioduco.errors import ControllerError, DucoError
 from aioduco.streaming.worker.clock import sleep_until
-from aioduco.supervision.unanswered import NextStep, UnansweredMotion
+from aioduco.supervision.unanswered import LOOK_EVERY, NextStep, UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
 
-__all__ = ["outlast"]
+__all__ = ["Line", "bring_to_rest"]
 
-#: ns between two queries whether the arm moves
-_LOOK_EVERY = 10_000_000
-#: seconds for which each step waits for the late answer
+#: seconds for which each step waits for a late answer
 _LISTEN = 0.001
-#: seconds for a stop and a standstill after the wait for the answer has ended
-_MARGIN = 5.0
+#: ns between two queries whether the arm moves
+_LOOK_EVERY = int(LOOK_EVERY * 1e9)
 #: ns between two attempts to reach a controller that does not answer
 _TRY_EVERY = 50_000_000
 
 
-def outlast(
-    lost: Connection,
-    connect: Callable[[], Connection],
-    timeout: float,
-    limit: float,
+def bring_to_rest(
+    motion: UnansweredMotion,
+    line: Line,
     alive: Callable[[], None],
-) -> None:
-    """Stop the robot, and return when an unanswered set-point cannot start it any more.
+    lost: Connection | None = None,
+) -> bool:
+    """Return when the arm stands and an unanswered set-point cannot move it any more.
 
     Args:
-        lost: the connection on which the answer did not come.
-        connect: makes a new connection that is not open yet.
-        timeout: seconds for one answer of the controller.
-        limit: seconds for which to wait for the late answer.
+        motion: decides on the next step.
+        line: stops the arm, and queries whether it moves.
         alive: function called at each step, to show that the worker runs.
+        lost: the connection on which the answer to a set-point did not come; None for none.
 
-    Raises:
-        StopUnconfirmed: the set-point may still start the arm.
+    Returns:
+        Whether that is certain.
     """
-    now = time.monotonic()
-    motion = UnansweredMotion(now, now + limit, now + limit + _MARGIN)
-    line = _Line(connect, timeout)
     due = time.monotonic_ns()
-    try:
-        while (step := _next(motion, lost)) is not NextStep.DONE:
-            alive()
-            match step:
-                case NextStep.DISSOLVE:
-                    lost.close()
-                case NextStep.GIVE_UP:
-                    raise StopUnconfirmed(
-                        "a set-point was sent, and it is not known what became of it: the arm may "
-                        "be moving, or begin to. Press the emergency stop"
-                    )
-                case _:
-                    every = _LOOK_EVERY if line.ask(motion, step) else _TRY_EVERY
-                    due = sleep_until(max(due + every, time.monotonic_ns()))
-    finally:
-        line.close()
-        lost.close()
+    while True:
+        alive()
+        if lost is not None:
+            _report(motion, lost)
+        match step := motion.step(time.monotonic()):
+            case NextStep.DONE | NextStep.GIVE_UP:
+                return step is NextStep.DONE
+            case NextStep.DISSOLVE:
+                assert lost is not None
+                lost.close()
+            case NextStep.STOP | NextStep.LOOK:
+                every = _LOOK_EVERY if line.ask(motion, step) else _TRY_EVERY
+                due = sleep_until(max(due + every, time.monotonic_ns()))
 
 
-def _next(motion: UnansweredMotion, lost: Connection) -> NextStep:
-    """Report the state of the set-point to `motion`, and return the next step."""
+def _report(motion: UnansweredMotion, lost: Connection) -> None:
+    """Report what became of an unanswered set-point."""
     if lost.late_answer(time.monotonic() + _LISTEN):
         motion.answered(time.monotonic())
     elif not lost.overdue:
         motion.dissolved(time.monotonic())
-    return motion.step(time.monotonic())
 
 
-class _Line:
-    """Stops the arm and queries whether it moves, over new connections."""
+class Line:
+    """Stops the arm and queries whether it moves; opens a connection when there is none.
 
-    def __init__(self, connect: Callable[[], Connection], timeout: float) -> None:
+    Args:
+        connect: makes a new connection that is not open yet.
+        timeout: seconds for one answer of the controller.
+        connection: the connection to use as long as it is open.
+    """
+
+    def __init__(
+        self,
+        connect: Callable[[], Connection],
+        timeout: float,
+        connection: Connection | None = None,
+    ) -> None:
         self._connect = connect
         self._timeout = timeout
-        self._connection: Connection | None = None
+        self._connection = connection
 
     def ask(self, motion: UnansweredMotion, step: NextStep) -> bool:
         """Do a step and report its result to `motion`. Returns whether the controller answered."""
         begin = time.monotonic()
         try:
-            connection = self._open()
             if step is NextStep.STOP:
-                connection.call("stop", (False,), self._timeout)
+                self.call("stop", False)
                 motion.stopped(begin, time.monotonic())
             else:
-                moving = self._moves(connection)
-                motion.seen(begin, time.monotonic(), moving=moving)
+                motion.seen(begin, time.monotonic(), moving=self._moves())
         except DucoError:
-            motion.poll_failed(time.monotonic())
+            motion.poll_failed(begin, time.monotonic())
             return False
         return True
+
+    def call(self, name: str, *args: object) -> int:
+        """Call a function of the wire.
+
+        Raises:
+            DucoError: the controller was not reached, or answered with an error.
+        """
+        connection = self._connection
+        if connection is None or connection.state is not ConnectionState.IDLE:
+            self.close()
+            connection = self._connection = self._connect()
+            connection.open(time.monotonic() + self._timeout)
+        answer: int = connection.call(name, args, self._timeout)
+        return answer
 
     def close(self) -> None:
         """Close the connection, if there is one."""
         if self._connection is not None:
             self._connection.close()
 
-    def _open(self) -> Connection:
-        if self._connection is None or self._connection.state is not ConnectionState.IDLE:
-            self.close()
-            self._connection = self._connect()
-            self._connection.open(time.monotonic() + self._timeout)
-        return self._connection
-
-    def _moves(self, connection: Connection) -> bool:
+    def _moves(self) -> bool:
         try:
-            moving: bool = connection.call("robotmoving", (), self._timeout)
+            return bool(self.call("robotmoving"))
         except ControllerError:
             return False  # this controller does not report it, so it counts as standing
-        return moving

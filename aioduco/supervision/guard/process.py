@@ -53,7 +53,7 @@ from aioduco.supervision.guard.messages import (
 )
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import SignOfLife
-from aioduco.supervision.rest import stop_until_certain
+from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.unanswered import UnansweredMotion
 
@@ -179,9 +179,7 @@ class GuardedRobot:
         motion = UnansweredMotion(now, now, now + ABANDONED_LIMIT)
         motion.dissolved(begin)
         motion.stopped(now, now)
-        if not await stop_until_certain(
-            motion, _NoDelivery(), self._stop_again, self.stop_channel.moving
-        ):
+        if not await bring_to_rest(motion, self._stop_again, self.stop_channel.moving):
             _log.critical("the arm was told to stop, and begins to move again and again")
 
     async def _stop_again(self) -> None:
@@ -197,17 +195,6 @@ class GuardedRobot:
             await lane.aclose()
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
-
-
-class _NoDelivery:
-    """The delivery of motions of a program that has exited: nothing more is known of it."""
-
-    def report(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to add
-        """Add nothing."""
-        return True
-
-    def dissolve(self) -> None:
-        """Do nothing: the connections closed with the program."""
 
 
 class _PendingWatch:

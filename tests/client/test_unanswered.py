@@ -97,15 +97,57 @@ def test_a_controller_that_is_not_heard_is_told_to_stop_again() -> None:
     one = motion()
     one.answered(0.0)
     one.stopped(0.0, 0.1)
-    one.poll_failed(0.6)
+    one.poll_failed(0.2, 0.6)
     assert one.step(0.6) is NextStep.STOP
 
 
-def test_it_is_given_up_when_the_time_is_over() -> None:
+def test_it_is_given_up_when_what_was_tried_after_the_time_has_failed() -> None:
     one = motion()
     one.dissolved(0.0)
-    assert one.step(UNTIL - 0.1) is NextStep.STOP
-    assert one.step(UNTIL) is NextStep.GIVE_UP
+    one.poll_failed(UNTIL - 0.1, UNTIL + 0.1)
+    assert one.step(UNTIL + 0.1) is NextStep.STOP
+    one.poll_failed(UNTIL + 0.1, UNTIL + 0.2)
+    assert one.step(UNTIL + 0.2) is NextStep.GIVE_UP
+
+
+@pytest.mark.parametrize("stops", [True, False])
+def test_a_program_that_was_suspended_looks_before_it_gives_up(stops: bool) -> None:
+    one = UnansweredMotion.none(0.0, 5.0, stops=stops)
+    look(one, 0.1, moving=True)
+    assert one.step(1000.0) is NextStep.LOOK
+    look(one, 1000.0)
+    assert one.step(1000.0) is NextStep.LOOK
+    look(one, 1000.01)
+    assert one.step(1000.01) is NextStep.DONE
+
+
+def test_an_arm_that_still_moves_after_the_time_is_given_up() -> None:
+    one = UnansweredMotion.none(0.0, 5.0, stops=False)
+    look(one, 4.9, moving=True)
+    assert one.step(5.0) is NextStep.LOOK
+    look(one, 5.0, moving=True)
+    assert one.step(5.0) is NextStep.GIVE_UP
+
+
+def test_where_no_stop_is_wanted_none_is_asked_for() -> None:
+    one = UnansweredMotion.none(0.0, 5.0, stops=False)
+    look(one, 0.1)
+    one.poll_failed(0.2, 0.7)
+    assert one.step(0.7) is NextStep.LOOK
+    look(one, 0.8)
+    look(one, 1.4, moving=True)
+    assert one.step(1.4) is NextStep.LOOK
+    look(one, 1.5)
+    look(one, 1.6)
+    assert one.step(1.6) is NextStep.DONE
+
+
+def test_an_arm_that_was_stopped_is_stopped_again_when_it_moves_on() -> None:
+    one = UnansweredMotion.none(0.0, 5.0, stops=True)
+    look(one, 0.4, moving=True)
+    assert one.step(0.4) is NextStep.LOOK
+    look(one, 0.6, moving=True)
+    assert one.step(0.6) is NextStep.STOP
 
 
 MOVES = st.sampled_from(["answered", "dissolved", "stop", "stands", "moves", "unheard", "nothing"])
@@ -136,7 +178,7 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
                 look(one, now, moving=True)
                 disturbed_at = now
             case "unheard":
-                one.poll_failed(now)
+                one.poll_failed(now, now)
                 disturbed_at = now
         if one.step(now) is NextStep.DONE:
             assert fate is not None
