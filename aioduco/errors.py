@@ -434,7 +434,7 @@ class TaskError(DucoError):
     Attributes:
         task_id: the controller's id of the task; None if it never sent one.
         name: the function that started it.
-        errors: the controller's error list when the task ended.
+        errors: entries that the controller's error list had gained when the task ended.
     """
 
     def __init__(

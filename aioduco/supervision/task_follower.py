@@ -187,7 +187,12 @@ class TaskFollower:
         self._alarm = Alarm()
         self._seen: dict[Task, float] = {}
         self._closed = False
-        self._error_list: tuple[str, ...] = ()
+        #: the controller's error list while no task ran; None while it is unknown
+        self._error_list: tuple[str, ...] | None = None
+        #: whether it is to be read again, since the last task has ended
+        self._list_due = False
+        #: number of commands that were told it
+        self._told = 0
         self.polls: int = 0
         self.observers: list[Callable[[Task], object]] = []
 
@@ -215,15 +220,23 @@ class TaskFollower:
     async def error_list(self) -> tuple[str, ...]:
         """Return the controller's error list before a command, whose errors are not in it yet.
 
-        The list is read while no task runs; while tasks run, it is the list from before them.
+        It was read when the last task had ended, so that no command waits for it, save the first.
         """
-        if not self._seen:
-            try:
-                self._error_list = tuple(await self._lane.call("get_last_error", (), ASK_LIMIT))
-            except DucoError:
-                # The list only explains errors: without it, the controller still moves its arm.
-                self._error_list = ()
-        return self._error_list
+        if self._error_list is None and not self._seen:
+            await self._read_error_list()
+        self._told += 1
+        return self._error_list or ()
+
+    async def _read_error_list(self) -> None:
+        self._list_due = False
+        told = self._told
+        try:
+            found = await self._lane.call("get_last_error", (), ASK_LIMIT)
+        except DucoError:
+            # The list only explains errors: without it, the controller still moves its arm.
+            return
+        if told == self._told:  # else it may hold errors of a command that was sent meanwhile
+            self._error_list = tuple(found)
 
     async def complete(
         self, name: str, task_id: int, timeout: float, stops: int | None = None
@@ -272,7 +285,7 @@ class TaskFollower:
             while True:
                 first = self._schedule.first()
                 if first is None:
-                    await self._alarm.wait()
+                    await (self._read_error_list() if self._list_due else self._alarm.wait())
                     continue
                 task, due = first
                 if due > time.monotonic():
@@ -380,6 +393,7 @@ class TaskFollower:
         if task.life.outcome in _WITH_ERRORS:
             try:
                 errors = await self._lane.call("get_last_error", (), ASK_LIMIT)
+                self._error_list = tuple(errors)
             except DucoError:
                 # The outcome is known, and must not wait for the list that only explains it.
                 errors = []
@@ -400,6 +414,9 @@ class TaskFollower:
         self._seen.pop(task, None)
         was_done = task.done
         task._settle(errors, now)
+        if not self._seen and not self._closed:
+            self._list_due = True
+            self._alarm.ring()
         if not was_done:
             tell(self.observers, task)
 

@@ -388,7 +388,10 @@ class TaskCalls(Blocking):
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """Entries that a failed task added to the controller's error list since its acceptance."""
+        """Entries that the controller's error list has gained when a failed task ended.
+
+        They came since the tasks before it had ended: no motion waits for a read of the list.
+        """
         return self._made.errors
 
     @property

@@ -254,6 +254,27 @@ async def test_a_motion_is_sent_though_the_error_list_is_not_told(
     assert await robot.motion.movej2(HOME, v=1.0, a=1.0) is Outcome.FINISHED
 
 
+async def test_the_error_list_is_read_at_the_end_of_a_motion_and_not_before_the_next(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    await eventually_async(lambda: len(bench.received("get_last_error")) == 2)
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert len(bench.received("get_last_error")) == 2
+    await task
+
+
+async def test_a_motion_has_no_errors_of_the_one_before(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.errors.append("old")
+    bench.ends = TaskState.ERROR
+    for number in range(2):
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        bench.errors.append(f"new {number}")
+        with pytest.raises(aioduco.TaskFailed):
+            await task
+        assert task.errors == (f"new {number}",)
+
+
 async def test_a_stop_before_it_is_sent_keeps_it_from_being_sent(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
