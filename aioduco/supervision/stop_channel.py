@@ -242,8 +242,13 @@ class StopChannel:
         error: Exception | None = None
 
         async def stop() -> None:
+            nonlocal error
             left = until - time.monotonic()
-            await self.stop(min(stop_timeout or left, max(left, FIRST_ATTEMPT)))
+            try:
+                await self.stop(min(stop_timeout or left, max(left, FIRST_ATTEMPT)))
+            except StopUnconfirmed as exc:
+                error = exc
+                raise
 
         async def moves() -> bool:
             nonlocal error
@@ -258,6 +263,8 @@ class StopChannel:
         if await bring_to_rest(motion, stop, moves):
             return
         seconds = time.monotonic() - begin
+        if isinstance(error, StopUnconfirmed):
+            raise error
         if error is not None:
             raise _unconfirmed(
                 f"nothing was heard of the arm for {seconds:.3g} s", error

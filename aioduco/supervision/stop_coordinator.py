@@ -17,7 +17,6 @@ from __future__ import annotations
 import atexit
 import os
 import time
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import anyio
@@ -215,7 +214,7 @@ class StopCoordinator:
         self,
         stop_timeout: float | None,
         timeout: float,
-        overtaken: Mapping[LaneCall, ModeEnding | None] = MappingProxyType({}),
+        overtaken: Mapping[LaneCall, ModeEnding | None] | None = None,
     ) -> None:
         """Wait until the arm stands.
 
@@ -223,7 +222,7 @@ class StopCoordinator:
             stop_timeout: seconds within which a further stop must be accepted, if the arm still
                 moves; None to wait without a further stop.
             timeout: seconds within which the arm must stand.
-            overtaken: commands that were on their way when the stop was sent.
+            overtaken: commands that were on their way when the stop was sent, as `pending`.
 
         Raises:
             StopUnconfirmed: it is not known that it stands.
@@ -232,7 +231,7 @@ class StopCoordinator:
             await self._channel.standstill(timeout)
         else:
             await self._channel.rest(stop_timeout, timeout)
-            on_their_way = {**overtaken, **self.pending}
+            on_their_way = {**(overtaken or {}), **self.pending}
             if on_their_way or self.worker_died:
                 await self.stop_until_certain(on_their_way)
             self.unfollowed_motion = False

@@ -156,3 +156,18 @@ async def test_an_arm_that_begins_to_stand_with_the_last_answer_is_asked_on(
     watch.script.extend([lambda: True, held_up(clock, 2.0, moving=True), lambda: False])
     watch.standing = True
     await arm.standstill(1.0)
+
+
+async def test_where_no_further_stop_is_accepted_that_is_said(
+    clock: Clock, watch: Watch, arm: StopChannel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def unconfirmed(timeout: float) -> None:
+        clock.now += timeout
+        raise StopUnconfirmed("no stop was accepted")
+
+    monkeypatch.setattr(arm, "stop", unconfirmed)
+    watch.script.extend([held_up(clock, 0.3, moving=True)] * 2)
+    begin = clock.now
+    with pytest.raises(StopUnconfirmed, match="no stop was accepted"):
+        await arm.rest(stop_timeout=1.0, standstill_timeout=5.0)
+    assert 5.0 <= clock.now - begin < 6.0
