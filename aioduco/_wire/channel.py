@@ -182,7 +182,7 @@ class LaneCall(Call):
             self.value = value
             self.error = error
             self.ended(self)
-        if not self.over.done():
+        if not self.over.done() and not self.over.get_loop().is_closed():
             self.over.set_result(None)
 
 
