@@ -152,8 +152,7 @@ class Servo(ManualNames):
             name="servoj",
             in_joints=True,
             limits=Limits((v_,) * 6, (a_,) * 6, jerks),
-            drive=_calls("servoj", [v_, a_], [], gains),
-            read=["get_actual_joints_position"],
+            drive=_calls("servoj", [v_, a_], gains),
         )
         return Stream(self._endpoint, fed, options, sent, ranges.JOINTS)
 
@@ -201,14 +200,15 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
-        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         near = ranges.JOINTS_NEAR("q_near", q_near)
         sent = StreamSpec(
             name="servoj_pose",
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servoj_pose", [v_, a_, near], frames, gains),
-            read=["get_tcp_pose_coord", *frames],
+            drive=_calls("servoj_pose", [v_, a_, near, tool_, wobj_], gains),
+            tool=tool_,
+            wobj=wobj_,
         )
         fed = _fed(feeding, max_step, reach)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
@@ -259,14 +259,15 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
-        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         near = ranges.JOINTS_NEAR("q_near", q_near)
         sent = StreamSpec(
             name="servol",
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servol", [v_, a_, near], frames, gains),
-            read=["get_tcp_pose_coord", *frames],
+            drive=_calls("servol", [v_, a_, near, tool_, wobj_], gains),
+            tool=tool_,
+            wobj=wobj_,
         )
         fed = _fed(feeding, max_step, reach)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
@@ -328,21 +329,20 @@ class Servo(ManualNames):
             turning=into_tool(frame, wobj, tool_),
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servo_tcp", [v_, a_], [tool_], gains),
+            drive=_calls("servo_tcp", [v_, a_, tool_], gains),
             meaning="step",
+            tool=tool_,
         )
         fed = _fed(feeding, max_step, max_step)
         return OffsetStream(self._endpoint, fed, options, sent, ranges.POSE)
 
 
-def _calls(
-    function: str, motion: list[Any], frames: list[str], gains: ServoGains | None
-) -> CallDrive:
-    """The calls of a servo stream: speeds first, then frames, `block`, and the gains."""
+def _calls(function: str, motion: list[Any], gains: ServoGains | None) -> CallDrive:
+    """The calls of a servo stream: how it moves first, then `block`, and the gains."""
     gains = ServoGains() if gains is None else gains
     if not isinstance(gains, ServoGains):
         raise ParameterError("gains", gains, "ServoGains, or None")
-    arguments = [*motion, *frames, False, *gains.wire()]
+    arguments = [*motion, False, *gains.wire()]
     return CallDrive(function=function, arguments=arguments)
 
 

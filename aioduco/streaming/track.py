@@ -165,16 +165,17 @@ class TrackStreams:
         joints = space == "joints"
         groups = 6 if joints else 2
         near = (0.1 if joints else (0.05, 0.1)) if reach is None else reach
-        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         if joints:
             speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
             acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
             ranges.TRACK_RADIUS("radius", radius)
+            tool_ = wobj_ = ""  # joints have none
             arguments: list[Any] = [speed_, acc_, False]
         else:
             speed_ = ranges.TRACK_SPEED("speed", speed)
             acc_ = ranges.TRACK_ACCELERATION("acc", acc)
-            arguments = [speed_, acc_, False, *frames, ranges.TRACK_RADIUS("radius", radius)]
+            arguments = [speed_, acc_, False, tool_, wobj_, ranges.TRACK_RADIUS("radius", radius)]
         feeding = Feeding(
             rate=_RATE,
             hold=hold,
@@ -196,7 +197,8 @@ class TrackStreams:
             limits=Limits((speed_,), (acc_,)),
             drive=pool,
             ending=TRACK_POOL,
-            read=["get_actual_joints_position"] if joints else ["get_tcp_pose_coord", *frames],
+            tool=tool_,
+            wobj=wobj_,
         )
         check = ranges.JOINTS if joints else ranges.POSE
         return TrackStream(self._endpoint, feeding, options, sent, check)

@@ -522,7 +522,7 @@ async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
     controller.server.answer("get_actual_joints_position", begin)
 
     async def envelope(_: object) -> EnvelopeSettings:
-        return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, tip=(), reaction=0.1)
+        return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, reaction=0.1)
 
     places: list[float] = []
     # The second one is answered when all are on their way: a late one would lead the arm to a hold.

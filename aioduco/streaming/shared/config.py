@@ -182,7 +182,8 @@ class StreamSpec:
         drive: how the worker sends set-points to the controller; None: it sends none, and only
             reads the controller's state.
         meaning: what a set-point is.
-        read: function of the wire that reads the arm's position, and its arguments.
+        tool: name of the tool whose poses, twists or offsets are sent; empty: the one in use.
+        wobj: name of the work object of poses; empty: the one in use.
         leave: calls at the end of the stream, each a function and its arguments.
         ending: function of the wire that ends the controller's mode during the stream, or empties
             the track pool; it has no arguments.
@@ -194,7 +195,8 @@ class StreamSpec:
     limits: Limits
     drive: Drive
     meaning: Meaning = "place"
-    read: Sequence[str] = ()
+    tool: str = ""
+    wobj: str = ""
     leave: Sequence[Sequence[Any]] = ()
     ending: str = ""
     turning: FrameRotation | None = None
@@ -203,6 +205,13 @@ class StreamSpec:
     def space(self) -> Space:
         """The space of the set-points."""
         return JOINT_SPACE if self.in_joints else POSE_SPACE
+
+    @property
+    def read(self) -> tuple[str, ...]:
+        """The function of the wire that reads the arm's position, and its arguments."""
+        if self.in_joints:
+            return ("get_actual_joints_position",)
+        return ("get_tcp_pose_coord", self.tool, self.wobj)
 
     @property
     def extra(self) -> int:
@@ -217,14 +226,11 @@ class EnvelopeSettings:
     Attributes:
         packed: the result of `Envelope.packed`.
         wobj: pose of the set-points' work object in the base frame [m, rad].
-        tip: function of the wire that reads the tool's pose in that work object, and its
-            arguments, for set-points that are relative to that pose.
         reaction: time within which the program stops a stream of speeds that comes to a limit [s].
     """
 
     packed: dict[str, Any]
     wobj: Sequence[float]
-    tip: Sequence[str]
     reaction: float
 
 

@@ -58,7 +58,7 @@ class EnvelopeSpace:
             joints = connection.call("get_actual_joints_position", (), timeout)
             self.checker.seed = tuple(joints[:6])
         if sent.meaning == "step":
-            name, *args = envelope.tip
+            name, *args = sent.read
             tip = POSE_SPACE.decode(connection.call(name, tuple(args), timeout))
             self._base = POSE_SPACE.composed(self._base, tip)
 
