@@ -153,7 +153,10 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
 #: by folder of the streams: what of the package it may import, each with all that is under it.
 #: The process border runs between the worker and the rest.
 STREAMING_MAY_IMPORT: dict[str, set[str]] = {
-    "shared": {"aioduco.streaming.shared", "aioduco._platform"},
+    "shared": {
+        *("aioduco.streaming.shared", "aioduco._platform", "aioduco.errors"),
+        "aioduco.models.rules",  # checks the options that a program gives; no worker loads it
+    },
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
         *("aioduco._platform", "aioduco.supervision.unanswered"),

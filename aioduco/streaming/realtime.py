@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import FeedingOptions, LaneOptions
+    from aioduco.streaming.options import FeedingOptions, WorkerOptions
 
 __all__ = ["CYCLE", "RealtimeStreams"]
 
@@ -69,7 +69,7 @@ class RealtimeStreams:
         com_lost_time: float = 0.02,
         max_step: _Limit | None = None,
         reach: _Limit | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[FeedingOptions],
     ) -> Stream:
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).

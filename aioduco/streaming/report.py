@@ -27,7 +27,7 @@ _MEANINGS = {
     "interval": "time between two ticks",
     "round_trip": "set-point sent to answer received",
     "work": "all work of a tick",
-    "age": "set-point sent by the program to taken by the lane",
+    "age": "set-point sent by the program to taken by the worker",
     "depth": "points in the controller's queue",
 }
 

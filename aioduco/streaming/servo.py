@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions, PacedOptions, ServoOptions
+    from aioduco.streaming.options import PacedOptions, ServoOptions, WorkerOptions
 
 __all__ = ["OffsetStream", "Servo"]
 
@@ -118,7 +118,7 @@ class Servo(ManualNames):
         max_step: float = 0.2,
         reach: float = 0.1,
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
@@ -170,7 +170,7 @@ class Servo(ManualNames):
         max_step: _Pair = (0.05, 0.2),
         reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
@@ -227,7 +227,7 @@ class Servo(ManualNames):
         max_step: _Pair = (0.05, 0.2),
         reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
@@ -285,7 +285,7 @@ class Servo(ManualNames):
         wobj: str = "",
         max_step: _Pair = (0.05, 0.2),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[PacedOptions],
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).

@@ -23,7 +23,7 @@ import anyio
 from aioduco._platform import boot_time, clock_step
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.resource_errors import resource_error
-from aioduco.errors import DucoError, LaneFailed, StreamClosed
+from aioduco.errors import DucoError, StreamClosed, WorkerFailed
 from aioduco.streaming.ends import failure
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.state import Reason, StreamState
@@ -80,7 +80,7 @@ class Session:
 
     def __repr__(self) -> str:
         end = f" ({self.reason.name})" if self.reason else ""
-        where = "process" if self._options.lane == "process" else "thread"
+        where = "process" if self._options.run_in == "process" else "thread"
         return f"<Stream {self.name} {self.rate:g} Hz in a {where}, {self.state.name}{end}>"
 
     # -- status --------------------------------------------------------------------------------
@@ -172,7 +172,7 @@ class Session:
         Raises:
             RobotStateError: another stream is open, or something moves the arm.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no worker could be started.
+            WorkerFailed: no worker could be started.
         """
         if self.host is not None:
             raise StreamClosed("a stream is opened once: make another one")
@@ -195,8 +195,8 @@ class Session:
 
     async def _start(self) -> None:
         if (step := clock_step()) > self._config.period:
-            raise LaneFailed(
-                f"no lane was started: the clock of this Python goes on in steps of "
+            raise WorkerFailed(
+                f"no worker was started: the clock of this Python goes on in steps of "
                 f"{step * 1e3:.1f} ms, and the stream's period is "
                 f"{self._config.period * 1e3:g} ms. "
                 "On Windows, Python 3.13 has a finer one. Nothing was sent"
@@ -208,7 +208,7 @@ class Session:
             host.start()
         except (OSError, RuntimeError) as exc:
             why = resource_error(exc) or exc
-            raise LaneFailed(f"no lane could be started: {why}. Nothing was sent") from exc
+            raise WorkerFailed(f"no worker could be started: {why}. Nothing was sent") from exc
         self.host = host
         # What ended before the line above is told now, and what ends after it at once.
         if self._permit is not None and self._endpoint.gate is not None:
@@ -225,7 +225,7 @@ class Session:
         if host.gone:
             self.check_end()
         if not host.ready:
-            raise LaneFailed("the stream's lane did not get ready in time; nothing was sent")
+            raise WorkerFailed("the stream's worker did not get ready in time; nothing was sent")
 
     async def close(self, *, at_once: bool) -> None:
         """End the stream and wait until its worker has ended.
@@ -296,7 +296,7 @@ class Session:
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
-        lost = host.reason is Reason.LANE_DIED or host.mode_on
+        lost = host.reason is Reason.WORKER_DIED or host.mode_on
         if lost and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 

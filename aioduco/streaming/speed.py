@@ -16,7 +16,7 @@ from aioduco.streaming.stream import Stream
 if TYPE_CHECKING:
     from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
 
 __all__ = ["Speed"]
 
@@ -51,7 +51,7 @@ class Speed(ManualNames):
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> Stream:
         """Follow joint speeds (speedj, 关节速度).
 
@@ -97,7 +97,7 @@ class Speed(ManualNames):
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> Stream:
         """Follow a speed of the tool (speedl, 末端速度).
 

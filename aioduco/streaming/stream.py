@@ -9,11 +9,12 @@ import anyio.lowlevel
 
 from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.models.rules import Number
-from aioduco.streaming.options import RATE, checked
+from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
-from aioduco.streaming.shared.action import MOST_ACTIONS, ActionTag
+from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.config import WorkerConfig
+from aioduco.streaming.shared.options import MOST_ACTIONS, rate_rule
 from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import Feeding, LaneOptions
+    from aioduco.streaming.options import Feeding, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.config import StreamSpec
     from aioduco.streaming.shared.space import Space
@@ -77,7 +78,7 @@ class Stream:
         self,
         endpoint: StreamEndpoint,
         feeding: Feeding,
-        options: LaneOptions | None,
+        options: WorkerOptions | None,
         sent: StreamSpec,
         check: Callable[[str, VectorLike], list[float]],
     ) -> None:
@@ -158,7 +159,7 @@ class Stream:
             RobotStateError: another stream is open on this robot, or something moves its arm.
             HeartbeatLost: the robot's heartbeat does not beat.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no worker could be started.
+            WorkerFailed: no worker could be started.
         """
         await self._session.open()
         return self
@@ -352,7 +353,7 @@ class Stream:
         """
         if rate is None:
             rate = self._feeding.source_rate or self._feeding.rate
-        return Ticks(1 / RATE("rate", rate), self._session.alive)
+        return Ticks(1 / rate_rule()("rate", rate), self._session.alive)
 
     async def _feed(
         self, points: Iterable[tuple[float, ...]], ahead: int, extra: bytes = b""

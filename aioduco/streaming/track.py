@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["TrackStream", "TrackStreams"]
@@ -122,7 +122,7 @@ class TrackStreams:
         ahead: int = 200,
         max_step: float | tuple[float, float] | None = None,
         reach: float | tuple[float, float] | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrackStream:
         """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
 

@@ -15,7 +15,7 @@ import anyio.lowlevel
 from aioduco._platform import boot_time
 from aioduco._spawn import Process, Unstartable
 from aioduco._wire.forks import fork_hooks
-from aioduco.errors import LaneFailed
+from aioduco.errors import WorkerFailed
 from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand
@@ -49,7 +49,7 @@ class WorkerHandle:
     ) -> None:
         self._config = config
         self._run = in_thread
-        self._in_thread = config.options.lane == "thread"
+        self._in_thread = config.options.run_in == "thread"
         self._process: Process | None = None
         self._thread: threading.Thread | None = None
         self._link: socket.socket | None = None
@@ -82,11 +82,11 @@ class WorkerHandle:
 
     @property
     def reason(self) -> Reason:
-        """Why it ends; `LANE_DIED` if the worker ended without giving a reason."""
+        """Why it ends; `WORKER_DIED` if the worker ended without giving a reason."""
         if self._outcome is not None:
             return self._outcome[0]
         if self._gone and self.block.status[StatusWord.STATE] != StreamState.ENDED:
-            return Reason.LANE_DIED
+            return Reason.WORKER_DIED
         reason = Reason(self.block.status[StatusWord.REASON])
         return Reason.STOPPED if reason is Reason.REFUSED and self._halted else reason
 
@@ -100,7 +100,7 @@ class WorkerHandle:
         """Why it ended, as text."""
         if self._outcome is not None:
             return self._outcome[1]
-        if self.reason is Reason.LANE_DIED and self._process is not None:
+        if self.reason is Reason.WORKER_DIED and self._process is not None:
             code = self._process.popen.poll()
             if code is not None and code < 0:
                 return f"its process was killed by {_signal_name(-code)}"
@@ -157,7 +157,7 @@ class WorkerHandle:
         """Start the worker.
 
         Raises:
-            LaneFailed: no process can be started from here.
+            WorkerFailed: no process can be started from here.
         """
         fork_hooks.add(self)
         try:
@@ -335,7 +335,7 @@ def _start(memory: int | str, link: socket.socket) -> Process:
     try:
         return Process("aioduco.streaming.worker.main", [link], memory=memory)
     except Unstartable as exc:
-        raise LaneFailed(
+        raise WorkerFailed(
             f"a stream cannot have a process of its own, and nothing was sent: {exc}, "
-            'or use lane="thread"'
+            'or use run_in="thread"'
         ) from exc

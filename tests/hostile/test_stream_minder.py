@@ -9,8 +9,8 @@ import pytest
 from adversity.arm import idle, ready, unrest
 
 import aioduco
-from aioduco.errors import LaneFailed
-from aioduco.streaming.options import LaneOptions
+from aioduco.errors import WorkerFailed
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.testing import eventually_async, no_leaks
 
@@ -65,13 +65,13 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
-@pytest.mark.parametrize("lane", ["process", "thread"])
+@pytest.mark.parametrize("run_in", ["process", "thread"])
 @pytest.mark.parametrize("parts", ["minder", "sign of life", "both"])
 @pytest.mark.parametrize("kind", ["servo", "speed"])
 async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
-    sim: Simulator, monkeypatch: pytest.MonkeyPatch, lane: Any, parts: str, kind: str
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch, run_in: Any, parts: str, kind: str
 ) -> None:
-    options = LaneOptions(lane=lane, timeout=20.0)
+    options = WorkerOptions(run_in=run_in, timeout=20.0)
     async with aioduco.connect(sim.host, sim.port) as robot:
         await robot.bring_up()
         here = await robot.state.get_actual_joints_position()
@@ -96,7 +96,10 @@ async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
                         failing.now.set()
 
         stops = robot.statistics().stops
-        with pytest.raises(LaneFailed, match=r"looks after it failed.*Fault"), anyio.fail_after(30):
+        with (
+            pytest.raises(WorkerFailed, match=r"looks after it failed.*Fault"),
+            anyio.fail_after(30),
+        ):
             await program()
         assert robot.statistics().stops > stops
         await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 FOLDER = Path(aioduco.streaming.__file__).parent
 PURE = [
     "shared/config",
+    "shared/options",
     "ends",
     "gains",
     "joint_trajectory",

@@ -11,7 +11,7 @@ import pytest
 import aioduco
 from aioduco import ParameterError, RealtimeMode
 from aioduco._wire import idl
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.state import Reason
 from aioduco.streaming.shared.words import StatusWord, StreamCommand
 from aioduco.streaming.worker_process import WorkerHandle
@@ -86,7 +86,7 @@ def test_a_wrong_argument_is_refused(section: str, name: str, parameter: str) ->
 
 def test_what_a_stopping_controller_refuses_ends_by_the_stop() -> None:
     """A set-point may be on its way when the robot is stopped."""
-    stream = NOBODY.servo.joints(v=1.0, a=5.0, options=LaneOptions(lane="thread"))
+    stream = NOBODY.servo.joints(v=1.0, a=5.0, options=WorkerOptions(run_in="thread"))
     reasons = []
     for before in (Reason.REFUSED, Reason.NONE):
         host = WorkerHandle(stream._session._config, lambda _block, _link: None)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco import LaneOptions
+from aioduco import WorkerOptions
 from aioduco._platform import set_realtime_priority
 from aioduco.scheduling import shorten_slice
 from aioduco.streaming.worker.clock import ProcessorShare
@@ -125,13 +125,13 @@ def test_a_share_of_a_processor_is_judged_over_a_while() -> None:
 @pytest.mark.parametrize(
     ("options", "priority"),
     [
-        (LaneOptions(priority=0), 0),
-        (LaneOptions(priority=3), 3),
-        (LaneOptions(lane="thread"), 0),
+        (WorkerOptions(priority=0), 0),
+        (WorkerOptions(priority=3), 3),
+        (WorkerOptions(run_in="thread"), 0),
     ],
 )
 async def test_a_lane_that_was_told_how_to_go_goes_so(
-    controller: Controller, options: LaneOptions, priority: int
+    controller: Controller, options: WorkerOptions, priority: int
 ) -> None:
     if not allowed():
         pytest.skip("no permission for a policy of real time")

@@ -51,7 +51,8 @@ from aioduco.supervision.unanswered import UnansweredMotion
 if TYPE_CHECKING:
     import socket
 
-    from aioduco.streaming.shared.config import WorkerConfig, WorkerSettings
+    from aioduco.streaming.shared.config import WorkerConfig
+    from aioduco.streaming.shared.options import WorkerOptions
 
 __all__ = ["StreamWorker", "main", "run_in_thread"]
 
@@ -321,7 +322,7 @@ class StreamWorker:
             drop_realtime_priority()
             self._block.status[StatusWord.PRIORITY] = 0
         if self._terminated:
-            driver.brake(Reason.FAILED, "the lane's process was told to end by a signal")
+            driver.brake(Reason.FAILED, "the worker's process was told to end by a signal")
         if self._gone():
             dead = self._process and os.getppid() != self._parent
             # If a guard stops the robot at once, more set-points would only start it again.
@@ -367,7 +368,7 @@ class StreamWorker:
             self._link.send(b"\1")
 
 
-def prepare(options: WorkerSettings) -> Unmet:
+def prepare(options: WorkerOptions) -> Unmet:
     """Request timer slack, time slice, processors and priority for the calling thread.
 
     Returns:
@@ -409,11 +410,11 @@ def main(arguments: list[str]) -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link, memory = arguments
     block = Block.open(int(memory) if memory.isdecimal() else memory)
-    lane = StreamWorker(block, handed_socket(link), process=True)
+    worker = StreamWorker(block, handed_socket(link), process=True)
     for number in ending_signals():
-        signal.signal(number, lambda *_: lane.terminate())
+        signal.signal(number, lambda *_: worker.terminate())
     # Imported objects are never garbage: exclude them from every collection from here on.
     gc.collect()
     gc.freeze()
-    lane.run()
+    worker.run()
     return 0

@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import EnvelopeSettings, FeedingSettings
+    from aioduco.streaming.shared.config import EnvelopeSettings
+    from aioduco.streaming.shared.options import Feeding
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.chunks import ActionTimeline
@@ -316,7 +317,7 @@ class SetpointFeed:
         self._next = block.ring.newest if config.feeding.latest else block.ring.take
         self._age = block.histograms["age"].record
 
-    def _make_source(self, feeding: FeedingSettings) -> SetpointSource:
+    def _make_source(self, feeding: Feeding) -> SetpointSource:
         if feeding.chunks:
             # imported here: only a stream with chunks needs it
             from aioduco.streaming.worker.chunks import ActionTimeline  # noqa: PLC0415
