@@ -24,6 +24,7 @@ PURE = [
     "ends",
     "gains",
     "joint_trajectory",
+    "worker/life",
     "worker/limiter",
     "sampling",
     "shared/space",

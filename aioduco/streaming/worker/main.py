@@ -43,7 +43,7 @@ from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand, Unmet
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
-from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
+from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, WorkerPermit
 from aioduco.streaming.worker.rest import Line, bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.config import WorkerConfig
     from aioduco.streaming.shared.options import WorkerOptions
+    from aioduco.streaming.worker.driver import Driver
 
 __all__ = ["StreamWorker", "main", "run_in_thread"]
 
@@ -132,7 +133,8 @@ class StreamWorker:
             # The program must see an internal error of the worker, so it is reported, not raised.
             reason, text = Reason.FAILED, traceback.format_exc()[-900:]
         if self._driver is not None:
-            reason, text = self._driver.reason or reason, self._driver.text or text
+            life = self._driver.life
+            reason, text = life.reason or reason, life.text or text
             with contextlib.suppress(DucoError):
                 self._driver.publish()
         try:
@@ -312,7 +314,7 @@ class StreamWorker:
         if control[StreamCommand.ABORT]:
             driver.brake(Reason.ABORTED)
         elif control[StreamCommand.CLOSE]:
-            driver.close()
+            driver.life.close()
         if now - self._looked < _LOOK:
             return
         self._looked = now
@@ -347,12 +349,12 @@ class StreamWorker:
 
     def _publish(self, driver: Driver, now: int) -> None:
         block = self._block
-        told = (driver.state, driver.reason)
+        told = (driver.state, driver.life.reason)
         if told != self._told:
             self._told = told
             driver.publish()
             # before the reason, with which the program reads it
-            block.text = driver.text
+            block.text = driver.life.text
             block.status[StatusWord.STATE], block.status[StatusWord.REASON] = told
             self._wake_program()
         elif now - self._reported >= _REPORT:

@@ -1,17 +1,8 @@
 """Conversion of the program's set-points to one set-point of the wire per tick, within the limits.
 
-`SetpointSource` decides which target is followed, and when and why the stream ends. It is pure.
-Its states:
-
-WAITING     nothing has been sent yet.
-FOLLOWING   the program sends, and the arm follows.
-HOLDING     the program is late. The arm goes to the last target and stays there; a stream of
-            speeds keeps its speed. A new set-point leads back to FOLLOWING.
-DECELERATING  the end is decided and its reason known. No more set-points are taken; the arm comes
-            to rest within the limits.
-ENDED       nothing more is sent.
-
-The state never goes back from DECELERATING or ENDED, and the first reason and its text stay.
+`SetpointSource` decides which target is followed, and when and why the stream ends. It is pure. Its
+states are those of `Life`. While it is HOLDING, the arm goes to the last target and stays there; a
+stream of speeds keeps its speed.
 """
 
 from __future__ import annotations
@@ -26,6 +17,7 @@ from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import StatusWord
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.follower import CheckedFollower, CheckedRates, Follower
+from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
@@ -71,7 +63,7 @@ class FollowerProtocol(Protocol):
     def brake(self) -> Config: ...  # noqa: D102
 
 
-class SetpointSource:
+class SetpointSource(Life):
     """One set-point per tick, until a defined end.
 
     Args:
@@ -85,9 +77,6 @@ class SetpointSource:
         rates: whether the set-points are speeds; a stream of speeds ends at speed zero.
 
     Attributes:
-        state: state of the stream.
-        reason: why it ends; NONE before.
-        text: more about the reason; empty if there is nothing to add.
         starved: ticks in which the arm moved, a set-point was due and none had arrived.
     """
 
@@ -102,6 +91,7 @@ class SetpointSource:
         reach: tuple[float, ...] = (),
         rates: bool = False,
     ) -> None:
+        super().__init__()
         self._space = space
         self._period = period
         self._hold = hold
@@ -111,35 +101,13 @@ class SetpointSource:
         self._reach = reach
         self._rates = rates
         self._follower: FollowerProtocol | None = None
-        self._closing = False
         self._stamp = 0
         self._idle = 0
-        self.state: StreamState = StreamState.WAITING
-        self.reason: Reason = Reason.NONE
-        self.text: str = ""
         self.starved: int = 0
 
     def begin(self, follower: FollowerProtocol) -> None:
         """Set the follower of the targets; it starts at the arm's position."""
         self._follower = follower
-
-    def close(self) -> None:
-        """Follow to the last target, then end: the program sends no more targets."""
-        self._closing = True
-
-    def brake(self, reason: Reason, text: str = "") -> None:
-        """Come to rest at once, then end."""
-        if self.state is StreamState.WAITING:
-            self.end(reason, text)
-        if self.state < StreamState.DECELERATING:
-            self.state, self.reason, self.text = StreamState.DECELERATING, reason, text
-
-    def end(self, reason: Reason, text: str = "") -> None:
-        """Send nothing more: the arm is stopped by another caller, or cannot be reached."""
-        if self.state < StreamState.ENDED:
-            self.state = StreamState.ENDED
-            if not self.reason:
-                self.reason, self.text = reason, text
 
     def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
         """Advance by one tick.
@@ -152,7 +120,7 @@ class SetpointSource:
         """
         follower = self._follower
         if follower is None or self.state is StreamState.ENDED:
-            if self._closing:
+            if self.closing:
                 self.end(Reason.CLOSED)
             return None
         if self.state is not StreamState.DECELERATING:
@@ -173,9 +141,9 @@ class SetpointSource:
         if point is not None:
             self._aim(follower, point)
         elif self.state is StreamState.WAITING:
-            if self._closing:
+            if self.closing:
                 self.end(Reason.CLOSED)
-        elif self._closing and follower.ready:
+        elif self.closing and follower.ready:
             self._finish(follower)
         else:
             self._wait(follower)
@@ -246,21 +214,21 @@ class ChunkSource(SetpointSource):
 
     def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
         timeline = self._timeline
-        timeline.advance(self._clock() * 1e-9, closing=self._closing)
+        timeline.advance(self._clock() * 1e-9, closing=self.closing)
         for _ in range(_PER_TICK):
             point = take()
             if point is None:
                 break
             self._add(follower, point)
         if self.state is StreamState.WAITING:
-            if self._closing:
+            if self.closing:
                 self.end(Reason.CLOSED)
         elif self.state is StreamState.ENDED:
             return
         elif not timeline.ready:
             self._idle = 0
             self.state = StreamState.FOLLOWING
-        elif self._closing:
+        elif self.closing:
             self._finish(follower)
         else:
             self._wait(follower)
@@ -277,7 +245,7 @@ class ChunkSource(SetpointSource):
         place = self._timeline.take(begin, tuple(self._chunk))
         if self.state is not StreamState.WAITING:
             return
-        self.state: StreamState = StreamState.HOLDING
+        self.state = StreamState.HOLDING
         if place is not None and not within(self._space, follower.config, place, self._reach):
             self.end(Reason.TOO_FAR)
 
