@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import WorkerOptions
-    from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["TrackStream", "TrackStreams"]
 
@@ -73,7 +72,7 @@ class TrackStream(Stream):
         await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
         await self._taken()
 
-    async def _begin(self, host: WorkerHandle) -> None:
+    async def _begin(self) -> None:
         """Do not wait: the worker takes the first points only when there are enough of them."""
 
     def _tail(self, op: Op | None) -> bytes:

@@ -141,9 +141,9 @@ async def test_a_guard_that_cannot_be_started_is_said_so(
     ("run_in", "what"),
     [
         pytest.param("process", "os.memfd_create", marks=pytest.mark.linux("memory files")),
-        ("process", "aioduco.streaming.worker_process.socket.socketpair"),
+        ("process", "aioduco.streaming.session.socket.socketpair"),
         ("process", "aioduco._spawn.subprocess.Popen"),
-        ("thread", "aioduco.streaming.worker_process.socket.socketpair"),
+        ("thread", "aioduco.streaming.session.socket.socketpair"),
         ("thread", "mmap"),
         ("thread", "thread"),
     ],

@@ -11,7 +11,7 @@ from adversity.arm import idle, ready, unrest
 import aioduco
 from aioduco.errors import WorkerFailed
 from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.worker_process import WorkerHandle
+from aioduco.streaming.session import Session
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Failing:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, parts: str) -> None:
         self.now = anyio.Event()
-        hear, touch = WorkerHandle._receive, WorkerHandle.touch
+        hear, touch = Session._receive, Session._touch
 
         async def failing_hear(link: Any) -> bool:
             heard: list[bool] = []
@@ -48,15 +48,15 @@ class Failing:
                 return heard[0]
             raise Fault("the minder")
 
-        def failing_touch(host: WorkerHandle) -> None:
+        def failing_touch(session: Session) -> None:
             if self.now.is_set():
                 raise Fault("the sign of life")
-            touch(host)
+            touch(session)
 
         if parts in ("minder", "both"):
-            monkeypatch.setattr(WorkerHandle, "_receive", staticmethod(failing_hear))
+            monkeypatch.setattr(Session, "_receive", staticmethod(failing_hear))
         if parts in ("sign of life", "both"):
-            monkeypatch.setattr(WorkerHandle, "touch", failing_touch)
+            monkeypatch.setattr(Session, "_touch", failing_touch)
 
 
 @pytest.fixture

@@ -222,10 +222,9 @@ async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> 
             for n in range(150):
                 way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
                 await stream.send([angle + way for angle in HERE])
-            host = stream._session.host
-            assert host is not None
-            assert host._link is not None
-            host._link.shutdown(2)
+            link = stream._session._link
+            assert link is not None
+            link.shutdown(2)
             with anyio.fail_after(10):
                 await stream.ended()
 
