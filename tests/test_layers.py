@@ -155,7 +155,8 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
 STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "shared": {
         *("aioduco.streaming.shared", "aioduco._platform", "aioduco.errors"),
-        "aioduco.models.rules",  # checks the options that a program gives; no worker loads it
+        # check what a program gives; no worker loads them
+        *("aioduco.models.rules", "aioduco.models.ranges"),
     },
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),

@@ -8,10 +8,10 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Integer
-from aioduco.streaming.directions import into_wobj
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Meaning, QueueDrive, StreamSpec
 from aioduco.streaming.shared.space import JERK, Limits
+from aioduco.streaming.shared.turning import into_wobj
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import FeedingOptions, WorkerOptions
+    from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["CYCLE", "RealtimeStreams"]
 

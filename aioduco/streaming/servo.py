@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING, Any, cast
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
-from aioduco.streaming.directions import into_tool
 from aioduco.streaming.gains import ServoGains
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import CallDrive, StreamSpec
 from aioduco.streaming.shared.space import JERK, POSE_SPACE, Limits
+from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import PacedOptions, ServoOptions, WorkerOptions
+    from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["OffsetStream", "Servo"]
 

@@ -63,7 +63,6 @@ if TYPE_CHECKING:
     from aioduco.playback.path_check import PathFinding
     from aioduco.playback.recorded_path import RecordedPath
     from aioduco.playback.waypoints import WaypointFile
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import (
         Feedback,
@@ -73,6 +72,7 @@ if TYPE_CHECKING:
     )
     from aioduco.streaming.options import FeedingOptions, PacedOptions, ServoOptions, WorkerOptions
     from aioduco.streaming.servo import Servo as AioServo
+    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.heartbeat import HeartbeatStatistics

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.robot import Robot
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.teleoperation.devices import InputDevice
     from aioduco.teleoperation.reading import Reading
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import ControlWord, StatusWord
-from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.life import Life
@@ -199,7 +198,6 @@ class RealtimeQueueDriver(Driver):
         super().__init__(self._feed.source, connection, block)
         self._permit = permit.require
         self._queue = queue
-        self._directions = Directions(connection, block.config.sent.turning, self._timeout)
         self._depth = Depth(queue.depth, max(self._timeout, 20 * queue.period))
 
         def element(values: list[float]) -> RealTimeControlData:
@@ -238,7 +236,7 @@ class RealtimeQueueDriver(Driver):
         """
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
-        rest = self._batch.element(self._directions.turned(self._feed.resting()))
+        rest = self._batch.element(self._feed.wire(self._feed.resting()))
         if not self._enqueue([rest] * self._queue.depth):
             return False
         self._block.status[StatusWord.MODE] = 1  # before the call, since its answer may be lost
@@ -273,7 +271,7 @@ class RealtimeQueueDriver(Driver):
             values = self._feed.step()
             if values is None:
                 break
-            self._last = self._batch.element(self._directions.turned(values))
+            self._last = self._batch.element(self._feed.wire(values))
             elements.append(self._last)
         lacking = count - len(elements)
         self._depth.rest(lacking)

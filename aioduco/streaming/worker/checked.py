@@ -67,9 +67,7 @@ class EnvelopeSpace:
         if self._in_joints:
             return config
         if self._turn:
-            # convert from the axes of another frame to those of the tool
-            back = POSE_SPACE.offset(self._turn, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
-            config = POSE_SPACE.composed(POSE_SPACE.composed(back, config), self._turn)
+            config = POSE_SPACE.in_axes(config, self._turn)
         return _tip(POSE_SPACE.composed(self._base, config))
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from aioduco._wire import codec, idl
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import StatusWord
-from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Point
 from aioduco.streaming.worker.life import Life
@@ -31,15 +30,11 @@ class CallDriver(Driver):
     ) -> None:
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)
-        sent = block.config.sent
 
         def args(values: list[float]) -> tuple[Any, ...]:
             return (values, *calls.arguments)
 
         self._name = calls.function
-        # Steps are rotated once, where they are added up; each velocity when it is sent.
-        turning = None if sent.meaning == "step" else sent.turning
-        self._directions = Directions(connection, turning, self._timeout)
         self._point = Point(connection, self._name, args, self._timeout, permit.require)
         self._ahead: tuple[float, ...] | None = None
         self._task = 0
@@ -56,7 +51,7 @@ class CallDriver(Driver):
             feed.begin()
             values = feed.step()
         if values is not None:
-            values = self._directions.turned(values)
+            values = feed.wire(values)
             start = time.monotonic_ns()
             ahead = hurry and not feed.reads
             self._task = self._point.send(values, self._look_ahead if ahead else None)

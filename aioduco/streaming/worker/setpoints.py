@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import json
 import time
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import StatusWord
-from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.follower import CheckedFollower, CheckedRates, Follower
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.limiter import Rates
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 __all__ = [
     "ChunkSource",
     "Follower",
-    "FollowerProtocol",
     "SetpointFeed",
     "SetpointSource",
     "within",
@@ -47,20 +46,6 @@ _LATE = 1.2  # share of the interval in which a target is reached: the next may 
 _DUE = 1.5  # share of the interval after which an unpaced set-point counts as late
 _ROUNDING = 1 - 1e-9
 _PER_TICK = 64  # actions taken in one tick at most, so that a long chunk delays no tick
-
-
-class FollowerProtocol(Protocol):
-    """The interface of `Follower` and of `Rates` that a source uses."""
-
-    @property
-    def config(self) -> Config: ...  # noqa: D102
-    @property
-    def ready(self) -> bool: ...  # noqa: D102
-    @property
-    def at_rest(self) -> bool: ...  # noqa: D102
-    def aim(self, target: Config, interval: float, duration: float) -> None: ...  # noqa: D102
-    def step(self) -> Config: ...  # noqa: D102
-    def brake(self) -> Config: ...  # noqa: D102
 
 
 class SetpointSource(Life):
@@ -100,12 +85,12 @@ class SetpointSource(Life):
         self._paced = paced
         self._reach = reach
         self._rates = rates
-        self._follower: FollowerProtocol | None = None
+        self._follower: Follower | Rates | None = None
         self._stamp = 0
         self._idle = 0
         self.starved: int = 0
 
-    def begin(self, follower: FollowerProtocol) -> None:
+    def begin(self, follower: Follower | Rates) -> None:
         """Set the follower of the targets; it starts at the arm's position."""
         self._follower = follower
 
@@ -136,7 +121,7 @@ class SetpointSource(Life):
                 config = follower.step()
         return config
 
-    def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
+    def _follow(self, follower: Follower | Rates, take: Callable[[], SetPoint | None]) -> None:
         point = take() if follower.ready or not self._paced else None
         if point is not None:
             self._aim(follower, point)
@@ -148,7 +133,7 @@ class SetpointSource(Life):
         else:
             self._wait(follower)
 
-    def _aim(self, follower: FollowerProtocol, point: SetPoint) -> None:
+    def _aim(self, follower: Follower | Rates, point: SetPoint) -> None:
         target = point.values if self._rates else self._space.decode(point.values)
         if self.state is StreamState.WAITING:
             if not self._rates and not within(self._space, follower.config, target, self._reach):
@@ -163,14 +148,14 @@ class SetpointSource(Life):
         duration = self._interval if self._paced else self._interval * _LATE
         follower.aim(target, self._interval, duration)
 
-    def _finish(self, follower: FollowerProtocol) -> None:
+    def _finish(self, follower: Follower | Rates) -> None:
         """End when the arm has reached the last target: there are no more."""
         if self._rates:
             self.brake(Reason.CLOSED)
         elif follower.at_rest:
             self.end(Reason.CLOSED)
 
-    def _wait(self, follower: FollowerProtocol) -> None:
+    def _wait(self, follower: Follower | Rates) -> None:
         """Process a tick without a new set-point; it counts as starved only if the arm moves."""
         self._idle += 1
         idle = self._idle * self._period
@@ -212,7 +197,7 @@ class ChunkSource(SetpointSource):
         self._clock = clock
         self._chunk: list[Config] = []
 
-    def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
+    def _follow(self, follower: Follower | Rates, take: Callable[[], SetPoint | None]) -> None:
         timeline = self._timeline
         timeline.advance(self._clock() * 1e-9, closing=self.closing)
         for _ in range(_PER_TICK):
@@ -233,7 +218,7 @@ class ChunkSource(SetpointSource):
         else:
             self._wait(follower)
 
-    def _add(self, follower: FollowerProtocol, point: SetPoint) -> None:
+    def _add(self, follower: Follower | Rates, point: SetPoint) -> None:
         """Add an action to its chunk; the last one completes it."""
         tag = ActionTag.unpack(point.extra)
         if tag.position == 0:
@@ -272,6 +257,8 @@ class SetpointFeed:
         self._config = config
         self._connection = connection
         self._block = block
+        self._timeout = config.options.timeout
+        self._directions = Directions(config.sent.turning, connection.call, self._timeout)
         self._space = config.sent.space
         self._meaning = config.sent.meaning
         self._before = POSE_SPACE.decode((0.0,) * 6)
@@ -358,7 +345,8 @@ class SetpointFeed:
             config.sent.limits,
             self._period,
             start,
-            place,
+            place.checker,
+            place.seen,
             self._crossed,
             self._timeline,
         )
@@ -373,9 +361,8 @@ class SetpointFeed:
         from aioduco.streaming.worker.checked import SpeedCheck  # noqa: PLC0415
 
         config = self._config
-        directions = Directions(self._connection, config.sent.turning, config.options.timeout)
-        check = SpeedCheck(envelope, config, self._connection, directions.turned)
-        return CheckedRates(self._space, config.sent.limits, self._period, check, self._crossed)
+        look = SpeedCheck(envelope, config, self._connection, self._directions.turned).look
+        return CheckedRates(self._space, config.sent.limits, self._period, look, self._crossed)
 
     def _crossed(self, found: Crossing) -> None:
         """Come to rest, if the arm moves: a set-point would have crossed the envelope."""
@@ -386,14 +373,12 @@ class SetpointFeed:
         if self._meaning == "step":
             turning = self._config.sent.turning
             if turning is not None:
-                timeout = self._config.options.timeout
-                place = Directions(self._connection, turning, timeout).place(turning)
+                place = self._directions.place(turning)
                 self._start = (0.0, 0.0, 0.0, *place[3:])
                 self._before = self._start
             return [0.0] * 6
         name, *args = self._config.sent.read
-        timeout = self._config.options.timeout
-        actual: list[float] = self._connection.call(name, tuple(args), timeout)
+        actual: list[float] = self._connection.call(name, tuple(args), self._timeout)
         return actual
 
     def step(self) -> tuple[float, ...] | None:
@@ -419,6 +404,13 @@ class SetpointFeed:
             config = POSE_SPACE.composed(config, self._start)
         before, self._before = self._before, config
         return POSE_SPACE.encode(POSE_SPACE.offset(before, config))
+
+    def wire(self, values: tuple[float, ...]) -> tuple[float, ...]:
+        """A set-point in the frame of the wire: speeds are rotated when they are sent.
+
+        Steps are rotated once, where they are added up.
+        """
+        return self._directions.turned(values) if self._meaning == "speed" else values
 
     def _take(self) -> SetPoint | None:
         point = self._next()
