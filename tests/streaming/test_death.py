@@ -124,7 +124,7 @@ def test_ctrl_c_ends_the_program_and_its_stream_in_order(controller: Controller)
     program.stdout.close()
 
 
-async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
+async def test_a_worker_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
     controller: Controller,
 ) -> None:
     endpoint = controller.endpoint
@@ -145,7 +145,7 @@ async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
 
 
 @pytest.mark.slow
-async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
+async def test_a_worker_that_stands_still_is_ended_and_the_robot_is_stopped(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Session, "_end_timeout", 0.5)
@@ -163,7 +163,7 @@ async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
     assert controller.stops == ["stop"]
 
 
-async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controller) -> None:
+async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Controller) -> None:
     stream = controller.servo.joints(v=1.0, a=ACCELERATION, rate=RATE)
 
     async def program() -> None:
@@ -184,7 +184,7 @@ async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controll
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("upsample", ["none", "ruckig"])
-async def test_a_lane_process_is_small(controller: Controller, upsample: str) -> None:
+async def test_a_worker_process_is_small(controller: Controller, upsample: str) -> None:
     opened = controller.servo.joints(
         v=1.0,
         a=5.0,
@@ -211,7 +211,7 @@ async def test_one_stream_after_the_other_leaves_nothing(
     await eventually_async(lambda: controller.server.connections == 0)
 
 
-async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> None:
+async def test_a_thread_worker_ends_with_its_face_gone(controller: Controller) -> None:
     """A worker whose program side is closed without a word behaves as if the program had died."""
     stream = controller.servo.joints(
         v=1.0, a=ACCELERATION, rate=RATE, options=WorkerOptions(run_in="thread")
@@ -267,7 +267,7 @@ async def test_sending_with_one_set_point_ahead_lets_the_event_loop_run(
 
 
 @pytest.mark.linux("real-time signals")
-async def test_a_lane_killed_by_a_signal_without_a_name_is_an_error(
+async def test_a_worker_killed_by_a_signal_without_a_name_is_an_error(
     controller: Controller,
 ) -> None:
     stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)

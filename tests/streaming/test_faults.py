@@ -198,7 +198,7 @@ async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultPro
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
-async def test_a_lane_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
+async def test_a_worker_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
     async def program() -> None:
         speeds = KINDS[kind].feed is KINDS["speedj"].feed
         async with KINDS[kind].open(robot, WorkerOptions(timeout=5.0)) as stream:

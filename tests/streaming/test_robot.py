@@ -213,7 +213,7 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
     assert not sim.view.moving
 
 
-async def test_a_stop_does_not_wait_for_a_lane_that_hangs(
+async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
     robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("aioduco.supervision.stop_coordinator._SILENCE", 0.2)

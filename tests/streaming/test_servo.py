@@ -312,7 +312,7 @@ async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
         ("get_noneblock_taskstate", 3, StreamStopped, False),
     ],
 )
-async def test_the_lane_sees_when_the_controller_does_not_follow_any_more(
+async def test_the_worker_sees_when_the_controller_does_not_follow_any_more(
     controller: Controller, function: str, answer: object, error: type[Exception], stops: bool
 ) -> None:
     options = WorkerOptions(run_in="thread", watch=0.02)
@@ -453,7 +453,7 @@ async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> Non
     assert next(looks) >= 7
 
 
-async def test_commanded_is_what_the_lane_sent_last(controller: Controller) -> None:
+async def test_commanded_is_what_the_worker_sent_last(controller: Controller) -> None:
     async with controller.servo.joints(v=1.0, a=5.0, rate=200, options=THREAD) as stream:
         assert stream.commanded is None
         await stream.send(near(0.0))

@@ -73,7 +73,7 @@ async def test_what_the_system_does_not_allow_is_said_and_the_stream_runs(
 
 
 @pytest.mark.linux("keeping a process on a processor")
-async def test_a_lane_stays_on_its_processor(controller: Controller) -> None:
+async def test_a_worker_stays_on_its_processor(controller: Controller) -> None:
     processor = min(os.sched_getaffinity(0))
     options = WorkerOptions(cpus=(processor,))
     async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
@@ -83,7 +83,7 @@ async def test_a_lane_stays_on_its_processor(controller: Controller) -> None:
 
 
 @pytest.mark.parametrize("run_in", ["process", "thread"])
-async def test_a_lane_that_is_always_late_loses_no_set_point(
+async def test_a_worker_that_is_always_late_loses_no_set_point(
     controller: Controller, run_in: Any
 ) -> None:
     """At a rate that nothing can hold the next set-point is reckoned ahead of its tick."""
