@@ -71,6 +71,8 @@ USED = {
     "aioduco.errors",
     "aioduco.scheduling",
     "aioduco.streaming",
+    "aioduco.supervision",
+    "aioduco.supervision.unanswered",  # the machine that brings the arm to rest, which is pure
 }
 OF_THE_WIRE = {"channel", "lane", "owner_loop", "pool", "messages"}
 
