@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot, connect, stop_all
     from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.supervision.command import HeldMotion, MotionCommand
     from aioduco.supervision.heartbeat import HeartbeatState
@@ -115,7 +115,7 @@ __all__ = [  # noqa: RUF022  # grouped by purpose
     "WeaveShape",
     # streams of set-points, joint trajectories
     "JointTrajectory",
-    "LaneOptions",
+    "WorkerOptions",
     "ServoGains",
     "StreamStatistics",
     "Tolerances",
@@ -174,7 +174,7 @@ _HOMES = {
     "aioduco.streaming.gains": ("ServoGains",),
     "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
     "aioduco.streaming.report": ("StreamStatistics",),
-    "aioduco.streaming.options": ("LaneOptions",),
+    "aioduco.streaming.options": ("WorkerOptions",),
     "aioduco.supervision.command": ("HeldMotion", "MotionCommand"),
     "aioduco.supervision.motion_path": ("MotionPath",),
     "aioduco.supervision.state_feed": ("Snapshot",),

@@ -30,7 +30,6 @@ __all__ = [
     "GuardLost",
     "HeartbeatLost",
     "HoldUnknown",
-    "LaneFailed",
     "MissingExtra",
     "ModbusError",
     "ModbusGarbled",
@@ -81,6 +80,7 @@ __all__ = [
     "UnknownFunction",
     "Unreachable",
     "WaypointFileError",
+    "WorkerFailed",
     "WrongLoop",
     "WrongProcess",
 ]
@@ -623,8 +623,8 @@ class FirstPointTooFar(StreamError):
     """The first set-point was too far from where the arm was. Nothing was sent."""
 
 
-class LaneFailed(StreamError):
-    """The stream's lane ended by an internal error, stood still for too long, or was killed."""
+class WorkerFailed(StreamError):
+    """The stream's worker ended by an internal error, stood still for too long, or was killed."""
 
 
 class PathToleranceViolated(StreamError):

@@ -177,7 +177,8 @@ def main() -> None:
                 crossed = list[object]()
                 place = Joints(zones_of[name], kind)
                 follower = CheckedFollower(
-                    "none", JOINT_SPACE, LIMITS, PERIOD, start, place, crossed.append
+                    *("none", JOINT_SPACE, LIMITS, PERIOD, start),
+                    *(place.checker, place.seen, crossed.append),
                 )
                 assert follower.begin() is None
                 title = f"{name}, all looked at" if kind is AllLookedAt else name

@@ -20,7 +20,7 @@ from _common import arguments, percentile, print_table, write_results
 import aioduco
 from aioduco.recording import read
 from aioduco.sim.process import SimulatorProcess
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
@@ -125,7 +125,9 @@ async def streams(
     with robot.feed.subscribe("latest"):
         for number in range(2 * rounds):
             recording = await robot.record(folder / "s.mcap").start() if number % 2 else None
-            async with robot.servo.joints(v=1.0, a=5.0, rate=1000, options=LaneOptions()) as stream:
+            async with robot.servo.joints(
+                v=1.0, a=5.0, rate=1000, options=WorkerOptions()
+            ) as stream:
                 await stream.play(points)
             if recording is not None:
                 await recording.stop()

@@ -5,11 +5,11 @@
 All alternatives stream to the same server process and take turns in slices, so that whatever
 else the machine does meets them all.
 
-    process     a lane in a process of its own, the default
+    process     a worker in a process of its own, the default
     without priority  the same, but that it never goes first, as `process` does once it wakes late
     urgent      the same under SCHED_FIFO from the start, where the system allows it
-    thread      the same lane in a thread of the program
-    loop        no lane: a task of the program's event loop sleeps to each tick and awaits the call
+    thread      the same worker in a thread of the program
+    loop        no worker: a task of the program sleeps to each tick and awaits the call
     bare        no stream at all: a loop in C (in Python without a compiler) on each processor
                 that only sleeps to each tick, beside `process`, for the machine's own noise
     busy        the program's event loop works in bursts of 15 ms, with pauses of 15 ms
@@ -73,7 +73,7 @@ def show(results: dict[str, Any]) -> None:
     for name, row in results["simulator"].items():
         print_table(f"simulated arm: {name}", ("", ""), list(row.items()))
     print_table("the program killed at 0.4 rad/s", ("", ""), list(results["killed"].items()))
-    print_table("memory of a lane's process", ("", "MB"), list(results["memory"].items()))
+    print_table("memory of a worker's process", ("", "MB"), list(results["memory"].items()))
     rows = [
         (name, row["asked"], row["found"], "yes" if row["reached"] else "NO")
         for name, row in results["asked_for"].items()
@@ -83,7 +83,7 @@ def show(results: dict[str, Any]) -> None:
 
 async def measure(port: int, quick: bool) -> dict[str, Any]:
     results: dict[str, Any] = {"greatest_rate": await greatest_rate(port, quick)}
-    # The rest needs no server on a core of its own: a paced lane leaves the machine idle.
+    # The rest needs no server on a core of its own: a paced worker leaves the machine idle.
     os.sched_setaffinity(0, range(os.cpu_count() or 1))
     results["pacing"] = {
         "idle": await pacing(port, False, quick),

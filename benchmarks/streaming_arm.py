@@ -85,13 +85,13 @@ def runs(process: int) -> bool:
 
 
 def leftovers() -> set[str]:
-    """Lanes' processes, and what stands in shared memory under a name."""
-    lanes = {
+    """Workers' processes, and what stands in shared memory under a name."""
+    workers = {
         path.parent.name
         for path in Path("/proc").glob("[0-9]*/cmdline")
         if b"aioduco.streaming.worker.main" in _read(path)
     }
-    return lanes | {path.name for path in Path("/dev/shm").iterdir()}
+    return workers | {path.name for path in Path("/dev/shm").iterdir()}
 
 
 def _read(path: Path) -> bytes:
@@ -109,16 +109,16 @@ def killed(port: int) -> dict[str, Any]:
         [sys.executable, "-c", PROGRAM, str(port)], stdout=subprocess.PIPE, text=True
     )
     assert program.stdout is not None
-    lane = int(program.stdout.readline())
+    worker = int(program.stdout.readline())
     program.send_signal(signal.SIGKILL)
     program.communicate()
     start = time.monotonic()
-    while runs(lane) and time.monotonic() < start + 10:
+    while runs(worker) and time.monotonic() < start + 10:
         time.sleep(0.002)
     gone = time.monotonic() - start
     slowing, last, stops = ask(port, "ending")
     return {
-        "ms_to_lane_gone": round(gone * 1e3, 1),
+        "ms_to_worker_gone": round(gone * 1e3, 1),
         "ticks_to_rest": slowing,
         "step_at_the_end_rad": last,
         "stops": stops,
@@ -127,7 +127,7 @@ def killed(port: int) -> dict[str, Any]:
 
 
 async def memory(port: int) -> dict[str, float]:
-    """The size of a lane's process, in MB."""
+    """The size of a worker's process, in MB."""
     found: dict[str, float] = {}
     ways: tuple[Upsampling, ...] = ("none", "ruckig")
     for way in ways:

@@ -15,14 +15,14 @@ def judged(results: dict[str, Any]) -> dict[str, dict[str, Any]]:
     def line(name: str, asked: str, found: object, reached: bool) -> None:
         rows[name] = {"asked": asked, "found": found, "reached": bool(reached)}
 
-    def beside_noise(name: str, lane: dict[str, Any], bare: dict[str, Any]) -> None:
+    def beside_noise(name: str, worker: dict[str, Any], bare: dict[str, Any]) -> None:
         # What a loop that only sleeps would have had in as many ticks, and the chance in that.
-        noise = bare["beyond_2ms"] * lane["ticks"] / bare["ticks"]
+        noise = bare["beyond_2ms"] * worker["ticks"] / bare["ticks"]
         line(
             f"{name}: ticks later than 2 ms; by the machine's noise",
             "as many, within 3 sigma",
-            f"{lane['beyond_2ms']}; {noise:.0f}",
-            lane["beyond_2ms"] <= noise + 3 * (noise + 1) ** 0.5,
+            f"{worker['beyond_2ms']}; {noise:.0f}",
+            worker["beyond_2ms"] <= noise + 3 * (noise + 1) ** 0.5,
         )
 
     best = results["greatest_rate"]["process"]
@@ -41,14 +41,14 @@ def judged(results: dict[str, Any]) -> dict[str, dict[str, Any]]:
         )
     for load in ("idle", "busy"):
         figures = results["pacing"][load]
-        lane, bare = figures["process"], figures["bare"]
+        worker, bare = figures["process"], figures["bare"]
         line(
             f"servoj at 1 kHz, loop {load}: lateness p99 [µs]",
             f"at most {LATE:g}",
-            lane["late_p99_us"],
-            lane["late_p99_us"] <= LATE,
+            worker["late_p99_us"],
+            worker["late_p99_us"] <= LATE,
         )
-        beside_noise(f"servoj at 1 kHz, loop {load}", lane, bare)
+        beside_noise(f"servoj at 1 kHz, loop {load}", worker, bare)
     busy = results["pacing"]["busy"]
     for name in ("thread", "loop"):
         ratio = round(busy[name]["late_p99_us"] / busy["process"]["late_p99_us"], 1)
@@ -90,7 +90,7 @@ def judged(results: dict[str, Any]) -> dict[str, dict[str, Any]]:
         end["left"] == 0,
     )
     largest = max(results["memory"].values())
-    line("memory of a lane's process [MB]", "at most 34", largest, largest <= 34)
+    line("memory of a worker's process [MB]", "at most 34", largest, largest <= 34)
     simulator = results["simulator"]
     line(
         "simulator, servoj at 1 kHz, loop busy: lateness p99 [µs]",

@@ -1,4 +1,4 @@
-"""What the cases of the benchmark of streams share: set-points, lanes, load, noise."""
+"""What the cases of the benchmark of streams share: set-points, workers, load, noise."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import anyio
 from streaming_bare import BareLoop
 
 from aioduco._wire.connection import Connection
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 HOST = "127.0.0.1"
 RATE = 1000
 BURST = 0.015
-LANES = {
-    "process": LaneOptions(lane="process"),
-    "without priority": LaneOptions(lane="process", priority=0),
-    "urgent": LaneOptions(lane="process", priority=50),
-    "thread": LaneOptions(lane="thread", timeout=2.0),
+WORKERS = {
+    "process": WorkerOptions(run_in="process"),
+    "without priority": WorkerOptions(run_in="process", priority=0),
+    "urgent": WorkerOptions(run_in="process", priority=50),
+    "thread": WorkerOptions(run_in="thread", timeout=2.0),
 }
 SERVOJ = (1.0, 5.0, False, 200.0, 25.0, 10.0, 1.0)
 
@@ -123,7 +123,7 @@ class Lateness:
 class Noise:
     """A bare loop on each processor, beside what is measured: the machine's own noise.
 
-    The lane may run on any of them, so the worst of them is what it is held against.
+    The worker may run on any of them, so the worst of them is what it is held against.
     """
 
     def __init__(self) -> None:

@@ -11,9 +11,9 @@ import anyio
 import rpc as calls
 from streaming_load import (
     HOST,
-    LANES,
     RATE,
     SERVOJ,
+    WORKERS,
     Lateness,
     Noise,
     ask,
@@ -24,7 +24,7 @@ from streaming_load import (
 
 from aioduco._wire.lane import WireLane
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.worker.clock import Schedule
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 
 async def lane_rate(port: int, count: int) -> float:
-    """Set-points per second of a lane that never has to wait for its schedule."""
+    """Set-points per second of a worker that never has to wait for its schedule."""
     opened = Servo(StreamEndpoint(HOST, port)).joints(
-        v=3.0, a=1000.0, rate=50_000, ahead=count, options=LaneOptions(watch=0)
+        v=3.0, a=1000.0, rate=50_000, ahead=count, options=WorkerOptions(watch=0)
     )
     async with opened as stream:
         await stream.play(sine(count, 50_000))
@@ -79,10 +79,10 @@ async def greatest_rate(port: int, quick: bool) -> dict[str, dict[str, Any]]:
     }
 
 
-async def by_lane(found: Lateness, kind: str, port: int, seconds: float) -> None:
+async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> None:
     """Send one set-point after the other, as a program does."""
     stream = Servo(StreamEndpoint(HOST, port)).joints(
-        v=3.0, a=50.0, rate=RATE, hold=20.0, options=LANES[kind]
+        v=3.0, a=50.0, rate=RATE, hold=20.0, options=WORKERS[kind]
     )
     with contextlib.suppress(TimeoutError):
         async with stream:
@@ -121,7 +121,8 @@ async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]
     """One set-point each millisecond; the alternatives take turns."""
     slices, seconds = (1, 1.5) if quick else (6, 3.0)
     runs: dict[str, Callable[[Lateness], Awaitable[None]]] = {
-        kind: functools.partial(by_lane, kind=kind, port=port, seconds=seconds) for kind in LANES
+        kind: functools.partial(by_worker, kind=kind, port=port, seconds=seconds)
+        for kind in WORKERS
     }
     runs["loop"] = functools.partial(by_loop, port=port, seconds=seconds)
     if not urgent_allowed():

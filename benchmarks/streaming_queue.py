@@ -7,7 +7,7 @@ import functools
 from typing import TYPE_CHECKING, Any
 
 import anyio
-from streaming_load import HOST, LANES, Noise, ask, load, sine, urgent_allowed, work_for
+from streaming_load import HOST, WORKERS, Noise, ask, load, sine, urgent_allowed, work_for
 from streaming_server import CYCLE
 
 from aioduco._wire.lane import WireLane
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from aioduco.streaming.report import StreamStatistics
 
 
-async def queue_by_lane(kind: str, port: int, seconds: float, stall: bool) -> StreamStatistics:
+async def queue_by_worker(kind: str, port: int, seconds: float, stall: bool) -> StreamStatistics:
     opened = RealtimeStreams(StreamEndpoint(HOST, port)).stream(
-        "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=LANES[kind]
+        "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=WORKERS[kind]
     )
     with contextlib.suppress(TimeoutError):
         async with opened as stream:
@@ -62,9 +62,9 @@ async def starvation(port: int, busy: bool, stall: bool, quick: bool) -> dict[st
     """A point each millisecond through the queue, under load; the controller's side of it."""
     slices, seconds = (1, 2.0) if quick else (6, 2.0)
     runs: dict[str, Callable[[], Awaitable[object]]] = {
-        "process": functools.partial(queue_by_lane, "process", port, seconds, stall),
-        "urgent": functools.partial(queue_by_lane, "urgent", port, seconds, stall),
-        "thread": functools.partial(queue_by_lane, "thread", port, seconds, stall),
+        "process": functools.partial(queue_by_worker, "process", port, seconds, stall),
+        "urgent": functools.partial(queue_by_worker, "urgent", port, seconds, stall),
+        "thread": functools.partial(queue_by_worker, "thread", port, seconds, stall),
         "loop": functools.partial(queue_by_loop, port, seconds, stall),
     }
     if not urgent_allowed():

@@ -92,7 +92,7 @@ async def killed(robot: aioduco.Robot, port: int) -> dict[str, Any]:
         [sys.executable, "-c", PROGRAM, str(port)], stdout=subprocess.PIPE, text=True
     )
     assert program.stdout is not None
-    lane = int(await anyio.to_thread.run_sync(program.stdout.readline))
+    worker = int(await anyio.to_thread.run_sync(program.stdout.readline))
     moving = await robot.state.robotmoving()
     program.kill()
     start = time.monotonic()
@@ -100,7 +100,7 @@ async def killed(robot: aioduco.Robot, port: int) -> dict[str, Any]:
     while await robot.state.robotmoving() and time.monotonic() < start + 10:
         await anyio.lowlevel.checkpoint()
     stood = time.monotonic() - start
-    while runs(lane) and time.monotonic() < start + 10:
+    while runs(worker) and time.monotonic() < start + 10:
         await anyio.lowlevel.checkpoint()
     places = [await robot.state.get_actual_joints_position() for _ in range(50)]
     stands = moving and abs(places[-1][0] - places[0][0]) < 1e-3

@@ -3,8 +3,8 @@
     python 12_policy.py                  on a simulated arm
     python 12_policy.py 192.168.1.10     on a real one: keep clear; joint 6 turns by 25 degrees
 
-A learned policy, a camera or a headset gives targets at a low rate, and some of them late. The lane
-brings them up to 500 Hz within limits of speed, acceleration and jerk, in a process that no
+A learned policy, a camera or a headset gives targets at a low rate, and some of them late. The
+worker brings them up to 500 Hz within limits of speed, acceleration and jerk, in a process that no
 inference can hold up.
 """
 

@@ -66,7 +66,7 @@ def be_patient() -> None:
     for connect in (aioduco.connect, aioduco.sync.connect):
         connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **PATIENCE}
     stop_arm.__kwdefaults__ = dict.fromkeys(stop_arm.__kwdefaults__ or (), STOP_PATIENCE)
-    options = aioduco.LaneOptions.__init__
+    options = aioduco.WorkerOptions.__init__
     options.__kwdefaults__ = {**(options.__kwdefaults__ or {}), **STREAM_PATIENCE}
     for latest in (StateFeed.latest, aioduco.sync.Feed.latest):
         latest.__kwdefaults__ = {"max_age": SAMPLE_PATIENCE}

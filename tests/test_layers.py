@@ -153,7 +153,11 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
 #: by folder of the streams: what of the package it may import, each with all that is under it.
 #: The process border runs between the worker and the rest.
 STREAMING_MAY_IMPORT: dict[str, set[str]] = {
-    "shared": {"aioduco.streaming.shared", "aioduco._platform"},
+    "shared": {
+        *("aioduco.streaming.shared", "aioduco._platform", "aioduco.errors"),
+        # check what a program gives; no worker loads them
+        *("aioduco.models.rules", "aioduco.models.ranges"),
+    },
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
         *("aioduco._platform", "aioduco.supervision.unanswered"),

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import pytest
 
-from aioduco import LaneFailed, ParameterError
+from aioduco import ParameterError, WorkerFailed
 from aioduco.cli.monitor import keyboard
 from aioduco.cli.monitor.keyboard import Key
 from aioduco.streaming import session
@@ -63,7 +63,7 @@ async def test_a_stream_that_is_faster_than_the_clock_is_refused(
 ) -> None:
     monkeypatch.setattr(session, "clock_step", lambda: 0.0156)
     servo = Servo(StreamEndpoint("127.0.0.1", 1))
-    with pytest.raises(LaneFailed, match=r"steps of 15\.6 ms.*Nothing was sent"):
+    with pytest.raises(WorkerFailed, match=r"steps of 15\.6 ms.*Nothing was sent"):
         async with servo.joints(v=1.0, a=1.0, rate=125.0):
             pass
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
 
 __all__ = ["MotionSection", "ReadJoints", "execute"]
 
@@ -48,7 +48,7 @@ class MotionSection(Protocol):
         feedback: Callable[[Feedback], object] | None = None,
         through: Any = "auto",
         reach: float = 0.05,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrajectoryResult:
         """Follow joint positions at given times to the end."""
         ...
@@ -70,7 +70,7 @@ async def execute(
     through: str = "auto",
     tolerances: Tolerances | None = None,
     feedback: Callable[[Feedback], object] | None = None,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
 ) -> TrajectoryResult | None:
     """Carry out a plan: see `robot.motion.execute`.
 

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from aioduco.playback.waypoints import Waypoint
     from aioduco.robot import Robot
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.supervision.command import MotionCommand
 
 __all__ = [
@@ -77,7 +77,7 @@ async def play(
     through: str = "auto",
     tolerances: Tolerances | None = None,
     feedback: Callable[[Feedback], object] | None = None,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
 ) -> TrajectoryResult:
     """Check a recorded path, and lead the arm along it to its end, under supervision.
 
@@ -200,7 +200,7 @@ async def follow(
     through: str = "auto",
     tolerances: Tolerances | None = None,
     feedback: Callable[[Feedback], object] | None = None,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
     watch: None = None,
     planner: None = None,
 ) -> TrajectoryResult:

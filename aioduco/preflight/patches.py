@@ -31,7 +31,6 @@ from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server.processor import Processor
 from aioduco.sim.view.render import PictureProcess
 from aioduco.streaming.session import Session
-from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.command import MotionCommand
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.task_command import shown
@@ -391,14 +390,13 @@ def _streams(clock: ProgramClock) -> None:
         of_session(self, endpoint, replace(config, options=options))
 
     session.__init__ = made_stream
-    worker: Any = WorkerHandle
-    start = worker.start
+    launch = session._launch
 
-    def started(self: Any) -> None:
+    def launched(self: Any) -> None:
         clock.stream_begins(lambda: bool(self.gone))
-        start(self)
+        launch(self)
 
-    worker.start = started
+    session._launch = launched
 
 
 def _at_least(settings: Any, least: dict[str, float]) -> dict[str, Any]:

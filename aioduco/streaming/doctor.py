@@ -12,7 +12,7 @@ import anyio
 from aioduco._platform import processors
 from aioduco.models import ranges
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import Feeding, LaneOptions
+from aioduco.streaming.options import Feeding, WorkerOptions
 from aioduco.streaming.report import times_table
 from aioduco.streaming.shared.config import StreamSpec
 from aioduco.streaming.shared.space import Limits
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RATES", "Examination", "examine"]
 
-#: how both lanes run; nothing moves, so a lane that stood still need not end
-_OPTIONS = LaneOptions(watch=0, away_limit=60.0)
+#: how both workers run; nothing moves, so a worker that stood still need not end
+_OPTIONS = WorkerOptions(watch=0, away_limit=60.0)
 #: common rates of streams [Hz]
 RATES = (1000.0, 500.0, 250.0, 125.0, 60.0, 30.0)
 
@@ -67,26 +67,28 @@ class Examination:
         found: list[str] = []
         late, answered = self.plain.lateness, self.plain.round_trip
         if self.processors < 2:
-            found.append("one processor: a lane shares it with the program; two or more are better")
+            found.append(
+                "one processor: a worker shares it with the program; two or more are better"
+            )
         if self.governor not in ("", "performance"):
             found.append(
                 f"the processor's clock is set by {self.governor!r}: under 'performance' the "
-                "lane wakes up sooner"
+                "worker wakes up sooner"
             )
         if late.p999 > _HELD_UP:
             found.append(
-                f"this machine held the lane up for {late.p999 * 1e3:.1f} ms (p99.9): end what "
-                "else works on it, or give the lane a processor of its own, LaneOptions(cpus=...)"
+                f"this machine held the worker up for {late.p999 * 1e3:.1f} ms (p99.9): end what "
+                "else works on it, or give it a processor of its own, WorkerOptions(cpus=...)"
             )
         if self.urgent is None:
             found.append(
-                "SCHED_FIFO is not allowed: 'ulimit -r 50', or CAP_SYS_NICE, lets a lane run "
+                "SCHED_FIFO is not allowed: 'ulimit -r 50', or CAP_SYS_NICE, lets a worker run "
                 "before everything else where it is woken late"
             )
         elif self.urgent_rate > self.rate:
             found.append(
                 f"under SCHED_FIFO {self.urgent_rate:g} Hz can be held instead of {self.rate:g} "
-                "Hz: lanes take it by themselves where they are woken late"
+                "Hz: workers take it by themselves where they are woken late"
             )
         if answered.p999 > 4 * answered.p50 + 1e-3 and answered.p999 > 2 * late.p999:
             found.append(
@@ -155,7 +157,7 @@ def holdable(figures: StreamStatistics) -> float:
 
 
 async def _measure(
-    endpoint: StreamEndpoint, options: LaneOptions, seconds: float
+    endpoint: StreamEndpoint, options: WorkerOptions, seconds: float
 ) -> StreamStatistics:
     sent = StreamSpec(
         name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), drive=None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from aioduco.streaming.shared.config import CallDrive, EnvelopeSettings
+from aioduco.streaming.shared.config import EnvelopeSettings
 from aioduco.supervision.motion_sources import Streams
 
 if TYPE_CHECKING:
@@ -60,15 +60,13 @@ class StreamEndpoint:
         coordinator = supervisor.stop_coordinator
 
         async def envelope(sent: StreamSpec) -> EnvelopeSettings | None:
-            tool, wobj = _frames(sent)
             found = await supervisor.envelope.of_stream(
-                sent.name, tool, wobj, speeds=sent.meaning == "speed"
+                sent.name, sent.tool, sent.wobj, speeds=sent.meaning == "speed"
             )
             if found is None:
                 return None
             packed, base, reaction = found
-            tip = ["get_tcp_pose_coord", tool, wobj]
-            return EnvelopeSettings(packed=packed, wobj=base, tip=tip, reaction=reaction)
+            return EnvelopeSettings(packed=packed, wobj=base, reaction=reaction)
 
         return cls(
             supervisor.host,
@@ -83,12 +81,3 @@ class StreamEndpoint:
             unanswered_timeout=supervisor.settings.unanswered_timeout,
             envelope=envelope,
         )
-
-
-def _frames(sent: StreamSpec) -> tuple[str, str]:
-    """The names of the set-points' tool and work object; empty: those in use."""
-    if len(sent.read) == 3:
-        return sent.read[1], sent.read[2]
-    if sent.name == "servo_tcp" and isinstance(sent.drive, CallDrive):
-        return str(sent.drive.arguments[2]), ""
-    return "", ""

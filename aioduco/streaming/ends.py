@@ -7,7 +7,6 @@ import json
 from aioduco.envelope.limits import Crossing
 from aioduco.errors import (
     FirstPointTooFar,
-    LaneFailed,
     StreamClosed,
     StreamError,
     StreamLeavesEnvelope,
@@ -15,6 +14,7 @@ from aioduco.errors import (
     StreamRefused,
     StreamStarved,
     StreamStopped,
+    WorkerFailed,
 )
 from aioduco.streaming.shared.state import Reason
 
@@ -36,11 +36,11 @@ _LAPSED = (
     "beats again"
 )
 _AWAY = (
-    "the stream's lane did not run for longer than its away_limit: its process was frozen, or the "
+    "the stream's worker did not run for longer than its away_limit: it was frozen, or the "
     "computer slept or was too busy. No further set-point was sent, and the robot was stopped. See "
     "where the arm is, and open a new stream"
 )
-_ALONE = "the lane lost sight of the program: the arm was brought to rest, and the robot stopped"
+_ALONE = "the worker lost sight of the program: the arm was brought to rest, and the robot stopped"
 _STOPPED = "the robot was stopped, and nothing more is sent. Open a new stream to go on"
 _TOO_FAR = (
     "the first set-point is further from where the arm is than the stream's reach; nothing was "
@@ -54,13 +54,13 @@ _CONNECTION = (
     "the stream's connection failed; if anything was sent, a stop was tried over a new one. Look "
     "at the robot's state before you go on"
 )
-_FAILED = "the stream's lane failed; the robot was told to stop"
+_FAILED = "the stream's worker failed; the robot was told to stop"
 _ENVELOPE = (
     "the next set-point would have led beyond the robot's envelope, and was not sent; the arm was "
     "brought to rest, and the robot stopped"
 )
 _DIED = (
-    "the stream's lane is gone without a word; the robot was told to stop on another connection, "
+    "the stream's worker is gone without a word; the robot was told to stop on another connection, "
     "if there was one"
 )
 
@@ -68,14 +68,14 @@ _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
     Reason.ABORTED: (StreamClosed, _BRAKED),
     Reason.STARVED: (StreamStarved, _STARVED),
     Reason.HUNG: (StreamStarved, _HUNG),
-    Reason.PROGRAM_DIED: (LaneFailed, _ALONE),
+    Reason.PROGRAM_DIED: (WorkerFailed, _ALONE),
     Reason.STOPPED: (StreamStopped, _STOPPED),
     Reason.TOO_FAR: (FirstPointTooFar, _TOO_FAR),
     Reason.REFUSED: (StreamRefused, _REFUSED),
     Reason.CONNECTION: (StreamLost, _CONNECTION),
-    Reason.FAILED: (LaneFailed, _FAILED),
-    Reason.LANE_DIED: (LaneFailed, _DIED),
-    Reason.AWAY: (LaneFailed, _AWAY),
+    Reason.FAILED: (WorkerFailed, _FAILED),
+    Reason.WORKER_DIED: (WorkerFailed, _DIED),
+    Reason.AWAY: (WorkerFailed, _AWAY),
     Reason.LAPSED: (StreamStarved, _LAPSED),
 }
 

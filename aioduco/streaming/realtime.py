@@ -8,10 +8,10 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Integer
-from aioduco.streaming.directions import into_wobj
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Meaning, QueueDrive, StreamSpec
 from aioduco.streaming.shared.space import JERK, Limits
+from aioduco.streaming.shared.turning import into_wobj
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import FeedingOptions, LaneOptions
+    from aioduco.streaming.options import FeedingOptions, WorkerOptions
+    from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["CYCLE", "RealtimeStreams"]
 
@@ -30,27 +30,12 @@ CYCLE = 0.001
 _DEPTH = Integer(2, 1000, "points", source="1.3.15")
 _Limit = float | tuple[float, float]
 
-#: by mode: field of the point, whether it is in joints, meaning, call that reads the arm, check
-_MODES: dict[
-    RealtimeMode,
-    tuple[str, bool, Meaning, list[str], Callable[[str, VectorLike], list[float]]],
-] = {
-    RealtimeMode.JOINT_POSITION: (
-        "joint_pos_cmd",
-        True,
-        "place",
-        ["get_actual_joints_position"],
-        ranges.JOINTS,
-    ),
-    RealtimeMode.JOINT_VELOCITY: ("joint_vel_cmd", True, "speed", [], ranges.JOINT_VELOCITIES),
-    RealtimeMode.POSE: (
-        "cart_pos_tool_wobj_cmd",
-        False,
-        "place",
-        ["get_tcp_pose_coord", "", ""],
-        ranges.POSE,
-    ),
-    RealtimeMode.TWIST: ("cart_vel_tool_wobj_cmd", False, "speed", [], ranges.TWIST),
+#: by mode: field of the point, whether it is in joints, meaning, check
+_MODES: dict[RealtimeMode, tuple[str, bool, Meaning, Callable[[str, VectorLike], list[float]]]] = {
+    RealtimeMode.JOINT_POSITION: ("joint_pos_cmd", True, "place", ranges.JOINTS),
+    RealtimeMode.JOINT_VELOCITY: ("joint_vel_cmd", True, "speed", ranges.JOINT_VELOCITIES),
+    RealtimeMode.POSE: ("cart_pos_tool_wobj_cmd", False, "place", ranges.POSE),
+    RealtimeMode.TWIST: ("cart_vel_tool_wobj_cmd", False, "speed", ranges.TWIST),
 }
 
 
@@ -84,7 +69,7 @@ class RealtimeStreams:
         com_lost_time: float = 0.02,
         max_step: _Limit | None = None,
         reach: _Limit | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[FeedingOptions],
     ) -> Stream:
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
@@ -122,7 +107,7 @@ class RealtimeStreams:
         Manual section 1.3.15.
         """
         chosen = _mode(mode)
-        field, in_joints, meaning, read, check = _MODES[chosen]
+        field, in_joints, meaning, check = _MODES[chosen]
         speeds = meaning == "speed"
         groups = 6 if in_joints else 2
         step, near = (0.2, 0.1) if in_joints else ((0.05, 0.2), (0.05, 0.1))
@@ -153,7 +138,6 @@ class RealtimeStreams:
             limits=_limits(v, a, jerk, groups),
             drive=QueueDrive(field=field, mode=arguments, depth=depth, period=period),
             meaning=meaning,
-            read=read,
             ending="end_realtime_mode",
             turning=None if frame is None else into_wobj(frame),
         )

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
+    from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.state import Reason, StreamState
-    from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["StreamStatistics", "plot", "times_table"]
 
@@ -27,7 +27,7 @@ _MEANINGS = {
     "interval": "time between two ticks",
     "round_trip": "set-point sent to answer received",
     "work": "all work of a tick",
-    "age": "set-point sent by the program to taken by the lane",
+    "age": "set-point sent by the program to taken by the worker",
     "depth": "points in the controller's queue",
 }
 
@@ -96,17 +96,25 @@ class StreamStatistics(NamedTuple):
     buckets: dict[str, list[tuple[int, int, int]]]
 
     @classmethod
-    def of(cls, host: WorkerHandle) -> StreamStatistics:
-        """Read the statistics from the memory that the worker writes."""
-        block = host.block
+    def of(
+        cls, block: Block, state: StreamState, reason: Reason, *, in_process: bool
+    ) -> StreamStatistics:
+        """Read the statistics from the memory that the worker writes.
+
+        Args:
+            block: that memory.
+            state: state of the stream.
+            reason: why it ended, or is ending.
+            in_process: whether the worker is a separate process.
+        """
         words = block.status
         times = {
             name: block.histograms[name].snapshot(1.0 if name == "depth" else 1e-9)
             for name in HISTOGRAMS
         }
         return cls(
-            state=host.state,
-            reason=host.reason,
+            state=state,
+            reason=reason,
             ticks=words[StatusWord.TICKS],
             sent=words[StatusWord.SENT],
             missed=words[StatusWord.MISSED],
@@ -116,7 +124,7 @@ class StreamStatistics(NamedTuple):
             drained=words[StatusWord.DRAINED],
             queued=block.ring.level,
             depth=words[StatusWord.DEPTH],
-            memory=words[StatusWord.MEMORY] * 1024 if host.pid is not None else 0,
+            memory=words[StatusWord.MEMORY] * 1024 if in_process else 0,
             chunks=words[StatusWord.CHUNKS],
             chunks_late=words[StatusWord.CHUNKS_LATE],
             chunks_dropped=words[StatusWord.CHUNKS_DROPPED],

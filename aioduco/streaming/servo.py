@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING, Any, cast
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
-from aioduco.streaming.directions import into_tool
 from aioduco.streaming.gains import ServoGains
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import CallDrive, StreamSpec
 from aioduco.streaming.shared.space import JERK, POSE_SPACE, Limits
+from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions, PacedOptions, ServoOptions
+    from aioduco.streaming.options import PacedOptions, ServoOptions, WorkerOptions
+    from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["OffsetStream", "Servo"]
 
@@ -118,7 +118,7 @@ class Servo(ManualNames):
         max_step: float = 0.2,
         reach: float = 0.1,
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
@@ -152,8 +152,7 @@ class Servo(ManualNames):
             name="servoj",
             in_joints=True,
             limits=Limits((v_,) * 6, (a_,) * 6, jerks),
-            drive=_calls("servoj", [v_, a_], [], gains),
-            read=["get_actual_joints_position"],
+            drive=_calls("servoj", [v_, a_], gains),
         )
         return Stream(self._endpoint, fed, options, sent, ranges.JOINTS)
 
@@ -171,7 +170,7 @@ class Servo(ManualNames):
         max_step: _Pair = (0.05, 0.2),
         reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
@@ -201,14 +200,15 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
-        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         near = ranges.JOINTS_NEAR("q_near", q_near)
         sent = StreamSpec(
             name="servoj_pose",
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servoj_pose", [v_, a_, near], frames, gains),
-            read=["get_tcp_pose_coord", *frames],
+            drive=_calls("servoj_pose", [v_, a_, near, tool_, wobj_], gains),
+            tool=tool_,
+            wobj=wobj_,
         )
         fed = _fed(feeding, max_step, reach)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
@@ -227,7 +227,7 @@ class Servo(ManualNames):
         max_step: _Pair = (0.05, 0.2),
         reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
@@ -259,14 +259,15 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
-        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         near = ranges.JOINTS_NEAR("q_near", q_near)
         sent = StreamSpec(
             name="servol",
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servol", [v_, a_, near], frames, gains),
-            read=["get_tcp_pose_coord", *frames],
+            drive=_calls("servol", [v_, a_, near, tool_, wobj_], gains),
+            tool=tool_,
+            wobj=wobj_,
         )
         fed = _fed(feeding, max_step, reach)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
@@ -284,7 +285,7 @@ class Servo(ManualNames):
         wobj: str = "",
         max_step: _Pair = (0.05, 0.2),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[PacedOptions],
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
@@ -328,21 +329,20 @@ class Servo(ManualNames):
             turning=into_tool(frame, wobj, tool_),
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servo_tcp", [v_, a_], [tool_], gains),
+            drive=_calls("servo_tcp", [v_, a_, tool_], gains),
             meaning="step",
+            tool=tool_,
         )
         fed = _fed(feeding, max_step, max_step)
         return OffsetStream(self._endpoint, fed, options, sent, ranges.POSE)
 
 
-def _calls(
-    function: str, motion: list[Any], frames: list[str], gains: ServoGains | None
-) -> CallDrive:
-    """The calls of a servo stream: speeds first, then frames, `block`, and the gains."""
+def _calls(function: str, motion: list[Any], gains: ServoGains | None) -> CallDrive:
+    """The calls of a servo stream: how it moves first, then `block`, and the gains."""
     gains = ServoGains() if gains is None else gains
     if not isinstance(gains, ServoGains):
         raise ParameterError("gains", gains, "ServoGains, or None")
-    arguments = [*motion, *frames, False, *gains.wire()]
+    arguments = [*motion, False, *gains.wire()]
     return CallDrive(function=function, arguments=arguments)
 
 

@@ -1,4 +1,7 @@
-"""One worker from its start to its end, for the robot and its supervision.
+"""One worker from its start to its end: for its stream, and for the robot's supervision.
+
+The worker is a separate process, or a thread of this process. In both cases it detects the end of
+the program by EOF on a socket, and the program detects the worker's end likewise.
 
 Guarantees:
 - `Session.close` returns only when the worker can send nothing any more, and the arm was observed
@@ -15,21 +18,27 @@ from __future__ import annotations
 
 import contextlib
 import math
+import signal
+import socket
+import threading
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import anyio
+import anyio.lowlevel
 
 from aioduco._platform import boot_time, clock_step
+from aioduco._spawn import Process, Unstartable
+from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.resource_errors import resource_error
-from aioduco.errors import DucoError, LaneFailed, StreamClosed
+from aioduco.errors import DucoError, StreamClosed, WorkerFailed
 from aioduco.streaming.ends import failure
 from aioduco.streaming.report import StreamStatistics
+from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.shared.words import StreamCommand
+from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand
 from aioduco.streaming.worker.main import run_in_thread
-from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 
@@ -44,18 +53,26 @@ __all__ = ["Session"]
 
 _HALTED = 2.0  # seconds within which a halted worker must end
 _KILLED = 1.0  # seconds within which a killed process must end
+_EXIT = 5.0  # seconds within which a worker's process must exit after it has closed its socket
 _SIGNS = 10  # signs of life of the event loop per stall limit
 _SIGN_EVERY = 0.1  # longest time between two signs of life [s]
+_LOOK = 0.25  # seconds between two checks whether the worker's process hangs
+_LOOK_EVERY = 0.005  # seconds between two checks whether a worker has ended
+_FOR_EVER = 2**64 - 1  # ns
 #: why a stream ends whose permit has ended; FAILED for others
 _REASONS = {PermitEnding.LAPSED: Reason.LAPSED, PermitEnding.HUNG: Reason.HUNG}
 
 
 class Session:
-    """The life cycle of one stream.
+    """The life cycle of one stream and of its worker.
 
     Args:
         endpoint: the robot to which the stream sends.
         config: the configuration of its worker.
+
+    Attributes:
+        block: the memory that the worker shares; None before the worker is started.
+        gone: whether the worker's thread or process has ended.
     """
 
     def __init__(self, endpoint: StreamEndpoint, config: WorkerConfig) -> None:
@@ -71,16 +88,25 @@ class Session:
         self._permit: Permit | None = None
         #: commands that were given, for a worker that does not exist yet
         self._commands: dict[StreamCommand, int] = {}
+        # A controller that is stopping refuses a set-point that was already sent.
+        self._halted = False
         #: whether its mode was on before; None: the robot does not know the mode from this stream
         self._mode_was_on: bool | None = None
+        self._process: Process | None = None
+        self._thread: threading.Thread | None = None
+        self._link: socket.socket | None = None
+        self._woken = anyio.Event()
+        self.block: Block | None = None
+        self.gone: bool = False
+        # what is kept of the block after its release
         self._final: StreamStatistics | None = None
+        self._outcome: tuple[Reason, str] | None = None
         self._commanded: tuple[float, ...] | None = None
         self._taken = 0
-        self.host: WorkerHandle | None = None
 
     def __repr__(self) -> str:
         end = f" ({self.reason.name})" if self.reason else ""
-        where = "process" if self._options.lane == "process" else "thread"
+        where = self._options.run_in
         return f"<Stream {self.name} {self.rate:g} Hz in a {where}, {self.state.name}{end}>"
 
     # -- status --------------------------------------------------------------------------------
@@ -96,32 +122,62 @@ class Session:
         return self._config.feeding.rate
 
     @property
+    def pid(self) -> int | None:
+        """Id of the worker's process; None for a thread, and before it is started."""
+        return None if self._process is None else self._process.popen.pid
+
+    @property
     def state(self) -> StreamState:
         """State of the stream."""
-        if self._final is not None:
+        if self.gone or self._final is not None:
             return StreamState.ENDED
-        return StreamState.WAITING if self.host is None else self.host.state
+        if self.block is None:
+            return StreamState.WAITING
+        return StreamState(self.block.status[StatusWord.STATE])
 
     @property
     def reason(self) -> Reason:
         """Why it ended, or is ending."""
-        if self._fault:
-            return Reason.FAILED
-        return Reason.NONE if self.host is None else self.host.reason
+        return Reason.FAILED if self._fault else self._worker_reason
+
+    @property
+    def _worker_reason(self) -> Reason:
+        """Why the worker ends; `WORKER_DIED` if it ended without giving a reason."""
+        if self._outcome is not None:
+            return self._outcome[0]
+        if self.block is None:
+            return Reason.NONE
+        status = self.block.status
+        if self.gone and status[StatusWord.STATE] != StreamState.ENDED:
+            return Reason.WORKER_DIED
+        reason = Reason(status[StatusWord.REASON])
+        return Reason.STOPPED if reason is Reason.REFUSED and self._halted else reason
+
+    @property
+    def _worker_text(self) -> str:
+        """More about why the worker ended."""
+        if self._outcome is not None:
+            return self._outcome[1]
+        if self._worker_reason is Reason.WORKER_DIED and self._process is not None:
+            code = self._process.popen.poll()
+            if code is not None and code < 0:
+                return f"its process was killed by {_signal_name(-code)}"
+            return f"its process ended with code {code}: {self._process.stderr_tail}".strip(": ")
+        return "" if self.block is None else self.block.text
 
     @property
     def commanded(self) -> tuple[float, ...] | None:
         """The last set-point that the worker sent; None before the first, and up to 10 ms old."""
-        if self.host is not None and self._final is None:
-            point = self.host.block.report.newest()
+        if self.block is not None and self._final is None:
+            point = self.block.report.newest()
             self._commanded = self._commanded if point is None else point.values
         return self._commanded
 
     @property
     def taken(self) -> int:
         """Number of the program's set-points that the worker has taken."""
-        if self.host is not None and self._final is None:
-            self._taken = self.host.block.ring.read
+        if self.block is not None and self._final is None:
+            self._taken = self.block.ring.read
         return self._taken
 
     def statistics(self) -> StreamStatistics:
@@ -132,9 +188,11 @@ class Session:
         """
         if self._final is not None:
             return self._final
-        if self.host is None:
+        if self.block is None:
             raise StreamClosed("the stream has not been opened, so it has no figures")
-        return StreamStatistics.of(self.host)
+        return StreamStatistics.of(
+            self.block, self.state, self._worker_reason, in_process=self._process is not None
+        )
 
     def check_end(self) -> None:
         """Raise the error for the end of the stream, unless it is open or was closed.
@@ -142,27 +200,27 @@ class Session:
         Raises:
             StreamError: the stream has ended; the error says why.
         """
-        if self.host is None:
+        if self.block is None:
             return
-        text = self._fault or self.host.text
+        text = self._fault or self._worker_text
         error = failure(self.name, self.reason, text, self.statistics())
         if error is not None:
             raise error
 
-    def alive(self) -> WorkerHandle:
-        """The worker, if set-points can be sent to it.
+    def alive(self) -> Block:
+        """The block of the worker, if set-points can be sent to it.
 
         Raises:
             StreamClosed: the stream is not open, or was closed.
             StreamError: the stream has ended; the error says why.
         """
-        if self.host is None:
+        if self.block is None:
             raise StreamClosed("the stream is not open: use it in `async with`")
         self._owner_loop.require(self.name)
-        if self.host.reason or self._fault or self._final is not None:
+        if self.reason or self._final is not None:
             self.check_end()
             raise StreamClosed("the stream was closed, and takes no set-points any more")
-        return self.host
+        return self.block
 
     # -- life cycle ----------------------------------------------------------------------------
 
@@ -172,9 +230,9 @@ class Session:
         Raises:
             RobotStateError: another stream is open, or something moves the arm.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no worker could be started.
+            WorkerFailed: no worker could be started.
         """
-        if self.host is not None:
+        if self.block is not None:
             raise StreamClosed("a stream is opened once: make another one")
         self._owner_loop.require(self.name)
         if self._endpoint.envelope is not None:
@@ -195,37 +253,60 @@ class Session:
 
     async def _start(self) -> None:
         if (step := clock_step()) > self._config.period:
-            raise LaneFailed(
-                f"no lane was started: the clock of this Python goes on in steps of "
+            raise WorkerFailed(
+                f"no worker was started: the clock of this Python goes on in steps of "
                 f"{step * 1e3:.1f} ms, and the stream's period is "
                 f"{self._config.period * 1e3:g} ms. "
                 "On Windows, Python 3.13 has a finer one. Nothing was sent"
             )
         try:
-            host = WorkerHandle(self._config, run_in_thread)
-            host.touch()
-            host.renew(self._lease)
-            host.start()
+            self._launch()
         except (OSError, RuntimeError) as exc:
             why = resource_error(exc) or exc
-            raise LaneFailed(f"no lane could be started: {why}. Nothing was sent") from exc
-        self.host = host
+            raise WorkerFailed(f"no worker could be started: {why}. Nothing was sent") from exc
         # What ended before the line above is told now, and what ends after it at once.
         if self._permit is not None and self._endpoint.gate is not None:
             ending = self._endpoint.gate.ending(self._permit)
             if ending is not None:
                 self.halt() if ending.stops else self.withdraw(ending)
         for command, value in dict(self._commands).items():
-            host.command(command, value)
-        self._background.start(self._supervise(host), f"aioduco {self.name}", self._supervised.set)
-        self._background.start(self._send_signs_of_life(host), f"aioduco {self.name} sign of life")
-        await host.until_ready(self._options.connect_timeout)
+            self._command(command, value)
+        self._background.start(self._supervise(), f"aioduco {self.name}", self._supervised.set)
+        self._background.start(self._send_signs_of_life(), f"aioduco {self.name} sign of life")
+        with anyio.move_on_after(self._options.connect_timeout):
+            await self._until(lambda: self._ready)
         if self._commands:
-            await host.until_gone()
-        if host.gone:
+            await self.until_gone()
+        if self.gone:
             self.check_end()
-        if not host.ready:
-            raise LaneFailed("the stream's lane did not get ready in time; nothing was sent")
+        if not self._ready:
+            raise WorkerFailed("the stream's worker did not get ready in time; nothing was sent")
+
+    def _launch(self) -> None:
+        """Start the worker, as a thread or as a process."""
+        in_thread = self._options.run_in == "thread"
+        with contextlib.ExitStack() as undo:
+            self.block = block = Block.make(self._config, shared=not in_thread)
+            undo.callback(setattr, self, "block", None)
+            undo.callback(block.close)
+            self._touch()
+            self.renew(self._lease)
+            fork_hooks.add(self)
+            self._link, theirs = socket.socketpair()
+            undo.callback(self._link.close)
+            undo.callback(theirs.close)
+            self._link.setblocking(False)
+            theirs.setblocking(False)
+            if in_thread:
+                self._thread = threading.Thread(
+                    target=run_in_thread, args=(block, theirs), name="aioduco-stream", daemon=True
+                )
+                self._thread.start()
+            else:
+                self._process = _start(block.handle, theirs)
+                block.close_descriptor()
+                theirs.close()
+            undo.pop_all()
 
     async def close(self, *, at_once: bool) -> None:
         """End the stream and wait until its worker has ended.
@@ -239,9 +320,9 @@ class Session:
             return
         self._owner_loop.require(self.name)
         try:
-            if not at_once and self.host is not None:
-                self.host.command(StreamCommand.CLOSE)
-                await self.host.until_gone()
+            if not at_once and self.block is not None:
+                self._command(StreamCommand.CLOSE)
+                await self.until_gone()
         finally:
             _, cancelled = await run_to_completion(self._end)
         if cancelled is not None:
@@ -249,25 +330,23 @@ class Session:
 
     async def _end(self) -> None:
         """End the worker, by force if necessary, and keep its statistics. Safe to do twice."""
-        host = self.host
-        if host is not None and self._final is None:
-            if not host.gone:
-                host.command(StreamCommand.ABORT)
-                with anyio.move_on_after(self._end_timeout):
-                    await host.until_gone()
-            if host.unanswered:
-                with anyio.move_on_after(self._config.unanswered_timeout):
-                    await host.until_gone()
-            if not host.gone:
-                host.kill()
-                with anyio.move_on_after(_KILLED):
-                    await host.until_gone()
+        block = self.block
+        if block is not None and self._final is None:
+            if not self.gone:
+                self._command(StreamCommand.ABORT)
+                await self._until_gone_within(self._end_timeout)
+            if self.unanswered:
+                await self._until_gone_within(self._config.unanswered_timeout)
+            if not self.gone:
+                self.kill()
+                await self._until_gone_within(_KILLED)
             _ = self.commanded, self.taken
-            self._final = StreamStatistics.of(host)
+            self._final = self.statistics()
             self._note_mode()
-            if host.gone:
-                host.release()
-        if host is not None and host.gone:
+            if self.gone:
+                self._outcome = self._worker_reason, self._worker_text
+                block.close()
+        if block is not None and self.gone:
             # After a worker that died, `_supervise` may still stop the robot, within a deadline.
             await self._supervised.wait()
         with anyio.move_on_after(self._end_timeout):
@@ -283,50 +362,145 @@ class Session:
         was_on, self._mode_was_on = self._mode_was_on, None
         if modes is None or was_on is None:
             return
-        if self.host is not None and self.host.mode_on:
+        if self._mode_on:
             modes.overdue(ending)
         elif not was_on:
             modes.over(ending)
 
-    async def _supervise(self, host: WorkerHandle) -> None:
+    def forked(self) -> None:
+        """Detach in a forked child: the worker belongs to the parent, and so does its block."""
+        self.block = Block.make(self._config, shared=False)
+        self._process = self._thread = None
+        self.gone = True
+        if self._link is not None:
+            self._link.close()
+
+    @property
+    def _end_timeout(self) -> float:
+        """Time within which the worker must bring the arm to rest and end [s]."""
+        limits = self._config.sent.limits
+        braking = max(v / a for v, a in zip(limits.velocity, limits.acceleration, strict=True))
+        return 8.0 + 2 * braking + 4 * self._options.timeout
+
+    # -- supervision of the worker -------------------------------------------------------------
+
+    async def _supervise(self) -> None:
         """Listen to the worker until it ends; stop the robot if it gave no reason."""
         try:
-            await host.listen(self._end_timeout + 20 * self._config.period)
+            await self._listen(self._end_timeout + 20 * self._config.period)
         except Exception as error:
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
-        lost = host.reason is Reason.LANE_DIED or host.mode_on
+        lost = self._worker_reason is Reason.WORKER_DIED or self._mode_on
         if lost and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 
-    async def _send_signs_of_life(self, host: WorkerHandle) -> None:
+    async def _listen(self, patience: float) -> None:
+        """Listen to the worker until it ends, and reap its thread or process.
+
+        Args:
+            patience: time after which a process that hangs is killed, because it would no longer
+                react to commands [s].
+        """
+        assert self._link is not None
+        gone = True
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._kill_if_hung, patience)
+                while await self._receive(self._link):
+                    self._wake()
+                tasks.cancel_scope.cancel()
+            with anyio.CancelScope(shield=True):
+                await self._wait_for_exit(_EXIT)
+        except Exception:
+            gone = False
+            raise
+        finally:
+            # A worker that still runs detects the closed socket, and ends.
+            self._link.close()
+            self.gone = self.gone or gone
+            self._wake()
+
+    @staticmethod
+    async def _receive(link: socket.socket) -> bool:
+        """Wait for a byte from the worker; returns False at the end of the socket's data (EOF)."""
+        while True:
+            await anyio.wait_readable(link)
+            try:
+                return bool(link.recv(4096))
+            except BlockingIOError:
+                continue
+            except OSError:
+                return False
+
+    async def _kill_if_hung(self, patience: float) -> None:
+        start = changed = anyio.current_time()
+        beat, number = self._beat, 0
+        while True:
+            number += 1
+            # After a stall of this program, one more check follows before the worker is killed.
+            await anyio.sleep_until(max(start + number * _LOOK, anyio.current_time()))
+            if self._beat != beat or not self._ready:
+                beat, changed = self._beat, anyio.current_time()
+            elif anyio.current_time() - changed > patience:
+                self.kill()
+
+    async def _wait_for_exit(self, patience: float) -> None:
+        # This polls: a wait for an event needs a descriptor, and there may be no free descriptor.
+        start = anyio.current_time()
+        looks = 0
+        while self._runs():
+            looks += 1
+            if looks * _LOOK_EVERY > patience:
+                self.kill()
+            await anyio.sleep_until(start + looks * _LOOK_EVERY)
+        if self._process is not None:
+            self._process.close()
+
+    def _runs(self) -> bool:
+        """Whether its thread or process runs; this also reaps a process that has exited."""
+        if self._thread is not None:
+            return self._thread.is_alive()
+        return self._process is not None and self._process.popen.poll() is None
+
+    async def _send_signs_of_life(self) -> None:
         """Give the worker signs of life of the event loop; none counts once the gate is closed."""
         every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
         due = anyio.current_time()
         gate = self._endpoint.gate
-        while not host.gone:
+        while not self.gone:
             if gate is None or gate.alive(boot_time()):
-                host.touch()
-            host.renew(self._lease)
+                self._touch()
+            self.renew(self._lease)
             due = max(due + every, anyio.current_time())
             await anyio.sleep_until(due)
 
+    def _touch(self) -> None:
+        """Give the worker a sign of life of the event loop."""
+        self._write(ControlWord.ALIVE, round(boot_time() * 1e9))
+
     def _crashed(self, error: BaseException) -> None:
         """End the worker and stop the robot, because a task that supervises the worker failed."""
-        if self._fault or self.host is None:
+        if self._fault or self.block is None:
             return  # it is already in progress
         self._fault = f"what looks after it failed: {error!r}"
         stop = self._endpoint.stop
         if stop is None:
             # Only the worker can bring the arm to rest.
-            self.host.command(StreamCommand.ABORT)
+            self._command(StreamCommand.ABORT)
             patience = self._end_timeout
         else:
-            self.host.command(StreamCommand.HALT)
+            self._command(StreamCommand.HALT)
             self._rescue.start(self._stop_robot(stop), f"aioduco stop of {self.name}")
             patience = _HALTED
-        self._rescue.start(self.host.reap(patience), f"aioduco end of {self.name}")
+        self._rescue.start(self._reap(patience), f"aioduco end of {self.name}")
+
+    async def _reap(self, patience: float) -> None:
+        """Reap a worker that got the command to end, if `_listen` may have ended before."""
+        await self._wait_for_exit(patience)
+        self.gone = True
+        self._wake()
 
     async def _stop_robot(self, stop: Callable[[str], Awaitable[object]]) -> None:
         # `stop` raises if the stop cannot be confirmed. This task has no caller that could handle
@@ -337,27 +511,91 @@ class Session:
     def _rescue_failed(self, error: BaseException) -> None:
         """Kill the worker's process, because the rescue failed too."""
         self._fault = f"{self._fault}, and then {error!r}"
-        if self.host is not None:
-            self.host.kill()
+        self.kill()
 
-    @property
-    def _end_timeout(self) -> float:
-        """Time within which the worker must bring the arm to rest and end [s]."""
-        limits = self._config.sent.limits
-        braking = max(v / a for v, a in zip(limits.velocity, limits.acceleration, strict=True))
-        return 8.0 + 2 * braking + 4 * self._options.timeout
+    # -- waiting for the worker ----------------------------------------------------------------
+
+    async def until_begun(self) -> None:
+        """Wait until the worker has taken the first set-point, or has ended."""
+        await self._until(lambda: self.state is not StreamState.WAITING)
+
+    async def until_level(self, level: int) -> None:
+        """Wait until at most `level` set-points are in the ring, or the worker has ended."""
+        assert self.block is not None
+        ring = self.block.ring
+        try:
+            self._write(ControlWord.WAKE_BELOW, max(1, level))
+            await self._until(lambda: ring.level <= level)
+        finally:
+            self._write(ControlWord.WAKE_BELOW, 0)
+
+    async def until_gone(self) -> None:
+        """Wait until the worker has ended."""
+        await self._until(lambda: False)
+
+    async def _until_gone_within(self, timeout: float) -> None:
+        with anyio.move_on_after(timeout):
+            await self.until_gone()
+
+    async def _until(self, reached: Callable[[], bool]) -> None:
+        # The caller may call this in a loop, so the event loop runs even if it is reached already.
+        await anyio.lowlevel.checkpoint()
+        while True:
+            event = self._woken
+            if self.gone or reached():
+                return
+            await event.wait()
+
+    def _wake(self) -> None:
+        woken, self._woken = self._woken, anyio.Event()
+        woken.set()
 
     # -- for a stop of the robot ---------------------------------------------------------------
+
+    # Of these, some are called on any thread, and the block may be released at any moment: the
+    # worker has then ended.
+
+    def _word(self, word: StatusWord) -> int:
+        """A word of the worker's status; 0 before the worker is started, and after its end."""
+        try:
+            return 0 if self.block is None else self.block.status[word]
+        except ValueError:
+            return 0
+
+    def _write(self, word: StreamCommand | ControlWord, value: int) -> None:
+        """Set a word that the worker reads."""
+        with contextlib.suppress(ValueError):
+            if self.block is not None:
+                self.block.control[word] = value
+
+    @property
+    def _beat(self) -> int:
+        """Time of the worker's last tick [ns of the monotonic clock]; 0 before the first."""
+        return self._word(StatusWord.BEAT)
+
+    @property
+    def _ready(self) -> bool:
+        """Whether the worker is connected."""
+        return bool(self._word(StatusWord.READY))
+
+    @property
+    def _mode_on(self) -> bool:
+        """Whether the mode of the stream may be on, or its points in the track pool."""
+        return bool(self._word(StatusWord.MODE))
 
     @property
     def quiet(self) -> bool:
         """Whether the worker can send nothing any more; may be read from any thread."""
-        return self.host is None or self.host.silent
+        block = self.block
+        try:
+            return block is None or self.gone or block.status[StatusWord.STATE] == StreamState.ENDED
+        except ValueError:
+            return True
 
     @property
     def unanswered(self) -> bool:
         """Whether the worker keeps the arm stopped until its last set-point cannot move it."""
-        return self.host is not None and self._final is None and self.host.unanswered
+        return not self.gone and self._final is None and bool(self._word(StatusWord.UNANSWERED))
 
     def halt(self) -> None:
         """Send nothing more, from now on; may be called from any thread or signal handler."""
@@ -372,14 +610,21 @@ class Session:
         self._command(StreamCommand.WITHDRAW, _REASONS.get(ending, Reason.FAILED))
 
     def _command(self, command: StreamCommand, value: int = 1) -> None:
+        """Send a command to the worker; a command never cancels a stronger one."""
         self._commands[command] = value
-        if self.host is not None:
-            self.host.command(command, value)
+        with contextlib.suppress(ValueError):
+            if command is StreamCommand.HALT and not self._worker_reason:
+                self._halted = True
+        self._write(command, value)
 
     def renew(self, lease: float) -> None:
-        """Pass on until when the controller does not stop the arm; from any thread."""
-        if self.host is not None:
-            self.host.renew(lease)
+        """Tell the worker until when the controller does not stop the arm; from any thread.
+
+        Args:
+            lease: that time [s of `boot_time`]; inf: for ever.
+        """
+        nanoseconds = round(max(lease, 0.0) * 1e9) if math.isfinite(lease) else 0
+        self._write(ControlWord.LEASE, _FOR_EVER if lease == math.inf else nanoseconds)
 
     @property
     def _lease(self) -> float:
@@ -388,12 +633,35 @@ class Session:
 
     def kill(self) -> None:
         """Kill a worker's process that does not end by itself; a thread cannot be killed."""
-        if self.host is not None:
-            self.host.kill()
+        if self._process is not None:
+            self._process.popen.kill()
 
     async def ended(self) -> None:
         """Wait until the stream has ended, for any reason, and its worker has ended."""
-        if self.host is not None and self._final is None:
-            await self.host.until_gone()
+        if self.block is not None and self._final is None:
+            await self.until_gone()
             if self._final is None:
                 self._note_mode()
+
+
+def _signal_name(number: int) -> str:
+    """The name of a signal; its number if it has no name, as most real-time signals."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def _start(memory: int | str, link: socket.socket) -> Process:
+    """Start a worker's process, as a new interpreter.
+
+    It is not forked, so it is small and the program may have threads. It does not use
+    `multiprocessing`, so scripts need no main guard and notebooks work.
+    """
+    try:
+        return Process("aioduco.streaming.worker.main", [link], memory=memory)
+    except Unstartable as exc:
+        raise WorkerFailed(
+            f"a stream cannot have a process of its own, and nothing was sent: {exc}, "
+            'or use run_in="thread"'
+        ) from exc

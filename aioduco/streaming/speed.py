@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
-from aioduco.streaming.directions import into_tool
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import CallDrive, StreamSpec
 from aioduco.streaming.shared.space import Limits
+from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["Speed"]
 
@@ -51,7 +51,7 @@ class Speed(ManualNames):
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> Stream:
         """Follow joint speeds (speedj, 关节速度).
 
@@ -97,7 +97,7 @@ class Speed(ManualNames):
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> Stream:
         """Follow a speed of the tool (speedl, 末端速度).
 

@@ -9,11 +9,12 @@ import anyio.lowlevel
 
 from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.models.rules import Number
-from aioduco.streaming.options import RATE, checked
+from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
-from aioduco.streaming.shared.action import MOST_ACTIONS, ActionTag
+from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.config import WorkerConfig
+from aioduco.streaming.shared.options import MOST_ACTIONS, rate_rule
 from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
@@ -22,12 +23,11 @@ if TYPE_CHECKING:
 
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import Feeding, LaneOptions
+    from aioduco.streaming.options import Feeding, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.config import StreamSpec
     from aioduco.streaming.shared.space import Space
     from aioduco.streaming.shared.state import Reason, StreamState
-    from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["Stream", "Tick"]
 
@@ -77,7 +77,7 @@ class Stream:
         self,
         endpoint: StreamEndpoint,
         feeding: Feeding,
-        options: LaneOptions | None,
+        options: WorkerOptions | None,
         sent: StreamSpec,
         check: Callable[[str, VectorLike], list[float]],
     ) -> None:
@@ -131,7 +131,7 @@ class Stream:
     @property
     def pid(self) -> int | None:
         """Id of the worker's process; None for a thread, and before it is started."""
-        return None if self._session.host is None else self._session.host.pid
+        return self._session.pid
 
     @property
     def quiet(self) -> bool:
@@ -158,7 +158,7 @@ class Stream:
             RobotStateError: another stream is open on this robot, or something moves its arm.
             HeartbeatLost: the robot's heartbeat does not beat.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no worker could be started.
+            WorkerFailed: no worker could be started.
         """
         await self._session.open()
         return self
@@ -232,22 +232,22 @@ class Stream:
                 is further than that from the earlier ones; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
-        host = self._session.alive()
+        ring = self._session.alive().ring
         now = time.monotonic()
         chunk = self._chunk(actions, at, now)
         begin = 0 if at is None else max(1, round(at * 1e9))
-        count, ring = len(chunk.actions), host.block.ring
+        count = len(chunk.actions)
         # The chunk is written completely or not at all: after this loop nothing is awaited until
         # the last action is written.
         while ring.level > self._feeding.capacity - count:
-            await host.until_level(self._feeding.capacity - count)
-            host = self._session.alive()
+            await self._session.until_level(self._feeding.capacity - count)
+            self._session.alive()
         self._chunks += 1
         self._sent_chunk, self._last = chunk, chunk.actions[-1]
         stamp = time.monotonic_ns()
         for index, values in enumerate(chunk.actions):
             ring.put(values, stamp, ActionTag(self._chunks, begin, index, count).pack())
-        await self._begin(host)
+        await self._begin()
         await anyio.lowlevel.checkpoint()
 
     def _chunk(self, actions: Any, at: float | None, now: float) -> _Chunk:
@@ -316,7 +316,8 @@ class Stream:
 
     async def _taken(self) -> None:
         """Wait until the worker has taken all set-points that were sent."""
-        await self._session.alive().until_level(0)
+        self._session.alive()
+        await self._session.until_level(0)
         self._session.alive()
 
     async def _sampled(self, trajectory: Any, times: Any) -> list[tuple[float, ...]]:
@@ -352,33 +353,32 @@ class Stream:
         """
         if rate is None:
             rate = self._feeding.source_rate or self._feeding.rate
-        return Ticks(1 / RATE("rate", rate), self._session.alive)
+        return Ticks(1 / rate_rule()("rate", rate), self._session.alive)
 
     async def _feed(
         self, points: Iterable[tuple[float, ...]], ahead: int, extra: bytes = b""
     ) -> None:
-        host = self._session.alive()
-        ring = host.block.ring
+        ring = self._session.alive().ring
         for number, values in enumerate(points, 1):
             if self._feeding.latest:
                 ring.overwrite(values, time.monotonic_ns(), extra)
             else:
                 while ring.level >= ahead or not ring.put(values, time.monotonic_ns(), extra):
-                    await self._begin(host)
+                    await self._begin()
                     # With a depth of one this waits for an empty ring.
-                    await host.until_level(ahead * 3 // 4)
+                    await self._session.until_level(ahead * 3 // 4)
                     self._session.alive()
             self._last = values
             if number % _AT_ONCE == 0:
                 await anyio.lowlevel.checkpoint()
                 self._session.alive()
-        await self._begin(host)
+        await self._begin()
         await anyio.lowlevel.checkpoint()
 
-    async def _begin(self, host: WorkerHandle) -> None:
+    async def _begin(self) -> None:
         """Wait, once, until the worker has compared the first set-point with the arm's position."""
         if not self._begun:
-            await host.until_begun()
+            await self._session.until_begun()
             self._session.alive()
             self._begun = True
 

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions
-    from aioduco.streaming.worker_process import WorkerHandle
+    from aioduco.streaming.options import WorkerOptions
 
 __all__ = ["TrackStream", "TrackStreams"]
 
@@ -73,7 +72,7 @@ class TrackStream(Stream):
         await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
         await self._taken()
 
-    async def _begin(self, host: WorkerHandle) -> None:
+    async def _begin(self) -> None:
         """Do not wait: the worker takes the first points only when there are enough of them."""
 
     def _tail(self, op: Op | None) -> bytes:
@@ -122,7 +121,7 @@ class TrackStreams:
         ahead: int = 200,
         max_step: float | tuple[float, float] | None = None,
         reach: float | tuple[float, float] | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrackStream:
         """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
 
@@ -165,16 +164,17 @@ class TrackStreams:
         joints = space == "joints"
         groups = 6 if joints else 2
         near = (0.1 if joints else (0.05, 0.1)) if reach is None else reach
-        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         if joints:
             speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
             acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
             ranges.TRACK_RADIUS("radius", radius)
+            tool_ = wobj_ = ""  # joints have none
             arguments: list[Any] = [speed_, acc_, False]
         else:
             speed_ = ranges.TRACK_SPEED("speed", speed)
             acc_ = ranges.TRACK_ACCELERATION("acc", acc)
-            arguments = [speed_, acc_, False, *frames, ranges.TRACK_RADIUS("radius", radius)]
+            arguments = [speed_, acc_, False, tool_, wobj_, ranges.TRACK_RADIUS("radius", radius)]
         feeding = Feeding(
             rate=_RATE,
             hold=hold,
@@ -196,7 +196,8 @@ class TrackStreams:
             limits=Limits((speed_,), (acc_,)),
             drive=pool,
             ending=TRACK_POOL,
-            read=["get_actual_joints_position"] if joints else ["get_tcp_pose_coord", *frames],
+            tool=tool_,
+            wobj=wobj_,
         )
         check = ranges.JOINTS if joints else ranges.POSE
         return TrackStream(self._endpoint, feeding, options, sent, check)

@@ -185,7 +185,7 @@ class Modes:
                 _log.warning("%s was not carried out: the mode may still be on: %r", name, exc)
 
 
-_LOOK = 0.001  # seconds between two checks whether a lane is quiet
+_LOOK = 0.001  # seconds between two checks whether a worker is quiet
 
 
 class OpenStream(Protocol):
@@ -193,12 +193,12 @@ class OpenStream(Protocol):
 
     @property
     def quiet(self) -> bool:
-        """Whether its lane can send nothing any more; from any thread."""
+        """Whether its worker can send nothing any more; from any thread."""
         ...
 
     @property
     def unanswered(self) -> bool:
-        """Whether its lane is stopping the arm until an unanswered set-point cannot move it."""
+        """Whether its worker is stopping the arm until an unanswered set-point cannot move it."""
         ...
 
     def halt(self) -> None:
@@ -211,10 +211,10 @@ class OpenStream(Protocol):
         """Note until when the controller does not stop the arm by itself; from any thread."""
 
     def kill(self) -> None:
-        """End a lane that does not end by itself."""
+        """End a worker that does not end by itself."""
 
     async def ended(self) -> None:
-        """Wait until its lane has ended."""
+        """Wait until its worker has ended."""
 
 
 class Streams:
@@ -280,14 +280,14 @@ class Streams:
             stream.renew(lease)
 
     async def settled(self, timeout: float) -> bool:
-        """Wait until no lane can send anything more; a lane that takes longer is killed.
+        """Wait until no worker can send anything more; a worker that takes longer is killed.
 
         Args:
-            timeout: seconds for that. A lane that handles an unanswered set-point may take longer:
-                it ends by itself.
+            timeout: seconds for that. A worker that handles an unanswered set-point may take
+                longer: it ends by itself.
 
         Returns:
-            Whether each ended by itself; a killed lane may have sent a last set-point.
+            Whether each ended by itself; a killed worker may have sent a last set-point.
         """
         by_itself = True
         for stream in self:
@@ -301,7 +301,7 @@ class Streams:
         return by_itself
 
     def quiet(self, timeout: float) -> None:
-        """As `settled`, from any thread, without killing a lane.
+        """As `settled`, from any thread, without killing a worker.
 
         Args:
             timeout: seconds to wait.

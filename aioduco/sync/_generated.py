@@ -63,7 +63,6 @@ if TYPE_CHECKING:
     from aioduco.playback.path_check import PathFinding
     from aioduco.playback.recorded_path import RecordedPath
     from aioduco.playback.waypoints import WaypointFile
-    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import (
         Feedback,
@@ -71,8 +70,9 @@ if TYPE_CHECKING:
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import FeedingOptions, LaneOptions, PacedOptions, ServoOptions
+    from aioduco.streaming.options import FeedingOptions, PacedOptions, ServoOptions, WorkerOptions
     from aioduco.streaming.servo import Servo as AioServo
+    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.heartbeat import HeartbeatStatistics
@@ -302,7 +302,7 @@ class Motion(_Section):
         through: Through = 'auto',
         rate: float = 500.0,
         reach: float = 0.05,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrajectoryResult:
         """Follow joint positions at given times to the end, and wait until the arm has arrived.
 
@@ -353,7 +353,7 @@ class Motion(_Section):
         through: Through | Literal['blended'] = 'auto',
         tolerances: Tolerances | None = None,
         feedback: Callable[[Feedback], object] | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrajectoryResult | None:
         """Carry out a plan of `aioduco.planning` (执行规划), supervised to its end.
 
@@ -1440,7 +1440,7 @@ class Servo(_Section):
         max_step: float = 0.2,
         reach: float = 0.1,
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions]
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
@@ -1483,7 +1483,7 @@ class Servo(_Section):
         max_step: tuple[float, float] = (0.05, 0.2),
         reach: tuple[float, float] = (0.05, 0.1),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions]
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
@@ -1533,7 +1533,7 @@ class Servo(_Section):
         max_step: tuple[float, float] = (0.05, 0.2),
         reach: tuple[float, float] = (0.05, 0.1),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions]
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
@@ -1584,7 +1584,7 @@ class Servo(_Section):
         wobj: str = '',
         max_step: tuple[float, float] = (0.05, 0.2),
         gains: ServoGains | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[PacedOptions]
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
@@ -1652,7 +1652,7 @@ class Speed(_Section):
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> Stream:
         """Follow joint speeds (speedj, 关节速度).
 
@@ -1691,7 +1691,7 @@ class Speed(_Section):
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> Stream:
         """Follow a speed of the tool (speedl, 末端速度).
 
@@ -1932,7 +1932,7 @@ class Track(_Section):
         ahead: int = 200,
         max_step: float | tuple[float, float] | None = None,
         reach: float | tuple[float, float] | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrackStream:
         """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
 
@@ -2573,7 +2573,7 @@ class Realtime(_Section):
         com_lost_time: float = 0.02,
         max_step: float | tuple[float, float] | None = None,
         reach: float | tuple[float, float] | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         **feeding: Unpack[FeedingOptions]
     ) -> Stream:
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
@@ -5171,7 +5171,7 @@ def play(
     through: str = 'auto',
     tolerances: Tolerances | None = None,
     feedback: Callable[[Feedback], object] | None = None,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
 ) -> TrajectoryResult:
     """Check a recorded path, and lead the arm along it to its end, under supervision.
 
@@ -5303,7 +5303,7 @@ def teleoperate(
     acceleration: float = 0.5,
     turn_acceleration: float = 2.0,
     hold: float = 0.2,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
     on_reading: Callable[[Reading], None] | None = None,
 ) -> TeleopReport:
     """Move the arm by a device, with a stream of speeds, until the person ends it.

@@ -47,7 +47,7 @@ class Stream(StreamCalls):
             RobotStateError: another stream is open on this robot, or something moves its arm.
             HeartbeatLost: the robot's heartbeat does not beat.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no worker could be started.
+            WorkerFailed: no worker could be started.
         """
         self._runner.call(self._open(), undo=lambda _: self._close(KeyboardInterrupt()))
         return self

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.robot import Robot
-    from aioduco.streaming.directions import MotionFrame
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.teleoperation.devices import InputDevice
     from aioduco.teleoperation.reading import Reading
 
@@ -51,7 +51,7 @@ async def teleoperate(
     acceleration: float = 0.5,
     turn_acceleration: float = 2.0,
     hold: float = 0.2,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
     on_reading: Callable[[Reading], None] | None = None,
 ) -> TeleopReport:
     """Move the arm by a device, with a stream of speeds, until the person ends it.

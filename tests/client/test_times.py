@@ -11,7 +11,7 @@ import pytest
 
 import aioduco
 import aioduco.sync
-from aioduco import LaneOptions, ParameterError, Tolerances
+from aioduco import ParameterError, Tolerances, WorkerOptions
 from aioduco.bus import ModbusRtu, Port
 from aioduco.compat import DucoCobot
 from aioduco.fleet import FleetClient, FleetSettings
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 #: values that are no rate and no time
 NEVER = (-1.0, math.nan, -math.inf)
-LANE = LaneOptions(lane="thread")
+THREAD = WorkerOptions(run_in="thread")
 
 
 async def nothing(*_: Any) -> Any:
@@ -70,8 +70,8 @@ ABOVE: dict[str, Callable[[Any, float], Any]] = {
     "period of a queue": lambda r, x: r.realtime.stream("twist", v=(1, 1), a=(1, 1), period=x),
     "period of a pool": lambda r, x: r.track.stream("joints", speed=1.0, acc=1.0, period=x),
     "hold of a pool": lambda r, x: r.track.stream("joints", speed=1.0, acc=1.0, hold=x),
-    "answer of a lane": lambda _, x: LaneOptions(timeout=x),
-    "start of a lane": lambda _, x: LaneOptions(connect_timeout=x),
+    "answer of a worker": lambda _, x: WorkerOptions(timeout=x),
+    "start of a worker": lambda _, x: WorkerOptions(connect_timeout=x),
     "exit ladder": lambda _, x: ExitLadder(stop=x),
     "call_timeout": lambda _, x: aioduco.connect("arm", call_timeout=x),
     "connect_timeout": lambda _, x: aioduco.connect("arm", connect_timeout=x),
@@ -99,8 +99,8 @@ ABOVE: dict[str, Callable[[Any, float], Any]] = {
 }
 #: what takes a time from 0
 FROM_ZERO: dict[str, Callable[[Any, float], Any]] = {
-    "spin of a lane": lambda _, x: LaneOptions(spin=x),
-    "watch of a lane": lambda _, x: LaneOptions(watch=x),
+    "spin of a worker": lambda _, x: WorkerOptions(spin=x),
+    "watch of a worker": lambda _, x: WorkerOptions(watch=x),
     "time for a goal": lambda _, x: Tolerances(goal_time=x),
     "wait in a simulator": lambda _, x: Simulator().wait_until(bool, timeout=x),
     "slack of a heartbeat": lambda _, x: Simulator(heartbeat_slack=x),

@@ -16,12 +16,12 @@ from aioduco import (
     EnvelopeViolated,
     Jog,
     JogFrame,
-    LaneOptions,
     Pose,
     RealtimePoint,
     StreamError,
     StreamLeavesEnvelope,
     TaskStopped,
+    WorkerOptions,
 )
 from aioduco.envelope import (
     Envelope,
@@ -46,7 +46,7 @@ START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 #: the tool at START
 AT = (0.492, 0.1445, 0.442)
 FLAT = (Zone.plane((0, AT[1] + 0.1, 0), (0, -1, 0), bodies=("flange",)),)
-THREAD = LaneOptions(lane="thread", timeout=10.0)
+THREAD = WorkerOptions(run_in="thread", timeout=10.0)
 #: how far beyond a limit the arm may ever be, however often a program commands [m]
 BEYOND = 0.02
 

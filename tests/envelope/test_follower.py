@@ -51,8 +51,10 @@ def stream(way: str, targets: np.ndarray, *limits: Any) -> tuple[np.ndarray, lis
     crossed: list[Crossing] = []
     follower: Follower
     if limits:
+        joints = Joints(*limits)
         follower = CheckedFollower(
-            way, JOINT_SPACE, LIMITS, PERIOD, start, Joints(*limits), crossed.append
+            *(way, JOINT_SPACE, LIMITS, PERIOD, start),
+            *(joints.checker, joints.seen, crossed.append),
         )
         assert follower.begin() is None
     else:

@@ -10,7 +10,7 @@ import pytest
 
 import aioduco
 import aioduco.sync
-from aioduco import EnvelopeViolated, Joints, LaneOptions, Pose, StreamLeavesEnvelope, TaskStopped
+from aioduco import EnvelopeViolated, Joints, Pose, StreamLeavesEnvelope, TaskStopped, WorkerOptions
 from aioduco.envelope import Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.events import EnvelopeLeft
 from aioduco.sim import Simulator
@@ -167,7 +167,7 @@ async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> 
 async def test_a_stream_in_a_process_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
     points = START.array + np.linspace(0, 1, 400)[:, None] * np.array([0.8, 0, 0, 0, 0, 0])
-    stream = robot.servo.joints(v=1.5, a=10.0, rate=250, options=LaneOptions(timeout=10.0))
+    stream = robot.servo.joints(v=1.5, a=10.0, rate=250, options=WorkerOptions(timeout=10.0))
     with pytest.raises(StreamLeavesEnvelope, match="'wall'") as ended:
         async with stream:
             await stream.play(points)
@@ -193,7 +193,7 @@ async def test_each_stream_of_places_ends_before_the_wall(
 ) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
     x, y, *others = await robot.state.get_tcp_pose()
-    thread = LaneOptions(lane="thread", timeout=10.0)
+    thread = WorkerOptions(run_in="thread", timeout=10.0)
     step, points = 0.0025, [[x, y + 0.0025 * number, *others] for number in range(1, 60)]
     if kind == "servoj_pose":
         stream = robot.servo.pose(v=1.5, a=10.0, rate=100, options=thread)
@@ -220,7 +220,7 @@ async def test_the_realtime_queue_ends_before_the_wall(
 ) -> None:
     robot.envelope = Envelope("gcr5_910", wall(0.03))
     x, y, *others = await robot.state.get_tcp_pose()
-    thread = LaneOptions(lane="thread", timeout=10.0)
+    thread = WorkerOptions(run_in="thread", timeout=10.0)
     points = [[x, y + 0.0003 * number, *others] for number in range(1, 200)]
     sim.speed = 1.0  # the queue is emptied by the controller's clock
     stream = robot.realtime.stream(
@@ -256,7 +256,7 @@ async def test_a_jog_is_stopped_before_the_wall(robot: aioduco.Robot, seen: Seen
 async def test_a_stream_of_speeds_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
     """By its worker; or by the watch of the state, whose time is held, if the worker is late."""
     robot.envelope = Envelope("gcr5_910", wall())
-    thread = LaneOptions(lane="thread", timeout=10.0)
+    thread = WorkerOptions(run_in="thread", timeout=10.0)
     stream = robot.speed.joints(a=5.0, dead_man=5.0, hold=5.0, latest=False, options=thread)
     with pytest.raises((StreamLeavesEnvelope, aioduco.StreamStopped)):
         await lead(stream, [[0.5, 0, 0, 0, 0, 0]] * 10_000)

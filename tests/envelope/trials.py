@@ -318,7 +318,7 @@ class Trials:
         shares = (1 - np.cos(np.linspace(0, math.pi, count))) / 2
         points = here + 0.8 * shares[:, None] * way
         upsample = UPSAMPLING[rng.integers(3)]
-        options = aioduco.LaneOptions(lane="thread", timeout=10.0)
+        options = aioduco.WorkerOptions(run_in="thread", timeout=10.0)
         stream = robot.servo.joints(
             v=STREAM_V, a=STREAM_A, rate=rate, source_rate=rate, upsample=upsample, options=options
         )

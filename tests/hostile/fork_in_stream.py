@@ -1,6 +1,6 @@
 """A program that forks while its stream runs.
 
-    python fork_in_stream.py HOST PORT LANE
+    python fork_in_stream.py HOST PORT RUN_IN
 
 The child leaves by sys.exit. The parent goes on streaming, and says how many set-points it sent
 before and after, and how its stream ended.
@@ -15,17 +15,17 @@ import sys
 from typing import Literal, cast
 
 import aioduco
-from aioduco import LaneOptions
+from aioduco import WorkerOptions
 from aioduco.errors import DucoError
 
 COUNT = 100
 START = [0.0, 0.1, 1.5, 0.0, -1.5, 0.0]
 
 
-async def main(host: str, port: int, lane: Literal["process", "thread"]) -> None:
+async def main(host: str, port: int, run_in: Literal["process", "thread"]) -> None:
     told: dict[str, object] = {}
     # a busy machine is not to end the stream
-    options = LaneOptions(lane=lane, timeout=20.0, away_limit=20.0)
+    options = WorkerOptions(run_in=run_in, timeout=20.0, away_limit=20.0)
     async with aioduco.connect(host, port, heartbeat=30.0, loop_stall_limit=20.0) as robot:
         await robot.bring_up()
         await robot.motion.movej2(START, v=1.0, a=2.0)

@@ -15,8 +15,8 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco._wire.connection import Connection
-from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, LaneFailed, ParameterError
-from aioduco.streaming.options import LaneOptions
+from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, ParameterError, WorkerFailed
+from aioduco.streaming.options import WorkerOptions
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:
@@ -138,21 +138,21 @@ async def test_a_guard_that_cannot_be_started_is_said_so(
 
 
 @pytest.mark.parametrize(
-    ("lane", "what"),
+    ("run_in", "what"),
     [
         pytest.param("process", "os.memfd_create", marks=pytest.mark.linux("memory files")),
-        ("process", "aioduco.streaming.worker_process.socket.socketpair"),
+        ("process", "aioduco.streaming.session.socket.socketpair"),
         ("process", "aioduco._spawn.subprocess.Popen"),
-        ("thread", "aioduco.streaming.worker_process.socket.socketpair"),
+        ("thread", "aioduco.streaming.session.socket.socketpair"),
         ("thread", "mmap"),
         ("thread", "thread"),
     ],
 )
-async def test_a_lane_that_cannot_be_started_is_said_so(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, lane: Any, what: str
+async def test_a_worker_that_cannot_be_started_is_said_so(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, run_in: Any, what: str
 ) -> None:
     async with aioduco.connect(bench.host, bench.port) as robot:
-        stream = robot.servo.joints(v=1.0, a=5.0, options=LaneOptions(lane=lane))
+        stream = robot.servo.joints(v=1.0, a=5.0, options=WorkerOptions(run_in=run_in))
         words = LACKS[errno.EMFILE]
         with monkeypatch.context() as patch:
             if what == "thread":
@@ -162,7 +162,7 @@ async def test_a_lane_that_cannot_be_started_is_said_so(
                 patch.setattr("aioduco.streaming.shared.block.mmap.mmap", denied(errno.EMFILE))
             else:
                 patch.setattr(what, denied(errno.EMFILE))
-            with pytest.raises(LaneFailed, match=words):
+            with pytest.raises(WorkerFailed, match=words):
                 await stream.__aenter__()
         # nothing was sent, and the robot is as it was
         assert bench.commands == []

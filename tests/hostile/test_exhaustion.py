@@ -24,7 +24,7 @@ import aioduco.sync
 from aioduco._wire import codec, idl, layout
 from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.state import StreamState
 from aioduco.streaming.speed import Speed
 from aioduco.supervision.guard.messages import Watch
@@ -311,7 +311,7 @@ async def test_the_end_of_a_stream_makes_nothing_that_needs_memory(
     bench.answer("speedj", 4)
     bench.answer("speed_stop", 4)
     speed = Speed(StreamEndpoint(bench.host, bench.port, stall_limit=60.0))
-    options = LaneOptions(lane="thread", timeout=20.0)
+    options = WorkerOptions(run_in="thread", timeout=20.0)
     stream = speed.joints(a=5.0, rate=50, hold=0.1, options=options)
 
     async def starve() -> None:

@@ -25,9 +25,9 @@ def sim() -> Iterator[Simulator]:
 
 
 @pytest.mark.linux("os.fork")
-@pytest.mark.parametrize("lane", ["process", "thread"])
-def test_a_stream_goes_on_when_its_program_forks(sim: Simulator, lane: str) -> None:
-    program = [sys.executable, str(Path(fork_in_stream.__file__)), sim.host, str(sim.port), lane]
+@pytest.mark.parametrize("run_in", ["process", "thread"])
+def test_a_stream_goes_on_when_its_program_forks(sim: Simulator, run_in: str) -> None:
+    program = [sys.executable, str(Path(fork_in_stream.__file__)), sim.host, str(sim.port), run_in]
     ended = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
     assert ended.returncode == 0, ended.stderr
     told = json.loads(ended.stdout)

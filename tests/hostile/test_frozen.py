@@ -33,7 +33,7 @@ SWEEP = """
 #: the error of each without the process
 ERRORS = {
     GUARD: "GuardLost",
-    STREAM: "LaneFailed",
+    STREAM: "WorkerFailed",
     PLANNER: "PlanningError",
     PICTURES: "RenderError",
     SIMULATOR: "RuntimeError",
@@ -155,7 +155,7 @@ def test_a_frozen_program_without_it_is_refused_and_not_started_again(
     assert not bench.commands
     assert program.said.startswith(ERRORS[body])
     assert "aioduco.freeze_support()" in program.said
-    assert {GUARD: "without a guard", STREAM: 'lane="thread"'}.get(body, "") in program.said
+    assert {GUARD: "without a guard", STREAM: 'run_in="thread"'}.get(body, "") in program.said
 
 
 @pytest.mark.slow

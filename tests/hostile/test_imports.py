@@ -175,7 +175,9 @@ async def test_a_lane_that_cannot_begin_says_why(
     monkeypatch.setattr(_spawn, "_BEGIN", "import a_package_that_nobody_has")
     async with aioduco.connect(bench.host, bench.port) as robot:
         stream = robot.servo.joints(v=1.0, a=5.0, rate=100)
-        with pytest.raises(aioduco.LaneFailed, match="No module named 'a_package_that_nobody_has'"):
+        with pytest.raises(
+            aioduco.WorkerFailed, match="No module named 'a_package_that_nobody_has'"
+        ):
             await stream.__aenter__()
 
 

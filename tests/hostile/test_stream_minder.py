@@ -9,9 +9,9 @@ import pytest
 from adversity.arm import idle, ready, unrest
 
 import aioduco
-from aioduco.errors import LaneFailed
-from aioduco.streaming.options import LaneOptions
-from aioduco.streaming.worker_process import WorkerHandle
+from aioduco.errors import WorkerFailed
+from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.session import Session
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Failing:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, parts: str) -> None:
         self.now = anyio.Event()
-        hear, touch = WorkerHandle._receive, WorkerHandle.touch
+        hear, touch = Session._receive, Session._touch
 
         async def failing_hear(link: Any) -> bool:
             heard: list[bool] = []
@@ -48,15 +48,15 @@ class Failing:
                 return heard[0]
             raise Fault("the minder")
 
-        def failing_touch(host: WorkerHandle) -> None:
+        def failing_touch(session: Session) -> None:
             if self.now.is_set():
                 raise Fault("the sign of life")
-            touch(host)
+            touch(session)
 
         if parts in ("minder", "both"):
-            monkeypatch.setattr(WorkerHandle, "_receive", staticmethod(failing_hear))
+            monkeypatch.setattr(Session, "_receive", staticmethod(failing_hear))
         if parts in ("sign of life", "both"):
-            monkeypatch.setattr(WorkerHandle, "touch", failing_touch)
+            monkeypatch.setattr(Session, "_touch", failing_touch)
 
 
 @pytest.fixture
@@ -65,13 +65,13 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
-@pytest.mark.parametrize("lane", ["process", "thread"])
+@pytest.mark.parametrize("run_in", ["process", "thread"])
 @pytest.mark.parametrize("parts", ["minder", "sign of life", "both"])
 @pytest.mark.parametrize("kind", ["servo", "speed"])
 async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
-    sim: Simulator, monkeypatch: pytest.MonkeyPatch, lane: Any, parts: str, kind: str
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch, run_in: Any, parts: str, kind: str
 ) -> None:
-    options = LaneOptions(lane=lane, timeout=20.0)
+    options = WorkerOptions(run_in=run_in, timeout=20.0)
     async with aioduco.connect(sim.host, sim.port) as robot:
         await robot.bring_up()
         here = await robot.state.get_actual_joints_position()
@@ -96,7 +96,10 @@ async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
                         failing.now.set()
 
         stops = robot.statistics().stops
-        with pytest.raises(LaneFailed, match=r"looks after it failed.*Fault"), anyio.fail_after(30):
+        with (
+            pytest.raises(WorkerFailed, match=r"looks after it failed.*Fault"),
+            anyio.fail_after(30),
+        ):
             await program()
         assert robot.statistics().stops > stops
         await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))

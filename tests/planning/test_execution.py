@@ -25,7 +25,7 @@ from aioduco.planning.motion_limits import MotionLimits
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Sphere
 from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, Tolerances
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -167,7 +167,7 @@ async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
         {"watch": Scene("gcr5_910")},
         {"tolerances": Tolerances()},
         {"feedback": print},
-        {"options": LaneOptions()},
+        {"options": WorkerOptions()},
     ],
     ids=lambda given: next(iter(given)),
 )

@@ -80,7 +80,7 @@ async def main():
             plan = await planner.plan(here, aioduco.Joints.of([q + 0.1 for q in here]))
         await robot.motion.execute(plan)
         # No controller answers as soon as that; here, a computer that is too busy is not found.
-        hasty = aioduco.LaneOptions(timeout=1e-6)
+        hasty = aioduco.WorkerOptions(timeout=1e-6)
         async with robot.servo.joints(v=1.0, a=5.0, rate=100, options=hasty) as stream:
             await stream.send(await robot.state.get_actual_joints_position())
 asyncio.run(main())

@@ -1,1 +1,1 @@
-"""Tests of streams: their pure parts, the lane, its end, and what programs see of it."""
+"""Tests of streams: their pure parts, the worker, its end, and what programs see of it."""

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     import aioduco
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.stream import Stream
 
 #: where every test begins; far from every singularity [rad]
@@ -58,7 +58,7 @@ class Kind(NamedTuple):
         calls: the function of the wire that carries its set-points.
     """
 
-    open: Callable[[aioduco.Robot, LaneOptions], Stream]
+    open: Callable[[aioduco.Robot, WorkerOptions], Stream]
     feed: Callable[[aioduco.Robot, Stream, str], Any]
     space: str
     calls: str

@@ -13,8 +13,8 @@ import anyio.lowlevel
 import numpy as np
 import pytest
 
-from aioduco.errors import LaneFailed
-from aioduco.streaming.options import LaneOptions
+from aioduco.errors import WorkerFailed
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.session import Session
 from aioduco.testing import eventually, eventually_async, no_leaks
@@ -32,13 +32,13 @@ import sys
 import anyio
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 
 here = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 
-async def main(host, port, lane):
+async def main(host, port, run_in):
     stream = Servo(StreamEndpoint(host, int(port), stall_limit=15.0)).joints(
-        v=1.0, a=5.0, rate=500, options=LaneOptions(lane=lane, away_limit=20.0)
+        v=1.0, a=5.0, rate=500, options=WorkerOptions(run_in=run_in, away_limit=20.0)
     )
     async with stream:
         number = 0
@@ -55,7 +55,7 @@ anyio.run(main, *sys.argv[1:])
 
 
 def start(controller: Controller) -> tuple[subprocess.Popen[str], int]:
-    """A program in the middle of a stream, and its lane's process."""
+    """A program in the middle of a stream, and its worker's process."""
     server = controller.server
     program = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, server.host, str(server.port), "process"],
@@ -65,9 +65,9 @@ def start(controller: Controller) -> tuple[subprocess.Popen[str], int]:
         process_group=0,
     )
     assert program.stdout is not None
-    lane = int(program.stdout.readline())
-    assert runs(lane)
-    return program, lane
+    worker = int(program.stdout.readline())
+    assert runs(worker)
+    return program, worker
 
 
 def decelerated(controller: Controller) -> bool:
@@ -83,11 +83,11 @@ def decelerated(controller: Controller) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_a_program_killed_in_mid_stream(controller: Controller, how: signal.Signals) -> None:
-    program, lane = start(controller)
-    shared = shared_files(program.pid, lane)
+    program, worker = start(controller)
+    shared = shared_files(program.pid, worker)
     program.send_signal(how)
     program.wait(10)
-    eventually(lambda: not runs(lane), what="the lane's process is gone")
+    eventually(lambda: not runs(worker), what="the worker's process is gone")
     eventually(lambda: controller.server.connections == 0)
     assert decelerated(controller)
     assert controller.names()[-1] == "stop"
@@ -98,10 +98,10 @@ def test_a_program_killed_in_mid_stream(controller: Controller, how: signal.Sign
 
 @pytest.mark.slow
 def test_a_program_that_hangs_starves_its_stream(controller: Controller) -> None:
-    program, lane = start(controller)
+    program, worker = start(controller)
     program.send_signal(signal.SIGSTOP)
     try:
-        eventually(lambda: not runs(lane), what="the lane's process is gone")
+        eventually(lambda: not runs(worker), what="the worker's process is gone")
         assert decelerated(controller)
         assert controller.names()[-1] == "stop"
     finally:
@@ -113,18 +113,18 @@ def test_a_program_that_hangs_starves_its_stream(controller: Controller) -> None
 
 @pytest.mark.slow
 def test_ctrl_c_ends_the_program_and_its_stream_in_order(controller: Controller) -> None:
-    program, lane = start(controller)
-    # A terminal sends it to every process of the group; the lane is in none of them.
+    program, worker = start(controller)
+    # A terminal sends it to every process of the group; the worker is in none of them.
     os.killpg(program.pid, signal.SIGINT)
     program.wait(10)
-    eventually(lambda: not runs(lane), what="the lane's process is gone")
+    eventually(lambda: not runs(worker), what="the worker's process is gone")
     assert decelerated(controller)
     assert "stop" not in controller.names()
     assert program.stdout is not None
     program.stdout.close()
 
 
-async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
+async def test_a_worker_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
     controller: Controller,
 ) -> None:
     endpoint = controller.endpoint
@@ -139,13 +139,13 @@ async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
                 await stream.send(HERE)
 
     async with no_leaks():
-        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program()
     assert controller.stops == ["stop"]
 
 
 @pytest.mark.slow
-async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
+async def test_a_worker_that_stands_still_is_ended_and_the_robot_is_stopped(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Session, "_end_timeout", 0.5)
@@ -158,12 +158,12 @@ async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
             os.kill(stream.pid, signal.SIGSTOP)
 
     async with no_leaks():
-        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program()
     assert controller.stops == ["stop"]
 
 
-async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controller) -> None:
+async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Controller) -> None:
     stream = controller.servo.joints(v=1.0, a=ACCELERATION, rate=RATE)
 
     async def program() -> None:
@@ -176,7 +176,7 @@ async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controll
                 await stream.send([angle + way for angle in HERE])
             await stream.ended()
 
-    with pytest.raises(LaneFailed, match="by a signal"):
+    with pytest.raises(WorkerFailed, match="by a signal"):
         await program()
     assert decelerated(controller)
     assert controller.names()[-1] == "stop"
@@ -184,7 +184,7 @@ async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controll
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("upsample", ["none", "ruckig"])
-async def test_a_lane_process_is_small(controller: Controller, upsample: str) -> None:
+async def test_a_worker_process_is_small(controller: Controller, upsample: str) -> None:
     opened = controller.servo.joints(
         v=1.0,
         a=5.0,
@@ -198,10 +198,12 @@ async def test_a_lane_process_is_small(controller: Controller, upsample: str) ->
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize("lane", ["process", "thread"])
-async def test_one_stream_after_the_other_leaves_nothing(controller: Controller, lane: str) -> None:
-    options = LaneOptions(lane=lane)  # type: ignore[arg-type]
-    count = 40 if lane == "thread" else 3
+@pytest.mark.parametrize("run_in", ["process", "thread"])
+async def test_one_stream_after_the_other_leaves_nothing(
+    controller: Controller, run_in: str
+) -> None:
+    options = WorkerOptions(run_in=run_in)  # type: ignore[arg-type]
+    count = 40 if run_in == "thread" else 3
     async with no_leaks():
         for _ in range(count):
             async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
@@ -209,10 +211,10 @@ async def test_one_stream_after_the_other_leaves_nothing(controller: Controller,
     await eventually_async(lambda: controller.server.connections == 0)
 
 
-async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> None:
-    """A lane whose program side is closed without a word behaves as if the program had died."""
+async def test_a_thread_worker_ends_with_its_face_gone(controller: Controller) -> None:
+    """A worker whose program side is closed without a word behaves as if the program had died."""
     stream = controller.servo.joints(
-        v=1.0, a=ACCELERATION, rate=RATE, options=LaneOptions(lane="thread")
+        v=1.0, a=ACCELERATION, rate=RATE, options=WorkerOptions(run_in="thread")
     )
 
     async def program() -> None:
@@ -220,14 +222,13 @@ async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> 
             for n in range(150):
                 way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
                 await stream.send([angle + way for angle in HERE])
-            host = stream._session.host
-            assert host is not None
-            assert host._link is not None
-            host._link.shutdown(2)
+            link = stream._session._link
+            assert link is not None
+            link.shutdown(2)
             with anyio.fail_after(10):
                 await stream.ended()
 
-    with pytest.raises(LaneFailed, match="lost sight of the program"):
+    with pytest.raises(WorkerFailed, match="lost sight of the program"):
         await program()
     assert controller.names()[-1] == "stop"
 
@@ -261,12 +262,12 @@ async def test_sending_with_one_set_point_ahead_lets_the_event_loop_run(
                 sent += 1
 
     async with no_leaks(), anyio.create_task_group() as tasks:
-        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program(tasks)
 
 
 @pytest.mark.linux("real-time signals")
-async def test_a_lane_killed_by_a_signal_without_a_name_is_an_error(
+async def test_a_worker_killed_by_a_signal_without_a_name_is_an_error(
     controller: Controller,
 ) -> None:
     stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
@@ -280,5 +281,5 @@ async def test_a_lane_killed_by_a_signal_without_a_name_is_an_error(
             while True:
                 await stream.send(HERE)
 
-    with pytest.raises(LaneFailed, match=f"killed by signal {number}"):
+    with pytest.raises(WorkerFailed, match=f"killed by signal {number}"):
         await program()

@@ -77,7 +77,7 @@ def test_a_rate_is_held_if_lateness_and_work_fit(late: float, work: float, rate:
 def test_advice_says_what_would_help() -> None:
     poor = Examination(figures(0.01, 0.01), None, 1, "powersave", 30.0, 0.0)
     text = " ".join(poor.advice)
-    for word in ("one processor", "powersave", "held the lane up for 10.0 ms", "SCHED_FIFO"):
+    for word in ("one processor", "powersave", "held the worker up for 10.0 ms", "SCHED_FIFO"):
         assert word in text
     assert "1000 Hz can be held: depth=40 bridges" in text
     better = Examination(figures(4e-4, 6e-4), figures(1e-4, 2e-4), 4, "performance", 500.0, 1000.0)

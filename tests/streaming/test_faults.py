@@ -15,15 +15,15 @@ import pytest
 import aioduco
 from aioduco.errors import (
     DucoError,
-    LaneFailed,
     StreamError,
     StreamLost,
     StreamRefused,
     StreamStarved,
     StreamStopped,
+    WorkerFailed,
 )
 from aioduco.sim import Simulator
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.testing import (
     ApplicationError,
     Cut,
@@ -52,11 +52,11 @@ if TYPE_CHECKING:
     from aioduco.testing import Cancelled, Fault
     from aioduco.testing.cancel import How
 
-PROCESS = LaneOptions(timeout=0.2)
-THREAD = LaneOptions(lane="thread", timeout=0.2)
+PROCESS = WorkerOptions(timeout=0.2)
+THREAD = WorkerOptions(run_in="thread", timeout=0.2)
 #: for which a machine that stands still for a moment is no lost connection
-PATIENT = LaneOptions(lane="thread", timeout=5.0)
-lanes = pytest.mark.parametrize("lane", ["process", "thread"])
+PATIENT = WorkerOptions(run_in="thread", timeout=5.0)
+workers = pytest.mark.parametrize("run_in", ["process", "thread"])
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,7 @@ async def robot(proxy: FaultProxy) -> AsyncIterator[aioduco.Robot]:
         yield robot
 
 
-async def run(robot: aioduco.Robot, kind: str, options: LaneOptions, count: int = 2000) -> None:
+async def run(robot: aioduco.Robot, kind: str, options: WorkerOptions, count: int = 2000) -> None:
     """Go on along the first joint, evenly, until something happens."""
     speeds = KINDS[kind].feed is KINDS["speedj"].feed
     async with KINDS[kind].open(robot, options) as stream:
@@ -157,7 +157,7 @@ async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: Fa
 
     async def program() -> None:
         try:
-            await run(robot, "servoj", LaneOptions(timeout=5.0))
+            await run(robot, "servoj", WorkerOptions(timeout=5.0))
         except StreamError as exc:
             error.append(exc)
 
@@ -198,10 +198,10 @@ async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultPro
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
-async def test_a_lane_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
+async def test_a_worker_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
     async def program() -> None:
         speeds = KINDS[kind].feed is KINDS["speedj"].feed
-        async with KINDS[kind].open(robot, LaneOptions(timeout=5.0)) as stream:
+        async with KINDS[kind].open(robot, WorkerOptions(timeout=5.0)) as stream:
             for n in range(2000):
                 await stream.send([0.1, 0, 0, 0, 0, 0] if speeds else [2e-4 * n, *START[1:]])
                 if speeds:
@@ -212,7 +212,7 @@ async def test_a_lane_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind:
                     await stream.ended()
 
     async with no_leaks():
-        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program()
     await see_it_stand(sim)
 
@@ -226,7 +226,7 @@ async def main(host, port, guard):
     async with aioduco.connect(host, int(port), guard=guard or None) as robot:
         await robot.recover()
         start = await robot.state.get_actual_joints_position()
-        options = aioduco.LaneOptions(away_limit=20.0)
+        options = aioduco.WorkerOptions(away_limit=20.0)
         async with robot.servo.joints(v=1.0, a=8.0, options=options) as stream:
             for n in range(100_000):
                 await stream.send([start[0] + 2e-4 * n, *start[1:]])
@@ -247,11 +247,11 @@ def test_a_program_that_is_killed(sim: Simulator, guard: str) -> None:
             text=True,
         )
         assert program.stdout is not None
-        lane = int(program.stdout.readline())
-        shared = shared_files(program.pid, lane)
+        worker = int(program.stdout.readline())
+        shared = shared_files(program.pid, worker)
         program.kill()
         program.communicate()
-        eventually(lambda: not runs(lane), timeout=10)
+        eventually(lambda: not runs(worker), timeout=10)
         eventually(lambda: not sim.connections)
         assert not sim.view.moving
         eventually(lambda: not sim.tasks)
@@ -268,21 +268,21 @@ def losses(robot: aioduco.Robot) -> int:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["scope", "task"])
-@lanes
+@workers
 async def test_cancelled_at_any_await(
-    robot: aioduco.Robot, sim: Simulator, lane: Literal["process", "thread"], how: How
+    robot: aioduco.Robot, sim: Simulator, run_in: Literal["process", "thread"], how: How
 ) -> None:
     """Entering, sending one by one, playing an array, leaving."""
 
     async def program() -> None:
-        opened = robot.servo.joints(v=1.0, a=8.0, ahead=4, options=LaneOptions(lane=lane))
+        opened = robot.servo.joints(v=1.0, a=8.0, ahead=4, options=WorkerOptions(run_in=run_in))
         async with opened as stream:
             for n in range(8):
                 await stream.send([start + 2e-5 * n * n, *START[1:]])
             await stream.play([[start + 2e-5 * n * n, *START[1:]] for n in range(8, 24)])
 
     start = 0.0
-    at, step = 1, 2 if lane == "thread" else 11
+    at, step = 1, 2 if run_in == "thread" else 11
     run: Cancelled | None = None
     while run is None or run.struck:
         await eventually_async(lambda: not sim.moving)

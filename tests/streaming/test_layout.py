@@ -20,9 +20,11 @@ if TYPE_CHECKING:
 FOLDER = Path(aioduco.streaming.__file__).parent
 PURE = [
     "shared/config",
+    "shared/options",
     "ends",
     "gains",
     "joint_trajectory",
+    "worker/life",
     "worker/limiter",
     "sampling",
     "shared/space",
@@ -69,6 +71,8 @@ USED = {
     "aioduco.errors",
     "aioduco.scheduling",
     "aioduco.streaming",
+    "aioduco.supervision",
+    "aioduco.supervision.unanswered",  # the machine that brings the arm to rest, which is pure
 }
 OF_THE_WIRE = {"channel", "lane", "owner_loop", "pool", "messages"}
 

@@ -10,9 +10,9 @@ import pytest
 from client.bench import HOME, Bench
 
 import aioduco
-from aioduco.errors import LaneFailed, RobotStateError, StreamError, StreamLost
+from aioduco.errors import RobotStateError, StreamError, StreamLost, WorkerFailed
 from aioduco.sim import Simulator
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
 from .conftest import Cycles
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.stream import Stream
 
-THREAD = LaneOptions(lane="thread")
+THREAD = WorkerOptions(run_in="thread")
 
 
 class Queue(Bench):
@@ -66,7 +66,7 @@ def bench() -> Iterator[Queue]:
         yield bench
 
 
-async def go_on(robot: aioduco.Robot, options: LaneOptions, during: Any) -> None:
+async def go_on(robot: aioduco.Robot, options: WorkerOptions, during: Any) -> None:
     """Hold the arm by a realtime stream, and call `during` once it is in full course."""
     async with robot.realtime.stream(
         "joint_position", v=1.0, a=5.0, hold=10.0, options=options
@@ -101,8 +101,8 @@ async def test_the_robot_ends_the_mode_of_a_worker_that_was_killed(bench: Queue)
         os.kill(stream.pid, signal.SIGKILL)
 
     async with aioduco.connect(bench.host, bench.port) as robot:
-        with pytest.raises(LaneFailed, match="SIGKILL"):
-            await go_on(robot, LaneOptions(), kill)
+        with pytest.raises(WorkerFailed, match="SIGKILL"):
+            await go_on(robot, WorkerOptions(), kill)
         assert not bench.on
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 

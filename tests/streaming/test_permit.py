@@ -14,8 +14,8 @@ import pytest
 from patient import patient_queue
 
 from aioduco._platform import boot_time
-from aioduco.errors import LaneFailed, StreamClosed, StreamError, StreamStarved, StreamStopped
-from aioduco.streaming.options import LaneOptions
+from aioduco.errors import StreamClosed, StreamError, StreamStarved, StreamStopped, WorkerFailed
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.state import Reason, StreamState
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from aioduco.streaming.stream import Stream
     from aioduco.supervision.gate import Permit
 
-PROCESS, THREAD = LaneOptions(), LaneOptions(lane="thread")
-lanes = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
+workers = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
 
 # -- the rules ---------------------------------------------------------------------------------
 
@@ -163,7 +163,7 @@ def test_the_first_reason_stays() -> None:
 
 # -- the worker --------------------------------------------------------------------------------
 
-Open = Callable[["StreamEndpoint", LaneOptions], "Stream"]
+Open = Callable[["StreamEndpoint", WorkerOptions], "Stream"]
 
 #: how each kind is opened, its call, and what ends it at the controller
 KINDS: dict[str, tuple[Open, str, list[str]]] = {
@@ -225,7 +225,7 @@ async def feed(stream: Stream, kind: str) -> None:
 
 
 async def ended(
-    arm: Controller, kind: str, options: LaneOptions, end: Callable[[Stream], object]
+    arm: Controller, kind: str, options: WorkerOptions, end: Callable[[Stream], object]
 ) -> StreamError:
     """End the permit of a stream in full course, and check what the controller gets then."""
     opened, call, ending = KINDS[kind]
@@ -257,9 +257,9 @@ async def ended(
 
 @kinds
 @pytest.mark.cases(4)
-@lanes
+@workers
 async def test_a_withdrawn_permit_ends_the_mode_and_stops_and_nothing_more(
-    arm: Controller, kind: str, options: LaneOptions
+    arm: Controller, kind: str, options: WorkerOptions
 ) -> None:
     def withdraw(stream: Stream) -> None:
         stream._session.withdraw(PermitEnding.LAPSED)
@@ -302,7 +302,7 @@ async def test_a_worker_that_was_away_sends_no_set_point_any_more(
         os.kill(stream.pid, signal.SIGCONT)
 
     error = await ended(arm, kind, options, freeze)
-    assert isinstance(error, LaneFailed)
+    assert isinstance(error, WorkerFailed)
     assert "did not run for longer than its away_limit" in str(error)
     assert "(it did not run for" in str(error)
 
@@ -330,7 +330,7 @@ async def test_a_freeze_after_a_set_point_ends_it(
     armed = threading.Event()
     monkeypatch.setattr(ControllerWatch, "look", freeze)
     error = await ended(arm, "servo", replace(THREAD, away_limit=1.0), freeze_once)
-    assert isinstance(error, LaneFailed)
+    assert isinstance(error, WorkerFailed)
     assert [len(arm.points())] == frozen
 
 
@@ -359,7 +359,7 @@ async def test_a_freeze_between_computing_and_sending_sends_nothing(
     armed = threading.Event()
     monkeypatch.setattr(sender, "send", send)
     error = await ended(arm, kind, replace(THREAD, away_limit=1.0), freeze_once)
-    assert isinstance(error, LaneFailed)
+    assert isinstance(error, WorkerFailed)
     assert [len(arm.server.received(call))] == frozen
 
 

@@ -23,7 +23,7 @@ from aioduco.errors import (
 )
 from aioduco.models.op import Op, output
 from aioduco.models.pose import Pose
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.track import TrackStreams
@@ -33,10 +33,10 @@ from .conftest import HERE, Controller, Cycles
 
 #: a busy machine may take long over an answer
 PROCESS, THREAD = (
-    LaneOptions(lane="process", timeout=20.0),
-    LaneOptions(lane="thread", timeout=20.0),
+    WorkerOptions(run_in="process", timeout=20.0),
+    WorkerOptions(run_in="thread", timeout=20.0),
 )
-lanes = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+workers = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
 
 
 def near(offset: float) -> list[float]:
@@ -65,9 +65,9 @@ def positions(queue: Cycles) -> Any:
 
 
 @pytest.mark.cases(1)
-@lanes
+@workers
 async def test_an_array_goes_through_the_queue_from_rest_to_rest(
-    controller: Controller, queue: Cycles, options: LaneOptions
+    controller: Controller, queue: Cycles, options: WorkerOptions
 ) -> None:
     trajectory = np.array([near(0.0), near(0.1), near(0.0)])
     opened = RealtimeStreams(controller.endpoint).stream(
@@ -312,9 +312,9 @@ class PoolDrive:
 
 
 @pytest.mark.slow
-@lanes
+@workers
 async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     pool = PoolDrive(controller, per_look=30)
     path = [near(1e-4 * n) for n in range(900)]
@@ -331,10 +331,10 @@ async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
     assert controller.server.received("trackJointMotion")[0].args == (0.5, 1.0, False)
 
 
-@lanes
+@workers
 @pytest.mark.parametrize("count", [1, 20, 120])
 async def test_a_path_that_is_played_is_in_the_pool_when_play_returns(
-    controller: Controller, options: LaneOptions, count: int
+    controller: Controller, options: WorkerOptions, count: int
 ) -> None:
     """Also one that has too few points to begin with: no more of it come."""
     pool = PoolDrive(controller, per_look=5)

@@ -11,10 +11,9 @@ import pytest
 import aioduco
 from aioduco import ParameterError, RealtimeMode
 from aioduco._wire import idl
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.state import Reason
-from aioduco.streaming.shared.words import StatusWord, StreamCommand
-from aioduco.streaming.worker_process import WorkerHandle
+from aioduco.streaming.shared.words import StatusWord
 
 NOBODY = aioduco.connect("192.0.2.1")
 #: what each function that makes a stream needs at least
@@ -86,14 +85,13 @@ def test_a_wrong_argument_is_refused(section: str, name: str, parameter: str) ->
 
 def test_what_a_stopping_controller_refuses_ends_by_the_stop() -> None:
     """A set-point may be on its way when the robot is stopped."""
-    stream = NOBODY.servo.joints(v=1.0, a=5.0, options=LaneOptions(lane="thread"))
     reasons = []
     for before in (Reason.REFUSED, Reason.NONE):
-        host = WorkerHandle(stream._session._config, lambda _block, _link: None)
-        status = host.block.status
-        status[StatusWord.REASON] = before
-        host.command(StreamCommand.HALT)
-        status[StatusWord.REASON] = Reason.REFUSED
-        reasons.append(host.reason)
-        host.release()
+        session = NOBODY.servo.joints(v=1.0, a=5.0)._session
+        session.block = Block.make(session._config, shared=False)
+        session.block.status[StatusWord.REASON] = before
+        session.halt()
+        session.block.status[StatusWord.REASON] = Reason.REFUSED
+        reasons.append(session.reason)
+        session.block.close()
     assert reasons == [Reason.REFUSED, Reason.STOPPED]

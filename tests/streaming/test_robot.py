@@ -17,17 +17,17 @@ from patient import patient_queue
 
 import aioduco
 from aioduco.errors import (
-    LaneFailed,
     ParameterError,
     RobotStateError,
     StreamRefused,
     StreamStarved,
     StreamStopped,
+    WorkerFailed,
 )
 from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, TrajectoryResult
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.state import StreamState
 from aioduco.testing import ApplicationError, FaultProxy, eventually, eventually_async, no_leaks
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.stream import Stream
 
-PROCESS, THREAD = LaneOptions(), LaneOptions(lane="thread")
+PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
 #: one of each way to bring set-points to the controller
 FOLLOWED = ["servoj", "speedj", "joint_position", "track joints"]
 
@@ -109,7 +109,7 @@ async def ended_by(
     sim: Simulator,
     kind: str,
     end: Callable[[], object],
-    options: LaneOptions = THREAD,
+    options: WorkerOptions = THREAD,
 ) -> None:
     """A stream in full course is ended by something else than its program."""
     opened = KINDS[kind].open(robot, options)
@@ -153,7 +153,7 @@ async def ended_by(
     ("kind", "options"), [*((kind, PROCESS) for kind in FOLLOWED), ("servoj", THREAD)]
 )
 async def test_a_stop_ends_it_and_the_arm_stands(
-    robot: aioduco.Robot, sim: Simulator, kind: str, options: LaneOptions
+    robot: aioduco.Robot, sim: Simulator, kind: str, options: WorkerOptions
 ) -> None:
     async with no_leaks():
         await ended_by(robot, sim, kind, robot.stop, options)
@@ -213,7 +213,7 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
     assert not sim.view.moving
 
 
-async def test_a_stop_does_not_wait_for_a_lane_that_hangs(
+async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
     robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("aioduco.supervision.stop_coordinator._SILENCE", 0.2)
@@ -228,7 +228,7 @@ async def test_a_stop_does_not_wait_for_a_lane_that_hangs(
                 await robot.stop()
                 await stream.ended()
 
-        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program()
     assert not sim.view.moving
 
@@ -257,7 +257,7 @@ async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator
     """Its controller is in a safety stop then, and yet enabled."""
 
     async def program() -> None:
-        opened = KINDS["joint_position"].open(robot, LaneOptions(timeout=3.0))
+        opened = KINDS["joint_position"].open(robot, WorkerOptions(timeout=3.0))
         async with opened as stream:
             for n in range(5000):
                 await stream.send(START)

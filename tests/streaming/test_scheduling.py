@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco import LaneOptions
+from aioduco import WorkerOptions
 from aioduco._platform import set_realtime_priority
 from aioduco.scheduling import shorten_slice
 from aioduco.streaming.worker.clock import ProcessorShare
@@ -79,7 +79,7 @@ def test_who_goes_first_and_does_not_wait_goes_like_all_others_again() -> None:
     assert done.returncode == 0, done.stderr
 
 
-async def test_a_lane_that_is_woken_late_goes_first_by_itself(controller: Controller) -> None:
+async def test_a_worker_that_is_woken_late_goes_first_by_itself(controller: Controller) -> None:
     """By 62 µs, at this rate: each system wakes somebody so late, sooner or later."""
     if not allowed():
         pytest.skip("no permission for a policy of real time")
@@ -94,7 +94,7 @@ async def test_a_lane_that_is_woken_late_goes_first_by_itself(controller: Contro
 
 
 @pytest.mark.linux("policies of the scheduler")
-async def test_a_lane_that_hardly_waits_leaves_the_processor_to_the_program(
+async def test_a_worker_that_hardly_waits_leaves_the_processor_to_the_program(
     controller: Controller,
 ) -> None:
     """It waits, if only for moments: the system does not find that it works without a wait."""
@@ -125,13 +125,13 @@ def test_a_share_of_a_processor_is_judged_over_a_while() -> None:
 @pytest.mark.parametrize(
     ("options", "priority"),
     [
-        (LaneOptions(priority=0), 0),
-        (LaneOptions(priority=3), 3),
-        (LaneOptions(lane="thread"), 0),
+        (WorkerOptions(priority=0), 0),
+        (WorkerOptions(priority=3), 3),
+        (WorkerOptions(run_in="thread"), 0),
     ],
 )
-async def test_a_lane_that_was_told_how_to_go_goes_so(
-    controller: Controller, options: LaneOptions, priority: int
+async def test_a_worker_that_was_told_how_to_go_goes_so(
+    controller: Controller, options: WorkerOptions, priority: int
 ) -> None:
     if not allowed():
         pytest.skip("no permission for a policy of real time")

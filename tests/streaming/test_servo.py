@@ -31,7 +31,7 @@ from aioduco.errors import (
 )
 from aioduco.models.pose import Pose
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.config import EnvelopeSettings
 from aioduco.streaming.shared.state import Reason, StreamState
@@ -42,19 +42,19 @@ from .conftest import HERE, Controller
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-LANES = [LaneOptions(lane="process"), LaneOptions(lane="thread")]
-THREAD = LaneOptions(lane="thread")
+WORKERS = [WorkerOptions(run_in="process"), WorkerOptions(run_in="thread")]
+THREAD = WorkerOptions(run_in="thread")
 
-lanes = pytest.mark.parametrize("options", LANES, ids=["process", "thread"])
+workers = pytest.mark.parametrize("options", WORKERS, ids=["process", "thread"])
 
 
 def near(offset: float) -> list[float]:
     return [angle + offset for angle in HERE]
 
 
-@lanes
+@workers
 async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     sent = [near(0.01 * (1 - math.cos(math.pi * n / 300))) for n in range(301)]
     # The second one is answered when all are on their way: a late one would lead the arm to a hold.
@@ -85,18 +85,18 @@ async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
     assert not controller.server.received("stop")
 
 
-@lanes
+@workers
 async def test_a_stream_without_a_set_point_moves_nothing(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     async with controller.servo.joints(v=1.0, a=5.0, options=options):
         pass
     assert not controller.points()
 
 
-@lanes
+@workers
 async def test_a_whole_array_is_played_by_its_times(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     trajectory = np.array([near(0.0), near(0.05), near(0.0)])
     async with controller.servo.joints(v=1.0, a=50.0, rate=500, options=options) as stream:
@@ -171,9 +171,9 @@ async def test_low_rate_targets_are_brought_up_within_the_limits(controller: Con
 # -- how it ends -------------------------------------------------------------------------------
 
 
-@lanes
+@workers
 async def test_starving_brings_the_arm_to_rest_and_stops_it(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, hold=0.05, options=options)
 
@@ -192,9 +192,9 @@ async def test_starving_brings_the_arm_to_rest_and_stops_it(
     assert stream.statistics().starved > 0
 
 
-@lanes
+@workers
 async def test_an_error_in_the_program_decelerates_the_arm(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
 
@@ -212,9 +212,9 @@ async def test_an_error_in_the_program_decelerates_the_arm(
     assert stream.statistics().reason is Reason.ABORTED
 
 
-@lanes
+@workers
 async def test_cancellation_decelerates_the_arm_before_it_goes_on(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
     async with no_leaks():
@@ -230,9 +230,9 @@ async def test_cancellation_decelerates_the_arm_before_it_goes_on(
     assert np.abs(np.diff(np.diff(places))).max() * 500**2 <= 5.0 * (1 + 1e-6)
 
 
-@lanes
+@workers
 async def test_a_halt_ends_the_stream_at_once_and_sends_no_stop_of_its_own(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     endpoint = controller.endpoint
     counts: list[int] = []
@@ -255,9 +255,9 @@ async def test_a_halt_ends_the_stream_at_once_and_sends_no_stop_of_its_own(
     assert not endpoint.streams.halt()
 
 
-@lanes
+@workers
 async def test_a_first_point_too_far_is_refused_before_anything_is_sent(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, reach=0.1, options=options)
 
@@ -286,9 +286,9 @@ async def test_a_step_too_large_is_refused_and_the_stream_goes_on(controller: Co
     assert controller.points()[-1] == pytest.approx(near(0.001))
 
 
-@lanes
+@workers
 async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=200, options=options)
 
@@ -312,10 +312,10 @@ async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
         ("get_noneblock_taskstate", 3, StreamStopped, False),
     ],
 )
-async def test_the_lane_sees_when_the_controller_does_not_follow_any_more(
+async def test_the_worker_sees_when_the_controller_does_not_follow_any_more(
     controller: Controller, function: str, answer: object, error: type[Exception], stops: bool
 ) -> None:
-    options = LaneOptions(lane="thread", watch=0.02)
+    options = WorkerOptions(run_in="thread", watch=0.02)
     stream = controller.servo.joints(v=1.0, a=5.0, options=options)
 
     async def program() -> None:
@@ -340,11 +340,11 @@ async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_
     def servoj(*_: object) -> int:
         stuck[0] -= 1
         if stuck[0] < 0:
-            gate.wait(2)  # twenty time-outs; until then the lane waits for what is overdue
+            gate.wait(2)  # twenty time-outs; until then the worker waits for what is overdue
         return 1001
 
     controller.server.answer("servoj", servoj)
-    options = LaneOptions(lane="thread", timeout=0.1)
+    options = WorkerOptions(run_in="thread", timeout=0.1)
     stream = controller.servo.joints(v=1.0, a=5.0, options=options)
     try:
 
@@ -453,7 +453,7 @@ async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> Non
     assert next(looks) >= 7
 
 
-async def test_commanded_is_what_the_lane_sent_last(controller: Controller) -> None:
+async def test_commanded_is_what_the_worker_sent_last(controller: Controller) -> None:
     async with controller.servo.joints(v=1.0, a=5.0, rate=200, options=THREAD) as stream:
         assert stream.commanded is None
         await stream.send(near(0.0))
@@ -461,9 +461,9 @@ async def test_commanded_is_what_the_lane_sent_last(controller: Controller) -> N
         await eventually_async(lambda: stream.commanded == tuple(near(1e-4)))
 
 
-@lanes
+@workers
 async def test_chunks_are_sent_counted_and_refused_when_they_are_wrong(
-    controller: Controller, options: LaneOptions
+    controller: Controller, options: WorkerOptions
 ) -> None:
     options = replace(options, timeout=30.0)
     async with no_leaks():
@@ -522,7 +522,7 @@ async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
     controller.server.answer("get_actual_joints_position", begin)
 
     async def envelope(_: object) -> EnvelopeSettings:
-        return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, tip=(), reaction=0.1)
+        return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, reaction=0.1)
 
     places: list[float] = []
     # The second one is answered when all are on their way: a late one would lead the arm to a hold.

@@ -10,7 +10,7 @@ import pytest
 
 from aioduco.errors import ParameterError
 from aioduco.streaming.gains import ServoGains
-from aioduco.streaming.options import Feeding, LaneOptions
+from aioduco.streaming.options import Feeding, WorkerOptions
 from aioduco.streaming.servo import Servo
 
 from .conftest import HERE, Controller
@@ -47,11 +47,11 @@ def test_what_is_not_allowed_is_refused_before_anything_is_sent(
 
 @pytest.mark.parametrize(
     "options",
-    [{"lane": "fiber"}, {"priority": 100}, {"spin": -1.0}, {"timeout": math.inf}],
+    [{"run_in": "fiber"}, {"priority": 100}, {"spin": -1.0}, {"timeout": math.inf}],
 )
 def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(ParameterError):
-        LaneOptions(**options)
+        WorkerOptions(**options)
 
 
 def test_a_ring_holds_four_seconds_or_only_the_newest() -> None:
@@ -60,12 +60,12 @@ def test_a_ring_holds_four_seconds_or_only_the_newest() -> None:
     assert Feeding(rate=500.0, source_rate=30.0, upsample="cubic").capacity == 256
 
 
-@pytest.mark.parametrize("lane", ["process", "thread"])
+@pytest.mark.parametrize("run_in", ["process", "thread"])
 async def test_what_the_system_does_not_allow_is_said_and_the_stream_runs(
-    controller: Controller, lane: Any
+    controller: Controller, run_in: Any
 ) -> None:
     # No machine has this processor.
-    options = LaneOptions(lane=lane, cpus=(4095,), priority=1)
+    options = WorkerOptions(run_in=run_in, cpus=(4095,), priority=1)
     async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
         await stream.send(HERE)
     assert "cpus" in stream.statistics().unmet
@@ -73,23 +73,23 @@ async def test_what_the_system_does_not_allow_is_said_and_the_stream_runs(
 
 
 @pytest.mark.linux("keeping a process on a processor")
-async def test_a_lane_stays_on_its_processor(controller: Controller) -> None:
+async def test_a_worker_stays_on_its_processor(controller: Controller) -> None:
     processor = min(os.sched_getaffinity(0))
-    options = LaneOptions(cpus=(processor,))
+    options = WorkerOptions(cpus=(processor,))
     async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
         assert stream.pid is not None
         assert os.sched_getaffinity(stream.pid) == {processor}
     assert "cpus" not in stream.statistics().unmet
 
 
-@pytest.mark.parametrize("lane", ["process", "thread"])
-async def test_a_lane_that_is_always_late_loses_no_set_point(
-    controller: Controller, lane: Any
+@pytest.mark.parametrize("run_in", ["process", "thread"])
+async def test_a_worker_that_is_always_late_loses_no_set_point(
+    controller: Controller, run_in: Any
 ) -> None:
     """At a rate that nothing can hold the next set-point is reckoned ahead of its tick."""
     points = [[angle + 1e-6 * n for angle in HERE] for n in range(500)]
     stream = controller.servo.joints(
-        v=3.0, a=1e6, rate=50_000.0, ahead=1000, options=LaneOptions(lane=lane)
+        v=3.0, a=1e6, rate=50_000.0, ahead=1000, options=WorkerOptions(run_in=run_in)
     )
     async with stream:
         await stream.play(points)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from aioduco.errors import ParameterError, StreamStarved
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.speed import Speed
 
 from .conftest import Controller
 
-THREAD = LaneOptions(lane="thread")
+THREAD = WorkerOptions(run_in="thread")
 
 
 async def test_joint_speeds_carry_the_dead_man_time_and_end_by_speed_stop(

@@ -26,7 +26,7 @@ from aioduco.streaming.joint_trajectory import (
     Tolerances,
     TrajectoryResult,
 )
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.realtime import CYCLE
 from aioduco.streaming.sampling import Spline, sampled
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
@@ -34,7 +34,7 @@ from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
 from .conftest import HERE, Controller, Cycles
 
 #: a busy machine may take long over an answer
-THREAD = LaneOptions(lane="thread", timeout=20.0)
+THREAD = WorkerOptions(run_in="thread", timeout=20.0)
 
 # -- curves ------------------------------------------------------------------------------------
 

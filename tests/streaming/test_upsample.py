@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aioduco.streaming.shared.config import UPSAMPLING
+from aioduco.streaming.shared.options import UPSAMPLING
 from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
 from aioduco.streaming.worker.interpolation import Cubic, Linear, ZeroOrderHold
 from aioduco.streaming.worker.setpoints import Follower

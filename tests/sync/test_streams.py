@@ -14,7 +14,6 @@ import pytest
 import aioduco
 import aioduco.sync
 from aioduco.errors import (
-    LaneFailed,
     ParameterError,
     RobotStateError,
     SetPointTooFar,
@@ -23,12 +22,13 @@ from aioduco.errors import (
     StreamRefused,
     StreamStarved,
     StreamStopped,
+    WorkerFailed,
 )
 from aioduco.models.op import Op, output
 from aioduco.models.pose import Joints
 from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import JointTrajectory
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.state import StreamState
 from aioduco.testing import eventually
 from sync.conftest import meanwhile
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 WAY = 0.03  # rad, m
-THREAD = LaneOptions(lane="thread")
+THREAD = WorkerOptions(run_in="thread")
 #: a busy machine's clock is late; neither the stream nor the controller must trip over that
 QUEUE: dict[str, Any] = {"com_lost_time": 0.5, "depth": 100, "options": THREAD}
 PATIENT: dict[str, Any] = {"hold": 30.0, "options": THREAD}
@@ -74,7 +74,7 @@ def in_time(robot: Robot, run: Callable[[], T]) -> T:
     for _ in range(20):
         try:
             return run()
-        except (LaneFailed, StreamLost, StreamRefused, StreamStarved):
+        except (WorkerFailed, StreamLost, StreamRefused, StreamStarved):
             ready(robot)
     return run()
 

@@ -14,7 +14,7 @@ from aioduco.errors import ParameterError
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.recording import read
 from aioduco.sim import Simulator
-from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.state import Reason
 from aioduco.teleoperation import InputDevice, KeyboardDevice, Reading, TeleopScale, teleoperate
 from aioduco.teleoperation.keyboard import Keyboard
@@ -34,7 +34,7 @@ def pipe() -> Iterator[tuple[int, int]]:
 
 
 #: on a busy machine answers take long, and neither time is what is tested here
-WAITING: Any = {"hold": 30.0, "options": LaneOptions(timeout=30.0)}
+WAITING: Any = {"hold": 30.0, "options": WorkerOptions(timeout=30.0)}
 
 
 def patient(sim: Simulator) -> aioduco.Robot:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from aioduco.models.enums import Outcome
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Motion", "PlannedMotion", "Through"]
@@ -161,7 +161,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         through: Through = "auto",
         rate: float = 500.0,
         reach: float = 0.05,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrajectoryResult:
         """Follow joint positions at given times to the end, and wait until the arm has arrived.
 
@@ -233,7 +233,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         through: Through | Literal["blended"] = "auto",
         tolerances: Tolerances | None = None,
         feedback: Callable[[Feedback], object] | None = None,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> TrajectoryResult | None:
         """Carry out a plan of `aioduco.planning` (执行规划), supervised to its end.
 

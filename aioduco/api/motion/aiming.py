@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
-from aioduco.errors import StaleState
-from aioduco.streaming.shared.turning import composed, turned
+from aioduco.errors import ControllerError, StaleState
+from aioduco.streaming.shared.turning import place_of
 from aioduco.supervision.task_command import Aim
 
 if TYPE_CHECKING:
@@ -17,13 +16,13 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_command import Command
 
-__all__ = ["tool_aim", "twist_in_tool"]
+__all__ = ["tool_aim"]
 
 
 def tool_aim(
     supervisor: Supervisor,
     frame: str,
-    turning: FrameRotation,
+    rotation: FrameRotation,
     turn: Callable[[Sequence[float], Config], tuple[float, ...]],
 ) -> Aim:
     """Make what converts the first argument of a motion into the tool's frame.
@@ -31,7 +30,7 @@ def tool_aim(
     Args:
         supervisor: the robot.
         frame: frame in which the motion is given.
-        turning: the reads that give the tool's pose in that frame.
+        rotation: the reads that give the tool's pose in that frame.
         turn: function that rotates six numbers by the tool's pose.
 
     Returns:
@@ -42,21 +41,12 @@ def tool_aim(
     async def arguments(command: Command) -> tuple[Any, ...]:
         supervisor.check_open(command.name)
         given, *others = command.args
-        poses: list[Sequence[float]] = []
-        for name, *args in turning.reads:
-            pose: Sequence[float] = await getattr(supervisor.retrying.rpc, name)(*args)
-            if len(pose) != 6 or not all(map(math.isfinite, pose)):
-                asked = f"({', '.join(map(repr, args))})"
-                raise StaleState(
-                    f"{command.name} was not sent: {name}{asked} answered {list(pose)}: "
-                    "it is not known how to turn it; is there a tool or work object of that name?"
-                )
-            poses.append(pose)
-        return (list(turn(given, composed(poses))), *others)
+        rpc = supervisor.retrying.rpc
+        poses = [await getattr(rpc, name)(*args) for name, *args in rotation.reads]
+        try:
+            place = place_of(rotation, poses)
+        except ControllerError as exc:
+            raise StaleState(f"{command.name} was not sent: {exc}") from exc
+        return (list(turn(given, place)), *others)
 
     return Aim(frame, arguments)
-
-
-def twist_in_tool(twist: Sequence[float], place: Config) -> tuple[float, ...]:
-    """Convert a velocity to one along and about the tool's axes [m/s, rad/s]."""
-    return turned(twist, place, back=True)

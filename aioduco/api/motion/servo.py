@@ -12,12 +12,11 @@ from aioduco._wire.rpc import calls
 from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.models import ranges
-from aioduco.streaming.directions import into_tool
-from aioduco.streaming.shared.turning import in_tool
+from aioduco.streaming.shared.turning import in_tool, into_tool
 
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.streaming.directions import MotionFrame
+    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import MotionCommand
 
 __all__ = ["ServoMotions"]

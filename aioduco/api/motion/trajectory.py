@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import JointTrajectory
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.sampling import Spline
     from aioduco.streaming.stream import Stream
 
@@ -45,7 +45,7 @@ async def follow(
     feedback: Callable[[Feedback], object] | None = None,
     rate: float = 500.0,
     reach: float = 0.05,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
 ) -> TrajectoryResult:
     """Follow a joint trajectory to its end, and wait until the arm has arrived.
 

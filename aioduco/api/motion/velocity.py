@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.motion.aiming import tool_aim, twist_in_tool
+from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.streaming.directions import into_tool
+from aioduco.streaming.shared.turning import into_tool, turned
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.directions import MotionFrame
+    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import HeldMotion
 
 __all__ = ["Velocity"]
@@ -125,7 +126,7 @@ class Velocity(Section):
                     f"along or about one direction with frame={frame!r}: as the tool turns, this "
                     "velocity would have to change; robot.speed.linear does that",
                 )
-            aim = tool_aim(self._supervisor, frame, turning, twist_in_tool)
+            aim = tool_aim(self._supervisor, frame, turning, partial(turned, back=turning.back))
         return self._held(calls.speedl(twist_, a_, time_, False), _ENDING, time=time, aim=aim)
 
     async def speed_stop(self) -> None:

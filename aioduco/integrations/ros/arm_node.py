@@ -22,7 +22,7 @@ from aioduco.integrations.ros.trajectory_server import Through, TrajectoryServer
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
-    from aioduco import LaneOptions, Pose, Robot, Snapshot
+    from aioduco import Pose, Robot, Snapshot, WorkerOptions
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
 
 __all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
@@ -152,7 +152,7 @@ class ArmNode:
         settings: NodeSettings,
         *,
         wall: Callable[[], float],
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> None:
         self.robot = robot
         self.settings = settings
@@ -241,7 +241,7 @@ async def arm_node(
     settings: NodeSettings,
     *,
     wall: Callable[[], float] = time.time,
-    options: LaneOptions | None = None,
+    options: WorkerOptions | None = None,
 ) -> AsyncIterator[ArmNode]:
     """Connect to an arm for a driver; when the block exits, the arm stands.
 

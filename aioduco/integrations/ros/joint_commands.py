@@ -22,7 +22,7 @@ from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco import LaneOptions, Robot
+    from aioduco import Robot, WorkerOptions
     from aioduco.integrations.ros.trajectory_goals import ArmProfile
 
 __all__ = ["JointCommands", "check_command"]
@@ -93,7 +93,7 @@ class JointCommands:
         timeout: float,
         hold: bool,
         reach: float,
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
     ) -> None:
         self._robot = robot
         self._profile = profile

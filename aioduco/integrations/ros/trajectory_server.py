@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from aioduco import LaneOptions, Robot
+    from aioduco import Robot, WorkerOptions
     from aioduco.integrations.ros.trajectory_goals import (
         ArmProfile,
         CheckedGoal,
@@ -137,7 +137,7 @@ class TrajectoryServer:
         wall: Callable[[], float],
         feedback_rate: float = 20.0,
         through: Through = "auto",
-        options: LaneOptions | None = None,
+        options: WorkerOptions | None = None,
         stop_at_loss: bool = False,
     ) -> None:
         self._robot = robot

@@ -5,10 +5,7 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
-__all__ = ["MOST_ACTIONS", "ActionTag"]
-
-#: largest number of actions in a chunk
-MOST_ACTIONS = 1000
+__all__ = ["ActionTag"]
 
 _LAYOUT = struct.Struct("<QQII")
 

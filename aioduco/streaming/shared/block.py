@@ -65,12 +65,12 @@ class Block:
         if config is not None:
             text = config.pack()
             if len(text) > _CONFIG:
-                raise ValueError(f"the configuration of a lane has {len(text)} bytes")
+                raise ValueError(f"the configuration of a worker has {len(text)} bytes")
             _HEADER.pack_into(memory, 0, _MAGIC, len(text))
             memory[_HEADER.size : _HEADER.size + len(text)] = text
         magic, length = _HEADER.unpack_from(memory)
         if magic != _MAGIC:
-            raise ValueError("this is no block of a lane, or one of another version")
+            raise ValueError("this is no block of a worker, or one of another version")
         self.config: WorkerConfig = WorkerConfig.unpack(
             bytes(memory[_HEADER.size : _HEADER.size + length])
         )

@@ -1,102 +1,35 @@
 """The configuration of a worker: plain values, stored as JSON in the shared block.
 
-The program's end checks the values (`streaming.options`). A stream's factory fills in `StreamSpec`;
-its caller gives the address, the feeding and the options.
+A stream's factory fills in `StreamSpec`; its caller gives the address, the feeding and the options.
 """
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
-from aioduco.streaming.shared.action import MOST_ACTIONS, ActionTag
+from aioduco.streaming.shared.action import ActionTag
+from aioduco.streaming.shared.options import Feeding, WorkerOptions, without_checks
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
-    "MOST_POINTS",
-    "UPSAMPLING",
     "CallDrive",
     "Drive",
     "EnvelopeSettings",
-    "FeedingSettings",
     "FrameRotation",
     "Meaning",
     "PoolDrive",
     "QueueDrive",
     "StreamSpec",
-    "Upsampling",
     "WorkerConfig",
-    "WorkerSettings",
 ]
-
-#: largest number of set-points in the ring
-MOST_POINTS = 16384
-_LATEST = 8  # slots of a ring of which only the newest counts
-
-Upsampling = Literal["none", "linear", "cubic", "ruckig"]
-#: the methods of up-sampling targets to the stream's rate; "ruckig" also keeps the jerk limit
-UPSAMPLING: tuple[str, ...] = get_args(Upsampling)
 
 #: what a set-point is: a position, a speed that is kept, or a step from the last position
 Meaning = Literal["place", "speed", "step"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WorkerSettings:
-    """How a worker runs; `LaneOptions` describes the values."""
-
-    lane: Literal["process", "thread"] = "process"
-    cpus: Sequence[int] = ()
-    priority: int | None = None
-    spin: float = 0.0
-    timeout: float = 1.0
-    connect_timeout: float = 10.0
-    watch: float = 0.1
-    away_limit: float = 0.25
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FeedingSettings:
-    """How the program feeds a stream, and how targets are processed; see `Feeding`."""
-
-    rate: float = 500.0
-    source_rate: float | None = None
-    latest: bool = False
-    upsample: Upsampling = "none"
-    hold: float = 0.5
-    ahead: int | None = None
-    max_step: Sequence[float] = ()
-    reach: Sequence[float] = ()
-    chunks: bool = False
-    blend: float = 0.1
-
-    @property
-    def interval(self) -> float | None:
-        """Time between two targets [s]; None: measured."""
-        if self.source_rate is not None:
-            return 1 / self.source_rate
-        return None if self.latest else 1 / self.rate
-
-    @property
-    def queued(self) -> int:
-        """Targets that `send` queues before it waits."""
-        if self.ahead is not None:
-            return self.ahead
-        return max(2, round(0.05 * (self.source_rate or self.rate)))
-
-    @property
-    def capacity(self) -> int:
-        """Set-points that fit into the ring: four seconds of them, so that arrays fit."""
-        if self.latest:
-            return _LATEST
-        if self.chunks:
-            return 2 * MOST_ACTIONS
-        wanted = round(4 * (self.source_rate or self.rate))
-        return min(MOST_POINTS, max(256, wanted, 2 * self.queued))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,7 +115,8 @@ class StreamSpec:
         drive: how the worker sends set-points to the controller; None: it sends none, and only
             reads the controller's state.
         meaning: what a set-point is.
-        read: function of the wire that reads the arm's position, and its arguments.
+        tool: name of the tool whose poses, twists or offsets are sent; empty: the one in use.
+        wobj: name of the work object of poses; empty: the one in use.
         leave: calls at the end of the stream, each a function and its arguments.
         ending: function of the wire that ends the controller's mode during the stream, or empties
             the track pool; it has no arguments.
@@ -194,7 +128,8 @@ class StreamSpec:
     limits: Limits
     drive: Drive
     meaning: Meaning = "place"
-    read: Sequence[str] = ()
+    tool: str = ""
+    wobj: str = ""
     leave: Sequence[Sequence[Any]] = ()
     ending: str = ""
     turning: FrameRotation | None = None
@@ -203,6 +138,13 @@ class StreamSpec:
     def space(self) -> Space:
         """The space of the set-points."""
         return JOINT_SPACE if self.in_joints else POSE_SPACE
+
+    @property
+    def read(self) -> tuple[str, ...]:
+        """The function of the wire that reads the arm's position, and its arguments."""
+        if self.in_joints:
+            return ("get_actual_joints_position",)
+        return ("get_tcp_pose_coord", self.tool, self.wobj)
 
     @property
     def extra(self) -> int:
@@ -217,14 +159,11 @@ class EnvelopeSettings:
     Attributes:
         packed: the result of `Envelope.packed`.
         wobj: pose of the set-points' work object in the base frame [m, rad].
-        tip: function of the wire that reads the tool's pose in that work object, and its
-            arguments, for set-points that are relative to that pose.
         reaction: time within which the program stops a stream of speeds that comes to a limit [s].
     """
 
     packed: dict[str, Any]
     wobj: Sequence[float]
-    tip: Sequence[str]
     reaction: float
 
 
@@ -249,8 +188,8 @@ class WorkerConfig:
     guarded: bool
     stall_limit: float
     unanswered_timeout: float
-    options: WorkerSettings
-    feeding: FeedingSettings
+    options: WorkerOptions
+    feeding: Feeding
     sent: StreamSpec
     envelope: EnvelopeSettings | None = None
 
@@ -280,8 +219,8 @@ class WorkerConfig:
         sent["limits"] = Limits(*map(tuple, sent["limits"]))
         sent["drive"] = _DRIVES[kind](**sent["drive"]) if kind else None
         sent["turning"] = FrameRotation(**sent["turning"]) if sent["turning"] else None
-        options = WorkerSettings(**values.pop("options"))
-        feeding = FeedingSettings(**values.pop("feeding"))
+        options = without_checks(WorkerOptions, values.pop("options"))
+        feeding = without_checks(Feeding, values.pop("feeding"))
         envelope = values.pop("envelope")
         return cls(
             **values,

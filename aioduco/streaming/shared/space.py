@@ -9,7 +9,7 @@ Plain Python: for six numbers it is faster than numpy.
 from __future__ import annotations
 
 from math import atan2, copysign, cos, hypot, pi, sin, sqrt
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,34 +53,6 @@ class Limits(NamedTuple):
     velocity: tuple[float, ...]
     acceleration: tuple[float, ...]
     jerk: tuple[float, ...] = ()
-
-
-class Space(Protocol):
-    """The operations of a space that interpolation, limits and states use."""
-
-    @property
-    def groups(self) -> tuple[slice, ...]:
-        """The slices of a displacement whose lengths are limited.
-
-        Each joint is a group; for poses the groups are the translation and the rotation.
-        """
-        ...
-
-    def decode(self, values: Sequence[float]) -> Config:
-        """The point for six numbers of the wire."""
-        ...
-
-    def encode(self, config: Config) -> tuple[float, ...]:
-        """The six numbers of the wire for a point."""
-        ...
-
-    def difference(self, start: Config, end: Config) -> Displacement:
-        """The displacement from `start` to `end`."""
-        ...
-
-    def moved(self, start: Config, displacement: Displacement) -> Config:
-        """The point that a displacement leads to from `start`."""
-        ...
 
 
 class JointSpace:
@@ -154,6 +126,13 @@ class PoseSpace:
         back = (qw, -qx, -qy, -qz)
         return (*rotated(back, (u - x, v - y, w - z)), *_product(back, turn))
 
+    def in_axes(self, offset: Config, turn: Config) -> Config:
+        """Convert an offset from the axes of a frame to those of a tool that is turned in it."""
+        return self.offset(turn, self.composed(offset, turn))
+
+
+#: what interpolation, limits and states use; each group of a displacement is limited by its length
+Space: TypeAlias = JointSpace | PoseSpace
 
 JOINT_SPACE = JointSpace()
 POSE_SPACE = PoseSpace()

@@ -40,7 +40,7 @@ class Reason(IntEnum):
     #: the worker ended because of an internal error
     FAILED = 9
     #: the worker ended without giving a reason
-    LANE_DIED = 10
+    WORKER_DIED = 10
     #: the program's event loop hung
     HUNG = 11
     #: a set-point would have crossed a limit of the robot's envelope

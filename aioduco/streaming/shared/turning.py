@@ -1,22 +1,64 @@
-"""Rotating directions from the frame in which a program gives them into that of the wire.
+"""Turning what a program gives in one frame into another: which frames, by which poses, and how.
 
-Plain Python without I/O: a worker and a single call use the same functions.
+Plain Python without clock, except for `Directions`: streams and single motions use the same
+functions. Who reads the poses from the controller stands elsewhere: a worker does it by
+`Directions`, a motion when it is sent.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+import time
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
+from aioduco.errors import ControllerError, ParameterError
+from aioduco.streaming.shared.config import FrameRotation
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from aioduco.streaming.shared.space import Config
 
-__all__ = ["composed", "in_tool", "turned"]
+__all__ = [
+    "Directions",
+    "MotionFrame",
+    "composed",
+    "in_tool",
+    "into_tool",
+    "into_wobj",
+    "place_of",
+    "turned",
+]
+
+#: the robot's base, the tool, or a work object
+MotionFrame: TypeAlias = Literal["base", "tool", "wobj"]
 
 _ORIGIN = (0.0, 0.0, 0.0)
+_FRESH = 10_000_000  # ns for which a pose is used after it was read
+
+
+def place_of(rotation: FrameRotation, poses: Iterable[Sequence[float]]) -> Config:
+    """The pose of one frame in the other.
+
+    Args:
+        rotation: how directions are rotated.
+        poses: what the controller answered to each of its `reads`.
+
+    Raises:
+        ControllerError: it gave no pose, or has no such frame.
+    """
+    found = []
+    for (name, *args), pose in zip(rotation.reads, poses, strict=True):
+        if len(pose) != 6 or not all(map(math.isfinite, pose)):
+            asked = f"of {args} " if any(args) else ""
+            raise ControllerError(
+                name,
+                f"it answered {list(pose)}: the orientation {asked}is not known. Is there a tool "
+                "or work object of that name?",
+            )
+        found.append(pose)
+    return composed(found)
 
 
 def composed(poses: Sequence[Sequence[float]]) -> Config:
@@ -47,6 +89,101 @@ def in_tool(offset: Sequence[float], place: Config) -> tuple[float, ...]:
         offset: x, y, z [m], rx, ry, rz [rad]; it turns the tool about its tip. Shape (6,).
         place: pose of the tool in that frame.
     """
-    here = (*_ORIGIN, *place[3:])
-    there = POSE_SPACE.composed(POSE_SPACE.decode(offset), here)
-    return POSE_SPACE.encode(POSE_SPACE.offset(here, there))
+    return POSE_SPACE.encode(POSE_SPACE.in_axes(POSE_SPACE.decode(offset), (*_ORIGIN, *place[3:])))
+
+
+def into_tool(frame: str, wobj: str = "", tool: str = "") -> FrameRotation | None:
+    """The rotation of directions into the tool's frame.
+
+    Args:
+        frame: frame in which the directions are given.
+        wobj: name of the work object, for frame="wobj"; empty for the one in use.
+        tool: name of the tool; empty for the one in use.
+
+    Returns:
+        The rotation; None if the directions are given in the tool's frame.
+
+    Raises:
+        ParameterError: there is no such frame, or a work object is given for another frame.
+    """
+    name = _checked(frame, wobj)
+    if frame == "tool":
+        return None
+    if frame == "wobj":
+        return FrameRotation(reads=[["get_tcp_pose_coord", tool, name]])
+    if not tool:
+        return FrameRotation(reads=[["get_tcp_pose"]])
+    return FrameRotation(reads=[["get_wobj"], ["get_tcp_pose_coord", tool, ""]])
+
+
+def into_wobj(frame: str) -> FrameRotation | None:
+    """The rotation of directions into the frame of the work object in use.
+
+    Args:
+        frame: frame in which the directions are given.
+
+    Returns:
+        The rotation; None if the directions are given in that frame.
+
+    Raises:
+        ParameterError: there is no such frame.
+    """
+    _checked(frame, "")
+    if frame == "wobj":
+        return None
+    if frame == "base":
+        return FrameRotation(reads=[["get_wobj"]])
+    return FrameRotation(reads=[["get_tcp_pose_coord", "", ""]], back=False)
+
+
+def _checked(frame: str, wobj: str) -> str:
+    from aioduco.models.ranges import FRAME  # noqa: PLC0415 - not in a worker
+
+    if frame not in get_args(MotionFrame):
+        known = ", ".join(f'"{name}"' for name in get_args(MotionFrame))
+        raise ParameterError("frame", frame, f"one of {known}")
+    name = FRAME("wobj", wobj)
+    if name and frame != "wobj":
+        raise ParameterError("wobj", wobj, 'left out, or frame="wobj" given with it')
+    return name
+
+
+class Directions:
+    """Rotates velocities into the frame of the wire, by a pose that was read at most 10 ms ago.
+
+    Args:
+        rotation: how directions are rotated; None: not at all.
+        call: calls the controller: function of the wire, its arguments, time-out.
+        timeout: time-out of each call [s].
+    """
+
+    def __init__(
+        self,
+        rotation: FrameRotation | None,
+        call: Callable[[str, tuple[str, ...], float], Any],
+        timeout: float,
+    ) -> None:
+        self._rotation = rotation
+        self._call = call
+        self._timeout = timeout
+        self._place: Config = ()
+        self._read_at = 0
+
+    def turned(self, twist: tuple[float, ...]) -> tuple[float, ...]:
+        """A velocity, rotated into the frame of the wire [m/s, rad/s]."""
+        if self._rotation is None:
+            return twist
+        now = time.monotonic_ns()
+        if not self._place or now - self._read_at > _FRESH:
+            self._place, self._read_at = self.place(self._rotation), now
+        return turned(twist, self._place, back=self._rotation.back)
+
+    def place(self, rotation: FrameRotation) -> Config:
+        """Read the pose of one frame in the other.
+
+        Raises:
+            ControllerError: the controller gives no pose, or has no such frame.
+        """
+        call, timeout = self._call, self._timeout
+        poses = [call(name, tuple(args), timeout) for name, *args in rotation.reads]
+        return place_of(rotation, poses)

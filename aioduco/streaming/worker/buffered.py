@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import ControlWord, StatusWord
-from aioduco.streaming.worker.directions import Directions
+from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
+from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.setpoints import SetpointFeed, within
-from aioduco.streaming.worker.watch import ControllerWatch, ended, newest_error, refused
+from aioduco.streaming.worker.watch import ended, newest_error, refused
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,7 +105,7 @@ class PoolAction(Enum):
     """Clear the pool, so that the arm comes to rest: the program has sent nothing for too long."""
 
 
-class PoolStates:
+class PoolStates(Life):
     """The states of a stream through the track pool.
 
     WAITING until there are enough points to begin; HOLDING while the pool is empty, where the
@@ -116,23 +117,17 @@ class PoolStates:
         hold: time with an empty pool after which the stream ends [s].
 
     Attributes:
-        state: state of the stream.
-        reason: why it ends; NONE before.
-        text: more about the reason; empty if there is nothing to add.
         drained: how often the pool was found empty before the program had closed the stream.
         starved: polls at which it was empty then, and the program had no points for it.
     """
 
     def __init__(self, low: int, high: int, hold: float) -> None:
+        super().__init__()
         self._low = low
         self._high = high
         self._hold = hold
-        self._closing = False
         self._dry_since: float | None = None
         self._filled = 0  # points that were in the pool after the last poll
-        self.state: StreamState = StreamState.WAITING
-        self.reason: Reason = Reason.NONE
-        self.text: str = ""
         self.drained: int = 0
         self.starved: int = 0
 
@@ -146,10 +141,10 @@ class PoolStates:
             capacity: number of points that fit into the ring.
             awaited: whether the program sends no more until these are taken.
         """
-        if self._closing and not waiting:
+        if self.closing and not waiting:
             self.end(Reason.CLOSED)
         enough = waiting >= min(self._low, capacity)
-        return waiting > 0 and (enough or awaited or self._closing)
+        return waiting > 0 and (enough or awaited or self.closing)
 
     def begin(self) -> None:
         """Note that the controller follows the pool."""
@@ -172,14 +167,14 @@ class PoolStates:
         untaken = 0 < self._filled <= left
         self._filled = left + added
         if not left and self._dry_since is None:
-            self.drained += not self._closing
+            self.drained += not self.closing
         if left or added:
             self._dry_since = None
             self.state = StreamState.FOLLOWING
             return PoolAction.RESUME if not left or untaken else PoolAction.FOLLOW
         if self._dry_since is None:
             self._dry_since = now
-        if self._closing:
+        if self.closing:
             return PoolAction.FINISH
         self.starved += 1
         self.state = StreamState.HOLDING
@@ -188,32 +183,8 @@ class PoolStates:
             return PoolAction.EMPTY
         return PoolAction.WAIT
 
-    def close(self) -> None:
-        """Follow all points that were sent, then end: the program sends no more."""
-        self._closing = True
 
-    def brake(self, reason: Reason, text: str = "") -> bool:
-        """Come to rest at once, then end.
-
-        Returns:
-            Whether the caller must clear the pool for that.
-        """
-        if self.state is StreamState.WAITING:
-            self.end(reason, text)
-        if self.state >= StreamState.DECELERATING:
-            return False
-        self.state, self.reason, self.text = StreamState.DECELERATING, reason, text
-        return True
-
-    def end(self, reason: Reason, text: str = "") -> None:
-        """Send nothing more."""
-        if self.state is not StreamState.ENDED:
-            self.state = StreamState.ENDED
-            if not self.reason:
-                self.reason, self.text = reason, text
-
-
-class RealtimeQueueDriver:
+class RealtimeQueueDriver(Driver):
     """The realtime queue (实时控制, manual 1.3.15), kept at a depth.
 
     The controller takes a point every cycle of its own clock. So the worker does not count time: in
@@ -223,15 +194,11 @@ class RealtimeQueueDriver:
     def __init__(
         self, queue: QueueDrive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
-        options = block.config.options
         self._feed = SetpointFeed(connection, block, permit.begin)
-        self._connection = connection
+        super().__init__(self._feed.source, connection, block)
         self._permit = permit.require
-        self._timeout = options.timeout
-        self._block = block
         self._queue = queue
-        self._directions = Directions(connection, block.config.sent.turning, options.timeout)
-        self._depth = Depth(queue.depth, max(options.timeout, 20 * queue.period))
+        self._depth = Depth(queue.depth, max(self._timeout, 20 * queue.period))
 
         def element(values: list[float]) -> RealTimeControlData:
             data = RealTimeControlData(status=True)
@@ -241,40 +208,26 @@ class RealtimeQueueDriver:
         self._batch = Batch(
             connection, "realtime_data_enqueue", element, (True,), self._timeout, self._permit
         )
-        self._watch = ControllerWatch(connection, options.watch, self._timeout)
-        self._round_trip = block.histograms["round_trip"].record
         self._depths = block.histograms["depth"].record
         self._running = False
-        self._sent = 0
         self._last = b""
 
     @property
     def state(self) -> StreamState:
         """State of the stream; it ends when the queue contains only points at rest."""
-        state = self._feed.source.state
+        state = self.life.state
         if state is StreamState.ENDED and self._running:
             return StreamState.DECELERATING
         return state
-
-    @property
-    def reason(self) -> Reason:
-        """Why it ends."""
-        return self._feed.source.reason
-
-    @property
-    def text(self) -> str:
-        """More about the reason."""
-        return self._feed.source.text
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the queue compensates lateness
         """Do the work of one tick; returns whether there is another one."""
         if self._running:
             return self._fill()
-        source = self._feed.source
-        if source.state is not StreamState.ENDED and self._feed.begin():
+        if self.life.state is not StreamState.ENDED and self._feed.begin():
             return self._start()
         self._feed.step()
-        return source.state < StreamState.ENDED
+        return self.life.state < StreamState.ENDED
 
     def _start(self) -> bool:
         """Fill the empty queue, and start realtime mode.
@@ -283,7 +236,7 @@ class RealtimeQueueDriver:
         """
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
-        rest = self._batch.element(self._directions.turned(self._feed.resting()))
+        rest = self._batch.element(self._feed.wire(self._feed.resting()))
         if not self._enqueue([rest] * self._queue.depth):
             return False
         self._block.status[StatusWord.MODE] = 1  # before the call, since its answer may be lost
@@ -318,7 +271,7 @@ class RealtimeQueueDriver:
             values = self._feed.step()
             if values is None:
                 break
-            self._last = self._batch.element(self._directions.turned(values))
+            self._last = self._batch.element(self._feed.wire(values))
             elements.append(self._last)
         lacking = count - len(elements)
         self._depth.rest(lacking)
@@ -336,35 +289,26 @@ class RealtimeQueueDriver:
         return not refused(answer) or self._refuse(f"{name} answered {answer}")
 
     def _refuse(self, text: str) -> bool:
-        self._feed.source.end(Reason.REFUSED, text)
-        return self._over()
+        return self._finish(Reason.REFUSED, text)
 
     def _over(self) -> bool:
         """Add no more points; the worker then ends the mode."""
         self._running = False
         return False
 
-    def close(self) -> None:
-        """Follow all set-points that were sent, then end: the program sends no more."""
-        self._feed.source.close()
-
-    def brake(self, reason: Reason, text: str = "") -> None:
-        """Come to rest at once, then end."""
-        self._feed.source.brake(reason, text)
-
     def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""
-        self._feed.source.end(reason, text)
+        super().end(reason, text)
         self._over()
 
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""
-        self._block.status[StatusWord.SENT] = self._sent
+        super().publish()
         self._block.status[StatusWord.DRAINED] = self._depth.drained
         self._feed.publish()
 
 
-class TrackPoolDriver:
+class TrackPoolDriver(Driver):
     """The track pool (轨迹池, manual 1.3.12), kept between a low and a high mark.
 
     The controller itself plans the motion through the points, and comes to rest by itself when the
@@ -374,38 +318,17 @@ class TrackPoolDriver:
     def __init__(
         self, pool: PoolDrive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
-        options = block.config.options
-        self._connection = connection
-        self._permit = permit
-        self._block = block
-        self._sent_as = block.config.sent
-        self._timeout = options.timeout
-        self._pool = pool
         self._states = PoolStates(pool.low, pool.high, block.config.feeding.hold)
+        super().__init__(self._states, connection, block)
+        self._permit = permit
+        self._sent_as = block.config.sent
+        self._pool = pool
         name, element = ("trackEnqueueOp", _plain) if pool.extra else ("trackEnqueue", list)
         self._batch = Batch(connection, name, element, (True,), self._timeout, permit.require)
-        self._watch = ControllerWatch(connection, options.watch, self._timeout)
-        self._round_trip = block.histograms["round_trip"].record
         self._depths = block.histograms["depth"].record
         self._age = block.histograms["age"].record
         self._task = 0
-        self._sent = 0
         self._checked: CheckedPath | None = None
-
-    @property
-    def state(self) -> StreamState:
-        """State of the stream."""
-        return self._states.state
-
-    @property
-    def reason(self) -> Reason:
-        """Why it ends."""
-        return self._states.reason
-
-    @property
-    def text(self) -> str:
-        """More about the reason."""
-        return self._states.text
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the pool compensates lateness
         """Do the work of one tick; returns whether there is another one."""
@@ -416,7 +339,7 @@ class TrackPoolDriver:
                 return self._serve()
             case StreamState.DECELERATING:
                 # The pool was cleared, so the controller comes to rest by itself.
-                return self._task_runs() or self._finish(self.reason, "")
+                return self._task_runs() or self._finish(self.life.reason)
             case StreamState.ENDED:
                 return False
 
@@ -433,7 +356,7 @@ class TrackPoolDriver:
         space = self._sent_as.space
         reach = tuple(self._block.config.feeding.reach)
         if not within(space, space.decode(actual), space.decode(first.values), reach):
-            return self._finish(Reason.TOO_FAR, "")
+            return self._finish(Reason.TOO_FAR)
         if self._block.config.envelope is not None:
             # imported here: only a stream with an envelope needs it
             from aioduco.streaming.worker.checked import CheckedPath  # noqa: PLC0415
@@ -519,7 +442,7 @@ class TrackPoolDriver:
 
     def _all_followed(self) -> bool:
         self._block.status[StatusWord.MODE] = 0
-        return self._finish(Reason.CLOSED, "")
+        return self._finish(Reason.CLOSED)
 
     def _empty(self) -> None:
         """Empty the pool, so that the controller comes to rest; again at the end, if refused."""
@@ -534,27 +457,15 @@ class TrackPoolDriver:
         state: int = self._connection.call("get_noneblock_taskstate", (self._task,), self._timeout)
         return state
 
-    def _finish(self, reason: Reason, text: str) -> bool:
-        self._states.end(reason, text)
-        return False
-
-    def close(self) -> None:
-        """Follow all points that were sent, then end: the program sends no more."""
-        self._states.close()
-
     def brake(self, reason: Reason, text: str = "") -> None:
         """Come to rest at once, then end."""
         if self._states.brake(reason, text):
             self._empty()
 
-    def end(self, reason: Reason, text: str = "") -> None:
-        """Send nothing more."""
-        self._states.end(reason, text)
-
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""
+        super().publish()
         status = self._block.status
-        status[StatusWord.SENT] = self._sent
         status[StatusWord.DRAINED] = self._states.drained
         status[StatusWord.STARVED] = self._states.starved
         status[StatusWord.TAKEN] = self._block.ring.read

@@ -58,7 +58,7 @@ class EnvelopeSpace:
             joints = connection.call("get_actual_joints_position", (), timeout)
             self.checker.seed = tuple(joints[:6])
         if sent.meaning == "step":
-            name, *args = envelope.tip
+            name, *args = sent.read
             tip = POSE_SPACE.decode(connection.call(name, tuple(args), timeout))
             self._base = POSE_SPACE.composed(self._base, tip)
 
@@ -67,9 +67,7 @@ class EnvelopeSpace:
         if self._in_joints:
             return config
         if self._turn:
-            # convert from the axes of another frame to those of the tool
-            back = POSE_SPACE.offset(self._turn, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
-            config = POSE_SPACE.composed(POSE_SPACE.composed(back, config), self._turn)
+            config = POSE_SPACE.in_axes(config, self._turn)
         return _tip(POSE_SPACE.composed(self._base, config))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from aioduco.streaming.worker.interpolation import REFERENCES
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
@@ -97,16 +97,6 @@ class Follower:
         return config
 
 
-class EnvelopeView(Protocol):
-    """Conversion of set-points for the checker of an envelope."""
-
-    checker: EnvelopeChecker
-
-    def seen(self, config: Config) -> Sequence[float]:
-        """A set-point as a configuration for the checker."""
-        ...
-
-
 class CheckedFollower(Follower):
     """A follower that sends only set-points from which the arm can stop within the envelope.
 
@@ -119,7 +109,8 @@ class CheckedFollower(Follower):
         limits: limits of velocity and acceleration; for "ruckig" also of jerk.
         period: time between two ticks of the stream [s].
         start: position of the arm, at rest.
-        place: converts set-points for the checker, and has the checker.
+        checker: checks configurations of the arm.
+        seen: converts a set-point into a configuration for the checker.
         crossed: callback with the limit that would have been crossed; it must end the stream.
         reference: reference to use instead of one of `REFERENCES`; it starts at `start`.
     """
@@ -131,19 +122,20 @@ class CheckedFollower(Follower):
         limits: Limits,
         period: float,
         start: Config,
-        place: EnvelopeView,
+        checker: EnvelopeChecker,
+        seen: Callable[[Config], Sequence[float]],
         crossed: Callable[[Crossing], None],
         reference: Reference | None = None,
     ) -> None:
         super().__init__(way, space, limits, period, start, reference)
         self._space = space
         self._period = period
-        self._place = place
-        self._checker = place.checker
+        self._checker = checker
+        self._configuration = seen
         # With a jerk limit each axis comes to rest in its own time, so the path is not straight.
         self._checker.deviation = _DEVIATION if way == "ruckig" else 0.0
         self._crossed = crossed
-        self._seen = place.seen(start)
+        self._seen = seen(start)
 
     def begin(self) -> Crossing | None:
         """Check the arm's position, and return the limit that it is beyond, if any."""
@@ -154,7 +146,7 @@ class CheckedFollower(Follower):
         limiter = self._limiter
         snapshot = limiter.snapshot()
         config = super().step()
-        here = self._place.seen(config)
+        here = self._configuration(config)
         found = self._look(config, here)
         if found is None:
             self._seen = here
@@ -174,7 +166,7 @@ class CheckedFollower(Follower):
         return config
 
     def _braked(self, config: Config) -> None:
-        self._seen = self._place.seen(config)
+        self._seen = self._configuration(config)
         self._checker.moved(self._seen)
 
     def _look(self, config: Config, here: Sequence[float]) -> Crossing | None:
@@ -193,7 +185,7 @@ class CheckedFollower(Follower):
         rest = limiter.braking()
         if not any(rest):
             return checker.sweep(here, here, speed)
-        found = checker.sweep(here, self._place.seen(self._space.moved(config, rest)), speed)
+        found = checker.sweep(here, self._configuration(self._space.moved(config, rest)), speed)
         if found is None or found.action == "slow":
             return found
         return self._look_closer(here, speed)
@@ -205,7 +197,7 @@ class CheckedFollower(Follower):
         checker.deviation = deviation and _DEVIATION_OF_STEP
         try:
             for config in self._limiter.stopping(_STEPS):
-                there = self._place.seen(config)
+                there = self._configuration(config)
                 found = checker.sweep(here, there, speed)
                 if found is not None:
                     return found
@@ -213,14 +205,6 @@ class CheckedFollower(Follower):
             return None
         finally:
             checker.seed, checker.deviation = seed, deviation
-
-
-class SpeedView(Protocol):
-    """Check of speeds against an envelope."""
-
-    def look(self, speeds: Config) -> tuple[Crossing | None, float]:
-        """The limit that the arm would cross with these speeds; and the share that is allowed."""
-        ...
 
 
 class CheckedRates(Rates):
@@ -232,7 +216,8 @@ class CheckedRates(Rates):
         space: the space whose groups are limited, each by its length.
         limits: `velocity` is the largest speed, `acceleration` its largest change per second.
         period: time between two ticks [s].
-        check: checks speeds.
+        look: returns the limit that the arm would cross with speeds, if any, and the share of them
+            that is allowed.
         crossed: callback with the limit that would have been crossed; it must end the stream.
     """
 
@@ -244,18 +229,18 @@ class CheckedRates(Rates):
         space: Space,
         limits: Limits,
         period: float,
-        check: SpeedView,
+        look: Callable[[Config], tuple[Crossing | None, float]],
         crossed: Callable[[Crossing], None],
     ) -> None:
         super().__init__(space, limits, period)
-        self._check = check
+        self._look = look
         self._crossed = crossed
 
     def step(self) -> Config:
         """Advance by one tick, or brake, and return the speed."""
         before = self.config
         config = super().step()
-        found, share = self._check.look(config)
+        found, share = self._look(config)
         if found is not None:
             self.config = before
             self._crossed(found)

@@ -43,7 +43,7 @@ from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand, Unmet
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
-from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
+from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, WorkerPermit
 from aioduco.streaming.worker.rest import Line, bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -51,7 +51,9 @@ from aioduco.supervision.unanswered import UnansweredMotion
 if TYPE_CHECKING:
     import socket
 
-    from aioduco.streaming.shared.config import WorkerConfig, WorkerSettings
+    from aioduco.streaming.shared.config import WorkerConfig
+    from aioduco.streaming.shared.options import WorkerOptions
+    from aioduco.streaming.worker.driver import Driver
 
 __all__ = ["StreamWorker", "main", "run_in_thread"]
 
@@ -131,7 +133,8 @@ class StreamWorker:
             # The program must see an internal error of the worker, so it is reported, not raised.
             reason, text = Reason.FAILED, traceback.format_exc()[-900:]
         if self._driver is not None:
-            reason, text = self._driver.reason or reason, self._driver.text or text
+            life = self._driver.life
+            reason, text = life.reason or reason, life.text or text
             with contextlib.suppress(DucoError):
                 self._driver.publish()
         try:
@@ -311,7 +314,7 @@ class StreamWorker:
         if control[StreamCommand.ABORT]:
             driver.brake(Reason.ABORTED)
         elif control[StreamCommand.CLOSE]:
-            driver.close()
+            driver.life.close()
         if now - self._looked < _LOOK:
             return
         self._looked = now
@@ -321,7 +324,7 @@ class StreamWorker:
             drop_realtime_priority()
             self._block.status[StatusWord.PRIORITY] = 0
         if self._terminated:
-            driver.brake(Reason.FAILED, "the lane's process was told to end by a signal")
+            driver.brake(Reason.FAILED, "the worker's process was told to end by a signal")
         if self._gone():
             dead = self._process and os.getppid() != self._parent
             # If a guard stops the robot at once, more set-points would only start it again.
@@ -346,12 +349,12 @@ class StreamWorker:
 
     def _publish(self, driver: Driver, now: int) -> None:
         block = self._block
-        told = (driver.state, driver.reason)
+        told = (driver.state, driver.life.reason)
         if told != self._told:
             self._told = told
             driver.publish()
             # before the reason, with which the program reads it
-            block.text = driver.text
+            block.text = driver.life.text
             block.status[StatusWord.STATE], block.status[StatusWord.REASON] = told
             self._wake_program()
         elif now - self._reported >= _REPORT:
@@ -367,7 +370,7 @@ class StreamWorker:
             self._link.send(b"\1")
 
 
-def prepare(options: WorkerSettings) -> Unmet:
+def prepare(options: WorkerOptions) -> Unmet:
     """Request timer slack, time slice, processors and priority for the calling thread.
 
     Returns:
@@ -409,11 +412,11 @@ def main(arguments: list[str]) -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link, memory = arguments
     block = Block.open(int(memory) if memory.isdecimal() else memory)
-    lane = StreamWorker(block, handed_socket(link), process=True)
+    worker = StreamWorker(block, handed_socket(link), process=True)
     for number in ending_signals():
-        signal.signal(number, lambda *_: lane.terminate())
+        signal.signal(number, lambda *_: worker.terminate())
     # Imported objects are never garbage: exclude them from every collection from here on.
     gc.collect()
     gc.freeze()
-    lane.run()
+    worker.run()
     return 0

@@ -1,31 +1,23 @@
 """Conversion of the program's set-points to one set-point of the wire per tick, within the limits.
 
-`SetpointSource` decides which target is followed, and when and why the stream ends. It is pure.
-Its states:
-
-WAITING     nothing has been sent yet.
-FOLLOWING   the program sends, and the arm follows.
-HOLDING     the program is late. The arm goes to the last target and stays there; a stream of
-            speeds keeps its speed. A new set-point leads back to FOLLOWING.
-DECELERATING  the end is decided and its reason known. No more set-points are taken; the arm comes
-            to rest within the limits.
-ENDED       nothing more is sent.
-
-The state never goes back from DECELERATING or ENDED, and the first reason and its text stay.
+`SetpointSource` decides which target is followed, and when and why the stream ends. It is pure. Its
+states are those of `Life`. While it is HOLDING, the arm goes to the last target and stays there; a
+stream of speeds keeps its speed.
 """
 
 from __future__ import annotations
 
 import json
 import time
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import StatusWord
-from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.follower import CheckedFollower, CheckedRates, Follower
+from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
@@ -34,7 +26,8 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import EnvelopeSettings, FeedingSettings
+    from aioduco.streaming.shared.config import EnvelopeSettings
+    from aioduco.streaming.shared.options import Feeding
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.chunks import ActionTimeline
@@ -42,7 +35,6 @@ if TYPE_CHECKING:
 __all__ = [
     "ChunkSource",
     "Follower",
-    "FollowerProtocol",
     "SetpointFeed",
     "SetpointSource",
     "within",
@@ -56,21 +48,7 @@ _ROUNDING = 1 - 1e-9
 _PER_TICK = 64  # actions taken in one tick at most, so that a long chunk delays no tick
 
 
-class FollowerProtocol(Protocol):
-    """The interface of `Follower` and of `Rates` that a source uses."""
-
-    @property
-    def config(self) -> Config: ...  # noqa: D102
-    @property
-    def ready(self) -> bool: ...  # noqa: D102
-    @property
-    def at_rest(self) -> bool: ...  # noqa: D102
-    def aim(self, target: Config, interval: float, duration: float) -> None: ...  # noqa: D102
-    def step(self) -> Config: ...  # noqa: D102
-    def brake(self) -> Config: ...  # noqa: D102
-
-
-class SetpointSource:
+class SetpointSource(Life):
     """One set-point per tick, until a defined end.
 
     Args:
@@ -84,9 +62,6 @@ class SetpointSource:
         rates: whether the set-points are speeds; a stream of speeds ends at speed zero.
 
     Attributes:
-        state: state of the stream.
-        reason: why it ends; NONE before.
-        text: more about the reason; empty if there is nothing to add.
         starved: ticks in which the arm moved, a set-point was due and none had arrived.
     """
 
@@ -101,6 +76,7 @@ class SetpointSource:
         reach: tuple[float, ...] = (),
         rates: bool = False,
     ) -> None:
+        super().__init__()
         self._space = space
         self._period = period
         self._hold = hold
@@ -109,36 +85,14 @@ class SetpointSource:
         self._paced = paced
         self._reach = reach
         self._rates = rates
-        self._follower: FollowerProtocol | None = None
-        self._closing = False
+        self._follower: Follower | Rates | None = None
         self._stamp = 0
         self._idle = 0
-        self.state: StreamState = StreamState.WAITING
-        self.reason: Reason = Reason.NONE
-        self.text: str = ""
         self.starved: int = 0
 
-    def begin(self, follower: FollowerProtocol) -> None:
+    def begin(self, follower: Follower | Rates) -> None:
         """Set the follower of the targets; it starts at the arm's position."""
         self._follower = follower
-
-    def close(self) -> None:
-        """Follow to the last target, then end: the program sends no more targets."""
-        self._closing = True
-
-    def brake(self, reason: Reason, text: str = "") -> None:
-        """Come to rest at once, then end."""
-        if self.state is StreamState.WAITING:
-            self.end(reason, text)
-        if self.state < StreamState.DECELERATING:
-            self.state, self.reason, self.text = StreamState.DECELERATING, reason, text
-
-    def end(self, reason: Reason, text: str = "") -> None:
-        """Send nothing more: the arm is stopped by another caller, or cannot be reached."""
-        if self.state < StreamState.ENDED:
-            self.state = StreamState.ENDED
-            if not self.reason:
-                self.reason, self.text = reason, text
 
     def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
         """Advance by one tick.
@@ -151,7 +105,7 @@ class SetpointSource:
         """
         follower = self._follower
         if follower is None or self.state is StreamState.ENDED:
-            if self._closing:
+            if self.closing:
                 self.end(Reason.CLOSED)
             return None
         if self.state is not StreamState.DECELERATING:
@@ -167,19 +121,19 @@ class SetpointSource:
                 config = follower.step()
         return config
 
-    def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
+    def _follow(self, follower: Follower | Rates, take: Callable[[], SetPoint | None]) -> None:
         point = take() if follower.ready or not self._paced else None
         if point is not None:
             self._aim(follower, point)
         elif self.state is StreamState.WAITING:
-            if self._closing:
+            if self.closing:
                 self.end(Reason.CLOSED)
-        elif self._closing and follower.ready:
+        elif self.closing and follower.ready:
             self._finish(follower)
         else:
             self._wait(follower)
 
-    def _aim(self, follower: FollowerProtocol, point: SetPoint) -> None:
+    def _aim(self, follower: Follower | Rates, point: SetPoint) -> None:
         target = point.values if self._rates else self._space.decode(point.values)
         if self.state is StreamState.WAITING:
             if not self._rates and not within(self._space, follower.config, target, self._reach):
@@ -194,14 +148,14 @@ class SetpointSource:
         duration = self._interval if self._paced else self._interval * _LATE
         follower.aim(target, self._interval, duration)
 
-    def _finish(self, follower: FollowerProtocol) -> None:
+    def _finish(self, follower: Follower | Rates) -> None:
         """End when the arm has reached the last target: there are no more."""
         if self._rates:
             self.brake(Reason.CLOSED)
         elif follower.at_rest:
             self.end(Reason.CLOSED)
 
-    def _wait(self, follower: FollowerProtocol) -> None:
+    def _wait(self, follower: Follower | Rates) -> None:
         """Process a tick without a new set-point; it counts as starved only if the arm moves."""
         self._idle += 1
         idle = self._idle * self._period
@@ -243,28 +197,28 @@ class ChunkSource(SetpointSource):
         self._clock = clock
         self._chunk: list[Config] = []
 
-    def _follow(self, follower: FollowerProtocol, take: Callable[[], SetPoint | None]) -> None:
+    def _follow(self, follower: Follower | Rates, take: Callable[[], SetPoint | None]) -> None:
         timeline = self._timeline
-        timeline.advance(self._clock() * 1e-9, closing=self._closing)
+        timeline.advance(self._clock() * 1e-9, closing=self.closing)
         for _ in range(_PER_TICK):
             point = take()
             if point is None:
                 break
             self._add(follower, point)
         if self.state is StreamState.WAITING:
-            if self._closing:
+            if self.closing:
                 self.end(Reason.CLOSED)
         elif self.state is StreamState.ENDED:
             return
         elif not timeline.ready:
             self._idle = 0
             self.state = StreamState.FOLLOWING
-        elif self._closing:
+        elif self.closing:
             self._finish(follower)
         else:
             self._wait(follower)
 
-    def _add(self, follower: FollowerProtocol, point: SetPoint) -> None:
+    def _add(self, follower: Follower | Rates, point: SetPoint) -> None:
         """Add an action to its chunk; the last one completes it."""
         tag = ActionTag.unpack(point.extra)
         if tag.position == 0:
@@ -276,7 +230,7 @@ class ChunkSource(SetpointSource):
         place = self._timeline.take(begin, tuple(self._chunk))
         if self.state is not StreamState.WAITING:
             return
-        self.state: StreamState = StreamState.HOLDING
+        self.state = StreamState.HOLDING
         if place is not None and not within(self._space, follower.config, place, self._reach):
             self.end(Reason.TOO_FAR)
 
@@ -303,6 +257,8 @@ class SetpointFeed:
         self._config = config
         self._connection = connection
         self._block = block
+        self._timeout = config.options.timeout
+        self._directions = Directions(config.sent.turning, connection.call, self._timeout)
         self._space = config.sent.space
         self._meaning = config.sent.meaning
         self._before = POSE_SPACE.decode((0.0,) * 6)
@@ -316,7 +272,7 @@ class SetpointFeed:
         self._next = block.ring.newest if config.feeding.latest else block.ring.take
         self._age = block.histograms["age"].record
 
-    def _make_source(self, feeding: FeedingSettings) -> SetpointSource:
+    def _make_source(self, feeding: Feeding) -> SetpointSource:
         if feeding.chunks:
             # imported here: only a stream with chunks needs it
             from aioduco.streaming.worker.chunks import ActionTimeline  # noqa: PLC0415
@@ -389,7 +345,8 @@ class SetpointFeed:
             config.sent.limits,
             self._period,
             start,
-            place,
+            place.checker,
+            place.seen,
             self._crossed,
             self._timeline,
         )
@@ -404,9 +361,8 @@ class SetpointFeed:
         from aioduco.streaming.worker.checked import SpeedCheck  # noqa: PLC0415
 
         config = self._config
-        directions = Directions(self._connection, config.sent.turning, config.options.timeout)
-        check = SpeedCheck(envelope, config, self._connection, directions.turned)
-        return CheckedRates(self._space, config.sent.limits, self._period, check, self._crossed)
+        look = SpeedCheck(envelope, config, self._connection, self._directions.turned).look
+        return CheckedRates(self._space, config.sent.limits, self._period, look, self._crossed)
 
     def _crossed(self, found: Crossing) -> None:
         """Come to rest, if the arm moves: a set-point would have crossed the envelope."""
@@ -417,14 +373,12 @@ class SetpointFeed:
         if self._meaning == "step":
             turning = self._config.sent.turning
             if turning is not None:
-                timeout = self._config.options.timeout
-                place = Directions(self._connection, turning, timeout).place(turning)
+                place = self._directions.place(turning)
                 self._start = (0.0, 0.0, 0.0, *place[3:])
                 self._before = self._start
             return [0.0] * 6
         name, *args = self._config.sent.read
-        timeout = self._config.options.timeout
-        actual: list[float] = self._connection.call(name, tuple(args), timeout)
+        actual: list[float] = self._connection.call(name, tuple(args), self._timeout)
         return actual
 
     def step(self) -> tuple[float, ...] | None:
@@ -450,6 +404,13 @@ class SetpointFeed:
             config = POSE_SPACE.composed(config, self._start)
         before, self._before = self._before, config
         return POSE_SPACE.encode(POSE_SPACE.offset(before, config))
+
+    def wire(self, values: tuple[float, ...]) -> tuple[float, ...]:
+        """A set-point in the frame of the wire: speeds are rotated when they are sent.
+
+        Steps are rotated once, where they are added up.
+        """
+        return self._directions.turned(values) if self._meaning == "speed" else values
 
     def _take(self) -> SetPoint | None:
         point = self._next()

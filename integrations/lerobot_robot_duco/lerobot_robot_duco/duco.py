@@ -13,7 +13,7 @@ from lerobot.robots import Robot
 from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnectedError
 
 import aioduco.sync
-from aioduco import LaneOptions
+from aioduco import WorkerOptions
 from aioduco.errors import ParameterError, StreamStarved
 from lerobot_robot_duco.config_duco import DucoConfig
 
@@ -214,7 +214,7 @@ class Duco(Robot):
                 hold=config.hold,
                 max_step=2 * config.max_step,
                 reach=2 * config.max_step,
-                options=LaneOptions(timeout=config.timeout),
+                options=WorkerOptions(timeout=config.timeout),
             )
             self._streaming.enter_context(stream)
             self._stream = stream

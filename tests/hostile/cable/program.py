@@ -58,11 +58,11 @@ async def stream(robot: aioduco.Robot, seconds: float) -> None:
     """It fails while set-points lead the arm along a sine."""
     first, *others = await robot.state.get_actual_joints_position()
     ready = False
-    async with robot.servo.joints(v=1.0, a=5.0, rate=250) as lane:
+    async with robot.servo.joints(v=1.0, a=5.0, rate=250) as stream:
         try:
-            async for tick in lane.ticks():
+            async for tick in stream.ticks():
                 swing = (1 - math.cos(2 * math.pi * _FREQUENCY * tick.time)) / 2
-                await lane.send([first + _AMPLITUDE * swing, *others])
+                await stream.send([first + _AMPLITUDE * swing, *others])
                 if not ready and tick.time >= _WARM:
                     ready = True
                     say("ready")

@@ -12,7 +12,7 @@ import anyio
 import numpy as np
 import pytest
 
-from aioduco import LaneOptions
+from aioduco import WorkerOptions
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
 from aioduco.integrations.ros.joint_commands import check_command
@@ -42,7 +42,7 @@ async def running(sim: Simulator, **given: Any) -> AsyncIterator[ArmNode]:
         host=sim.host, port=sim.port, heartbeat=20.0, through="servoj", rate=20.0, **given
     )
     # this machine may be busy for longer than a stream waits for an answer
-    options = LaneOptions(timeout=20.0, connect_timeout=30.0)
+    options = WorkerOptions(timeout=20.0, connect_timeout=30.0)
     async with arm_node(settings, options=options) as node:
         for reply in (
             await node.services.bring_up(),
