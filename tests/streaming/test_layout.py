@@ -69,6 +69,8 @@ USED = {
     "aioduco.errors",
     "aioduco.scheduling",
     "aioduco.streaming",
+    "aioduco.supervision",
+    "aioduco.supervision.unanswered",
 }
 OF_THE_WIRE = {"channel", "lane", "owner_loop", "pool", "messages"}
 
