@@ -418,7 +418,7 @@ class Supervisor:
             self.gate.rearm(boot_time())  # opening may have taken long: it moved nothing
             if self.heartbeat is not None:
                 self.heartbeat.start()
-                if not await _beats(self.heartbeat, timeout):
+                if not await _beats(self.heartbeat, self.gate, timeout):
                     silent = TimeoutError("the heartbeat was not answered")
                     raise silent from self.heartbeat.error
         except TimeoutError as exc:
@@ -452,7 +452,7 @@ class Supervisor:
             return
         self.heartbeat.rearm()
         self.gate.rearm(boot_time())
-        if not await _beats(self.heartbeat, limit):
+        if not await _beats(self.heartbeat, self.gate, limit):
             raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")
 
     def _watch_loop(self) -> None:
@@ -615,11 +615,19 @@ async def _version(lane: WireLane) -> str:
     return version
 
 
-async def _beats(heartbeat: HeartbeatLike, timeout: float) -> bool:
-    """Wait until a beat was answered. Returns whether one was, within `timeout` seconds."""
+async def _beats(heartbeat: HeartbeatLike, gate: Gate, timeout: float) -> bool:
+    """Wait until a beat was answered, and the gate knows. Returns whether it was in time.
+
+    The heartbeat's thread tells the gate after it has noted the answer.
+
+    Args:
+        heartbeat: the heartbeat.
+        gate: what it opens.
+        timeout: seconds to wait.
+    """
     until = time.monotonic() + timeout
     async for due in every(_LOOK_EVERY):
-        if heartbeat.answered:
+        if heartbeat.answered and gate.lease > -math.inf:
             return True
         if due >= until:
             break
