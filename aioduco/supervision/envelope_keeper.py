@@ -172,7 +172,9 @@ class EnvelopeKeeper:
     def _live(self) -> bool:
         """Whether something of this program moves the arm, or is about to."""
         coordinator = self._coordinator
-        return bool(self._motions or coordinator.modes.moving or coordinator.pending)
+        # what was resumed, and the rest of a blocking call that was answered early, have no task
+        taskless = coordinator.gate.resumed or coordinator.modes.moving
+        return bool(taskless or self._motions or coordinator.pending)
 
     async def _check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""

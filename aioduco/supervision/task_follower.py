@@ -40,7 +40,7 @@ from aioduco.models.enums import Outcome, TaskState
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import GRID, Alarm, on_grid
 from aioduco.supervision.task import Task, TaskControl
-from aioduco.supervision.task_state import STOOD, TaskLifecycle
+from aioduco.supervision.task_state import STOOD, TaskLifecycle, added_entries
 from aioduco.trace import tell
 
 if TYPE_CHECKING:
@@ -226,6 +226,15 @@ class TaskFollower:
             await self._read_error_list()
         self._told += 1
         return self._error_list or ()
+
+    async def new_errors(self, before: Sequence[str]) -> tuple[str, ...]:
+        """Return what a command that has failed, and is no task, added to the error list."""
+        try:
+            found = await self._lane.call("get_last_error", (), ASK_LIMIT)
+        except DucoError:
+            return ()
+        self._error_list = tuple(found)
+        return added_entries(before, found)
 
     async def _read_error_list(self) -> None:
         self._list_due = False
