@@ -210,7 +210,6 @@ class Supervisor:
             self.feed, self._feed_lane, self._background, self._heartbeat_state
         )
         self.envelope: EnvelopeKeeper = EnvelopeKeeper(
-            self.dispatcher,
             self.stop_coordinator,
             self.retrying,
             self.feed,
@@ -218,6 +217,7 @@ class Supervisor:
             self._background,
             settings,
         )
+        self.dispatcher.check = self.envelope.check
         self._replacing_guard = False
         self._exit_stop: ExitStop | None = None
         self._watchdog: LoopWatchdog | None = None

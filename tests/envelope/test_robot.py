@@ -333,10 +333,10 @@ async def test_singularities_are_kept_away_from(robot: aioduco.Robot) -> None:
 
 async def test_without_an_envelope_nothing_is_asked_or_checked(robot: aioduco.Robot) -> None:
     assert robot.envelope is None
-    supervisor = robot._supervisor
-    assert supervisor.dispatcher.check is None
     samples = robot.feed.statistics().samples
+    asked = robot.statistics().lanes["call"].calls
     await robot.motion.movej2((0.1, *START[1:]), v=3.0, a=20.0)
+    assert robot.statistics().lanes["call"].calls == asked
     assert robot.feed.statistics().samples == samples == 0
     with pytest.raises(aioduco.ParameterError):
         robot.envelope = "table"  # type: ignore[assignment]  # it is refused
