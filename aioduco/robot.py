@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._wire.host import HOST_RULE, is_host
+from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.controller_clock import WallClock
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.names import ManualNames
