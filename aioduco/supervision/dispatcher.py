@@ -27,7 +27,6 @@ from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
-from aioduco.supervision.task_state import TaskLifecycle
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Sequence
@@ -368,23 +367,17 @@ class Dispatcher:
             on_cancel = "detach"
         elif command.continuous is not None and (on_cancel or self._settings.on_cancel) == "pause":
             on_cancel = "stop"  # a paused motion would continue later, and nothing would end it
-        since = self._clock.now()
         if deadline is None and command.continuous is not None:
             deadline = command.continuous.limit
         task = Task(
             self._coordinator,
-            command.name,
+            command,
             task_id,
-            TaskLifecycle(blends=command.blends, continuous=command.continuous),
             clock=self._clock,
             accepted_at=accepted_at,
-            since=since,
             stops_before=stops,
-            motion=command.motion,
             on_cancel=on_cancel or self._settings.on_cancel,
-            deadline=None if deadline is None else since + deadline,
-            continuous=command.continuous,
-            eta=command.eta,
+            deadline=deadline,
             errors_before=errors,
         )
         if command.continuous and command.continuous.timed_by_program and command.continuous.time:
