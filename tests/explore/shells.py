@@ -25,6 +25,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 from unittest.mock import patch
 
+import aioduco
 from aioduco._wire.channel import LaneCall
 from aioduco._wire.idl import functions
 from aioduco.errors import (
@@ -41,7 +42,6 @@ from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.motion_sources import Claim
 from aioduco.supervision.permits import Permits
-from aioduco.supervision.settings import RobotSettings
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.task_command import Command as WireCommand
@@ -61,6 +61,10 @@ _LIMIT: Final = 200.0
 _TURNS: Final = 3_000
 #: seconds for which something is held: longer than it takes to see the arm stand
 _HELD: Final = 0.1
+#: those of the robots
+_SETTINGS: Final = aioduco.connect(
+    "192.0.2.1", heartbeat=None, loop_stall_limit=1e6, unanswered_timeout=4.0, stop_timeout=3.0
+)._supervisor.settings
 #: the motion that is sent by a blocking call
 _BLOCKS: Final = "movel"
 #: functions of the wire that move the arm, by the kinds of commands
@@ -536,9 +540,7 @@ class Robot:
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        settings = RobotSettings(
-            heartbeat=None, loop_stall_limit=1e6, unanswered_timeout=4.0, stop_timeout=3.0
-        )
+        settings = _SETTINGS
         lanes = [
             cast("WireLane", Lane(run, name)) for name in ("stop", "control", "poll", "motion")
         ]
