@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._wire.host import HOST_RULE, is_host
+from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.controller_clock import WallClock
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.names import ManualNames
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from aioduco.api.blocking import BlockingMotions
     from aioduco.api.bus import Bus
     from aioduco.api.compound import Compound
     from aioduco.api.external_axes import ExternalAxes
@@ -93,6 +94,9 @@ _SECTIONS_WITH_STREAMS = {
     "track": "aioduco.api.track.Track",
     "realtime": "aioduco.api.realtime.Realtime",
 }
+#: the section with the motions of others, and those others
+_BLOCKING = "aioduco.api.blocking.BlockingMotions"
+_BLOCKED = ("motion", "program", "track", "external_axes", "force")
 #: sections with streams alone
 _STREAMS = {
     "servo": "aioduco.streaming.servo.Servo",
@@ -101,7 +105,7 @@ _STREAMS = {
 #: what a robot that is open may need besides: it is loaded before
 _NEEDED_OPEN = frozenset(
     {
-        *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint"),
+        *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint", "aioduco.api.blocking"),
         "aioduco.supervision.guard.client",  # of `stop_all`
         *(
             place.rpartition(".")[0]
@@ -274,6 +278,7 @@ class Robot(ManualNames):
         port: its TCP port.
         system: power, brakes, operation mode.
         motion: motions, jogs, hand guiding, joint trajectories.
+        blocking: motions by the manual's blocking calls, which return the state of their task.
         servo: streams of positions to follow.
         speed: streams of speeds.
         program: programs and files of the controller.
@@ -298,6 +303,7 @@ class Robot(ManualNames):
 
     system: System
     motion: Motion
+    blocking: BlockingMotions
     servo: Servo
     speed: Speed
     program: Program
@@ -344,6 +350,9 @@ class Robot(ManualNames):
                 section = _load(_SECTIONS[name])(self._supervisor)
             elif name in _SECTIONS_WITH_STREAMS:
                 section = _load(_SECTIONS_WITH_STREAMS[name])(self._supervisor, self._endpoint)
+            elif name == "blocking":
+                others = (getattr(self, other) for other in _BLOCKED)
+                section = _load(_BLOCKING)(self._supervisor, *others)
             elif name in _STREAMS:
                 section = _load(_STREAMS[name])(self._endpoint)
             else:
@@ -351,7 +360,8 @@ class Robot(ManualNames):
             return vars(self).setdefault(name, section)  # another thread may have made it, too
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *_SECTIONS, *_SECTIONS_WITH_STREAMS, *_STREAMS})
+        made = (*_SECTIONS, *_SECTIONS_WITH_STREAMS, *_STREAMS, "blocking")
+        return sorted({*super().__dir__(), *made})
 
     @cached_property
     def _endpoint(self) -> StreamEndpoint:

@@ -25,14 +25,18 @@ DATA = ROOT / "tests" / "data"
 
 sys.path.insert(0, str(ROOT))
 
+from aioduco.api.blocking import BlockingMotions  # noqa: E402  # of this checkout
 from aioduco.models import names  # noqa: E402  # of this checkout
 from aioduco.models.names import BY_ITSELF, CLIENT_SIDE  # noqa: E402  # of this checkout
+
+BLOCKING = {name for name in vars(BlockingMotions) if name[0] != "_"}
 
 HEAD = """# Functions
 
 Every function of the manual (version 3.8, sections 1.3.1 to 1.3.16) and of the wire, and its name
 here. Names are those of the wire; where the manual has another one, it stands in brackets. The
-parameter `block` does not appear here: a motion is awaited, or started and followed.
+parameter `block` does not appear here: a motion is awaited, or started and followed. Those that
+[`robot.blocking`](reference/blocking.md) has, too, are called there with `block` true.
 
 The last column says which controllers lack the function: *oldest* and *older* are two generations
 of the vendor's client that public repositories carry; which versions of the controller's software
@@ -96,7 +100,9 @@ def sections() -> dict[str, list[tuple[str, str]]]:
 def ours(name: str) -> str:
     """How a program writes a function of the wire; empty if it cannot."""
     where = names.place(name)
-    return BY_ITSELF.get(name, "") if where is None else f"`{where}`"
+    if where is None:
+        return BY_ITSELF.get(name, "")
+    return f"`{where}`, `robot.blocking.{name}`" if name in BLOCKING else f"`{where}`"
 
 
 def lacking() -> dict[str, str]:

@@ -630,6 +630,8 @@ class Generator:
         """The whole text of the module that says where each function of the wire is."""
         lines = ["PLACES: Final = {"]
         for section, kind in {"": Robot, **self.sections()}.items():
+            if section == "blocking":
+                continue  # the same functions again
             names = [name for name in vars(Functions) if name[0] != "_" and hasattr(kind, name)]
             filled = textwrap.wrap(" ".join(names), 92)
             if filled:
@@ -702,7 +704,7 @@ def _broken(head: str, arguments: list[str], tail: str) -> list[str]:
     starred = any(each.startswith("*") and each != "*" for each in arguments)
     if len(inner) <= 100:
         return [f"{head}(", inner, f"{indent}){tail}"]
-    if not head.lstrip().startswith("def "):
+    if not head.lstrip().startswith(("def ", "async def ")):
         # of a call nobody reads but whether it passes everything on
         filled = textwrap.wrap(", ".join(arguments), 96 - len(indent), break_long_words=False)
         return [f"{head}(", *(f"{indent}    {line}" for line in filled), f"{indent}){tail}"]

@@ -170,7 +170,7 @@ NAMED_MEMORY = "shared/backing.py"  # loads shared memory with a name, where the
 NOT_IN_A_WORKER = {"anyio", "asyncio", "numpy", "concurrent", "multiprocessing"}
 
 #: by package, how many modules may import one another in a row
-LONGEST_CHAIN = {"aioduco.streaming": 9, "aioduco.supervision": 8}
+LONGEST_CHAIN = {"aioduco.streaming": 9, "aioduco.supervision": 9}
 
 #: packages of which no module imports itself through others; `.ci/count` looks at all of them
 FREE_OF_CIRCLES = [

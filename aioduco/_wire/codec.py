@@ -11,9 +11,8 @@ import os
 import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from aioduco._wire.framing import Malformed, StructScanner
+from aioduco._wire.framing import Malformed, StructScanner, TType
 from aioduco._wire.type_checks import TypeMismatch
-from aioduco._wire.types import TType
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
 if TYPE_CHECKING:

@@ -21,8 +21,7 @@ from aioduco.errors import ConnectError, ConnectionLost, ControllerError, NotSen
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco._wire.endpoint import Address
-    from aioduco._wire.host import Route
+    from aioduco._wire.endpoint import Address, Route
 
 #: seconds within which a call through `Connection.rpc` must be answered
 _CALL_TIMEOUT: Final = 2.0

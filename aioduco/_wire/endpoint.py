@@ -1,4 +1,8 @@
-"""The controller's end of connections: its name is resolved off the event loop, with a deadline."""
+"""The controller's end of connections: a host, and which of its addresses is tried for how long.
+
+A name is resolved off the event loop, with a deadline. It may have several addresses, of which one
+leads nowhere: a second network, or an old entry.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +14,30 @@ from collections import deque
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from aioduco._wire.host import HOST_RULE, Route, is_host
-from aioduco._wire.resource_errors import resource_error
+from aioduco._wire.failures import resource_error
 from aioduco.errors import ConnectError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Iterator
 
-__all__ = ["Address", "Endpoint", "Lookup"]
+__all__ = ["HOST_RULE", "Address", "Endpoint", "Lookup", "Route", "is_host"]
 
 #: seconds after which the resolution of a name counts as hanging
 _HANGS_AFTER: Final = 1.0
+HOST_RULE: Final = (
+    "a name or an address, without blanks and control characters, each part 1 to 63 characters "
+    "long, 253 in all"
+)
+
+
+def is_host(host: str) -> bool:
+    """Whether it can be a name or an address. The system reads only a part of some other texts."""
+    if not host or not host.isprintable() or " " in host:
+        return False
+    try:
+        return len(host.encode("idna")) <= 253
+    except UnicodeError:
+        return False
 
 
 class Address(NamedTuple):
@@ -106,6 +123,38 @@ class Lookup:
             except IndexError:
                 return  # the other side was faster
             callback()
+
+
+class Route:
+    """The way to one host; connections that share it begin with the address that connected last.
+
+    Attributes:
+        address: the address that connected last, in the form of `socket.getaddrinfo`; None before.
+    """
+
+    __slots__ = ("address",)
+
+    def __init__(self) -> None:
+        self.address: Any = None
+
+    def tries(
+        self, found: Iterable[tuple[Any, ...]], deadline: float
+    ) -> Iterator[tuple[tuple[Any, ...], float]]:
+        """Yield each address, and the time until which to try it [s of `time.monotonic`].
+
+        The time that is left is shared equally by the addresses that are left: one that does not
+        answer leaves time for the others. No address is yielded after the deadline.
+
+        Args:
+            found: the answer of `socket.getaddrinfo`.
+            deadline: time by which one must have connected.
+        """
+        order = sorted(dict.fromkeys(found), key=lambda each: each[-1] != self.address)
+        for left, each in zip(range(len(order), 0, -1), order, strict=True):
+            now = time.monotonic()
+            if now >= deadline:
+                return
+            yield each, now + (deadline - now) / left
 
 
 class Endpoint:

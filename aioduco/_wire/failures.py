@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import errno
+from typing import TYPE_CHECKING, Final
 
 from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
@@ -19,7 +20,27 @@ from aioduco.errors import (
 if TYPE_CHECKING:
     from aioduco._wire.idl import Function
 
-__all__ = ["DeadlinePassed", "Ended", "failure", "may_send_again", "of_two", "reason_of"]
+__all__ = [
+    "DeadlinePassed",
+    "Ended",
+    "failure",
+    "may_send_again",
+    "of_two",
+    "reason_of",
+    "resource_error",
+]
+
+#: resources that this computer refuses
+_WORDS: Final = {
+    errno.EMFILE: "this process has no file descriptor left (EMFILE); close some, or raise its "
+    "limit (ulimit -n)",
+    errno.ENFILE: "this computer has no file descriptor left (ENFILE)",
+    errno.ENOBUFS: "this computer has no memory left for sockets (ENOBUFS)",
+    errno.ENOMEM: "this computer has no memory left (ENOMEM)",
+    errno.EAGAIN: "this computer gives this user no more processes or memory (EAGAIN)",
+    errno.EACCES: "this computer does not permit it (EACCES)",
+    errno.EPERM: "this computer does not permit it (EPERM)",
+}
 
 
 class DeadlinePassed(Exception):
@@ -90,3 +111,19 @@ def of_two(first: ConnectionLost | None, second: BaseException) -> BaseException
         first.__cause__ = second
         return first
     return second
+
+
+def resource_error(error: BaseException | None) -> str:
+    """Describe the resource that this computer refused; "" if the error has another cause.
+
+    Args:
+        error: the error; its causes are searched too.
+    """
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in _WORDS:
+            return _WORDS[error.errno]
+        # Python sets no errno here, only this text.
+        if isinstance(error, RuntimeError) and "start new thread" in str(error):
+            return "this process can start no more threads"
+        error = error.__cause__
+    return ""

@@ -12,7 +12,26 @@ from __future__ import annotations
 import struct
 from typing import Any, Final, NamedTuple
 
-from aioduco._wire.types import TType
+
+class TType:
+    """The numbers of Thrift's types, as in thriftpy2, which is not loaded for them.
+
+    `STOP` ends a struct.
+    """
+
+    STOP: Final = 0
+    BOOL: Final = 2
+    BYTE: Final = 3
+    DOUBLE: Final = 4
+    I16: Final = 6
+    I32: Final = 8
+    I64: Final = 10
+    STRING: Final = 11
+    STRUCT: Final = 12
+    MAP: Final = 13
+    SET: Final = 14
+    LIST: Final = 15
+
 
 #: the longest reply that is accepted; a status has 1 kB, the longest list of files some 100 kB
 MAX_REPLY: Final = 4 * 1024 * 1024

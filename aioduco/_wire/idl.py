@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from aioduco._wire import rpc
+from aioduco._wire.framing import TType
 from aioduco._wire.layout import Layouts, packer
 from aioduco._wire.type_checks import Check, check_of, type_of
-from aioduco._wire.types import TType
 
 SERVICE = "RPCRobot"
 

@@ -28,8 +28,7 @@ from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit,
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from aioduco._wire.endpoint import Address
-    from aioduco._wire.host import Route
+    from aioduco._wire.endpoint import Address, Route
     from aioduco.trace import Trace
 
 _CLOSED: Final = "its lane was closed"

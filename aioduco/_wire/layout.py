@@ -12,8 +12,7 @@ import contextlib
 import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
-from aioduco._wire.framing import FIXED_WIDTHS
-from aioduco._wire.types import TType
+from aioduco._wire.framing import FIXED_WIDTHS, TType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from numbers import Real
 from typing import Any, Final, TypeAlias
 
-from aioduco._wire.types import TType
+from aioduco._wire.framing import TType
 
 #: function that returns if the value fits, and else raises `TypeMismatch`
 Check: TypeAlias = Callable[[Any], None]

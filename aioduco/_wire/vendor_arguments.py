@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._wire import idl
+from aioduco._wire.framing import TType
 from aioduco._wire.type_checks import BITS, type_of
-from aioduco._wire.types import TType
 
 if TYPE_CHECKING:
     from aioduco._wire.rpc import Op

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import (
     ControllerError,
+    ParameterError,
     Refused,
     RobotStateError,
     TaskError,
@@ -32,7 +33,7 @@ from aioduco.models.names import ManualNames
 from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
-from aioduco.supervision.task_command import Command
+from aioduco.supervision.task_command import Command, shown
 from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
@@ -165,6 +166,31 @@ class Section(ManualNames):
             await supervisor.dispatcher.adopt(command, answer)
         else:
             check_finished(call.name, answer)
+
+    async def _block(self, motion: MotionCommand) -> TaskState:
+        """Carry out a motion by the manual's blocking call, and return the state of its task.
+
+        Raises:
+            ParameterError: only a command ends it; nothing was sent.
+            TaskError: it ended otherwise than by itself: one of the subclasses.
+        """
+        supervisor, command = self._supervisor, motion.command
+        motion.hand_over()
+        held = command.continuous
+        if held is not None and (held.time is None or held.timed_by_program):
+            raise ParameterError(
+                *("motion", shown(command)),
+                "one that ends by itself: a velocity for a time, or a jog with a step. "
+                f"robot.motion.{command.name} makes one that a command ends",
+            )
+        supervisor.check_open(command.name)
+        follower = supervisor.stop_coordinator.follower
+        before = await follower.error_list()
+        state = await motion.block(supervisor.blocking)
+        if state is TaskState.FINISHED or (state is TaskState.INTERRUPT and command.blends):
+            return state
+        check_finished(command.name, state, await follower.new_errors(before))
+        return state
 
     async def _enter(self, call: WireCall[int], ending: str, args: tuple[bool, ...]) -> None:
         """Enter a mode in which the arm follows or gives way, for which the controller has no task.
@@ -304,12 +330,13 @@ def new_errors(
     return () if teller != function and hasattr(AsyncRpc, teller) else after[:1]
 
 
-def check_finished(function: str, answer: int) -> None:
+def check_finished(function: str, answer: int, errors: Sequence[str] = ()) -> None:
     """Check the end state of a task that a blocking function returned.
 
     Args:
         function: the function of the wire.
         answer: what it returned.
+        errors: what the controller's error list says of it.
 
     Raises:
         TaskError: the task did not succeed: one of the subclasses.
@@ -323,7 +350,7 @@ def check_finished(function: str, answer: int) -> None:
     life = TaskLifecycle()
     life.observe(state)
     outcome = life.outcome or Outcome.UNKNOWN
-    raise task_error(function, None, outcome)
+    raise task_error(function, None, outcome, errors)
 
 
 def checked_task_id(function: str, answer: int) -> int:

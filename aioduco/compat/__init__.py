@@ -29,8 +29,8 @@ import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco._version import __version__
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY
+from aioduco._wire.endpoint import Route
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.host import Route
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco._wire.rpc import (

@@ -29,9 +29,9 @@ import anyio.lowlevel
 
 from aioduco._platform import boot_time, clock_step
 from aioduco._spawn import Process, Unstartable
+from aioduco._wire.failures import resource_error
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop
-from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import DucoError, StreamClosed, WorkerFailed
 from aioduco.streaming.ends import failure
 from aioduco.streaming.report import StreamStatistics

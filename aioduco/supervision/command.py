@@ -9,12 +9,14 @@ from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.task import OnCancel
-from aioduco.supervision.task_command import shown
+from aioduco.supervision.task_command import blocking, shown
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterable
     from types import TracebackType
 
+    from aioduco._wire.lane import WireLane
+    from aioduco.models.enums import TaskState
     from aioduco.supervision.dispatcher import Dispatcher
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_command import Aim, Command
@@ -101,6 +103,14 @@ class MotionCommand:
         return await self._dispatcher.launch(
             self.command, aim=self._aim, deadline=deadline, on_cancel=on_cancel
         )
+
+    async def block(self, lane: WireLane) -> TaskState:
+        """Send the motion by the manual's blocking call, and return its state at its end.
+
+        Args:
+            lane: lane on which it is sent.
+        """
+        return await self._dispatcher.block(blocking(self.command), lane, self._aim)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
         # Here and not in the coroutine: a coroutine that is never awaited gives its own warning.

@@ -23,10 +23,10 @@ import anyio.lowlevel
 
 from aioduco._platform import boot_time
 from aioduco.errors import Refused, RobotStateError, StopUnconfirmed
+from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
-from aioduco.supervision.task_state import TaskLifecycle
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Sequence
@@ -239,6 +239,7 @@ class Dispatcher:
         lane: WireLane,
         timeout: float | None,
         mode: ModeEnding | None = None,
+        aim: Aim | None = None,
     ) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
@@ -249,14 +250,16 @@ class Dispatcher:
             lane: lane on which it is sent; it is in use until the answer comes.
             timeout: seconds for the answer; None for no limit.
             mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
+            aim: converts it into the frame of the wire when it is sent.
 
         Returns:
             The answer.
         """
         permit = self._asked(command)
-        command = await self._prepared(command, permit)
-        await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
-        self._admit(command, permit)
+        async with self._order:
+            command = await self._prepared(command, permit, aim)
+            await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
+            self._admit(command, permit)
         call, cancelled = await self._coordinator.answered(
             lane, permit, command.name, command.args, timeout, followed=False, mode=mode
         )
@@ -266,6 +269,29 @@ class Dispatcher:
             raise call.error
         answer: int = call.value
         return answer
+
+    async def block(self, command: Command, lane: WireLane, aim: Aim | None) -> TaskState:
+        """Send a motion by the manual's blocking call, and return the state of its task at its end.
+
+        Args:
+            command: the motion, with block true.
+            lane: lane on which it is sent; it is in use until the answer comes.
+            aim: converts it into the frame of the wire when it is sent.
+        """
+        before, state = self._last, TaskState.IDLE
+        if before is not None:
+            before.life.successor_sent()
+        try:
+            state = TaskState(await self.conduct(command, lane, None, aim=aim))
+        finally:
+            # What blended into this one is known now, and not when this one was accepted.
+            if before is not None and state in (TaskState.FINISHED, TaskState.INTERRUPT):
+                before.life.successor_accepted()
+            elif before is not None:
+                before.life.successor_refused()
+        if command.continuous is not None or (command.blends and state is TaskState.INTERRUPT):
+            self._gate.resume()  # the arm may still move, without a task that is followed
+        return state
 
     async def feed(self, command: Command, lane: WireLane) -> int:
         """Send points that the arm may follow at once, and return the answer.
@@ -341,23 +367,17 @@ class Dispatcher:
             on_cancel = "detach"
         elif command.continuous is not None and (on_cancel or self._settings.on_cancel) == "pause":
             on_cancel = "stop"  # a paused motion would continue later, and nothing would end it
-        since = self._clock.now()
         if deadline is None and command.continuous is not None:
             deadline = command.continuous.limit
         task = Task(
             self._coordinator,
-            command.name,
+            command,
             task_id,
-            TaskLifecycle(blends=command.blends, continuous=command.continuous),
             clock=self._clock,
             accepted_at=accepted_at,
-            since=since,
             stops_before=stops,
-            motion=command.motion,
             on_cancel=on_cancel or self._settings.on_cancel,
-            deadline=None if deadline is None else since + deadline,
-            continuous=command.continuous,
-            eta=command.eta,
+            deadline=deadline,
             errors_before=errors,
         )
         if command.continuous and command.continuous.timed_by_program and command.continuous.time:

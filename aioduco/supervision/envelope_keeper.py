@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from aioduco.envelope.checker import BESIDE
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
@@ -26,7 +26,7 @@ from aioduco.supervision.concurrency import every
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Sequence
 
     from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.ways import Way
@@ -57,13 +57,6 @@ _SLOWEST_LINE = 0.01
 _STOPPING_EVERY = 0.01
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
-
-
-class SendsMotions(Protocol):
-    """Interface of the dispatcher that the keeper uses."""
-
-    #: checks each motion before it is sent
-    check: Callable[[Command], Awaitable[Command]] | None
 
 
 class _Frames(NamedTuple):
@@ -99,7 +92,6 @@ class EnvelopeKeeper:
     """Keeps one arm within its envelope, if there is one.
 
     Args:
-        dispatcher: sends motions.
         coordinator: brings the arm to rest.
         reads: reads the position of the arm, its tool and its work object.
         feed: samples of the state.
@@ -113,7 +105,6 @@ class EnvelopeKeeper:
 
     def __init__(
         self,
-        dispatcher: SendsMotions,
         coordinator: StopCoordinator,
         reads: RetryingReads,
         feed: StateFeed,
@@ -121,7 +112,6 @@ class EnvelopeKeeper:
         background: BackgroundTasks,
         settings: RobotSettings,
     ) -> None:
-        self._dispatcher = dispatcher
         self._coordinator = coordinator
         self._reads = reads
         self._feed = feed
@@ -151,7 +141,6 @@ class EnvelopeKeeper:
         self._last = None
         if self._open and envelope is not None and self._live:
             self._watch.moves_unchecked()  # by another envelope, or by none
-        self._dispatcher.check = None if envelope is None else self._check
         if envelope is not None and any(isinstance(each, ToolForce) for each in envelope.limits):
             self._feed.forces = True
         self.begin(opened=self._open)
@@ -172,15 +161,17 @@ class EnvelopeKeeper:
     def _live(self) -> bool:
         """Whether something of this program moves the arm, or is about to."""
         coordinator = self._coordinator
-        return bool(self._motions or coordinator.modes.moving or coordinator.pending)
+        # what was resumed, and the rest of a blocking call that was answered early, have no task
+        taskless = coordinator.gate.resumed or coordinator.modes.moving
+        return bool(taskless or self._motions or coordinator.pending)
 
-    async def _check(self, command: Command) -> Command:
+    async def check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
-        from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
-
         envelope, watch, name = self.envelope, self._watch, command.name
         if envelope is None or name in _NOT_THE_ARM:
             return command
+        from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
+
         before, self._last = self._last, None
         newest = next(reversed(self._motions), None)
         if not self._live:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import anyio
 
@@ -23,10 +23,10 @@ from aioduco.errors import DucoError, EnvelopeViolated
 from aioduco.models.samples import pose as pose_of
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.events import EnvelopeLeft
-from aioduco.supervision.gate import Gate, PermitEnding
+from aioduco.supervision.gate import PermitEnding
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence, Sized
+    from collections.abc import Callable, Sequence
 
     from aioduco.envelope.velocities import Ahead
     from aioduco.models.pose import Pose
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.retry import RetryingReads
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.state_feed import Snapshot, StateFeed
-    from aioduco.supervision.task import Task
+    from aioduco.supervision.stop_coordinator import StopCoordinator
 
 __all__ = ["EnvelopeWatch"]
 
@@ -62,47 +62,6 @@ _OVERSHOOT = 1.05
 _FORCE_NOISE, _FORCE_SHARE = 1.0, 0.05
 
 
-class FollowsTasks(Protocol):
-    """Interface of the task follower that the watch uses."""
-
-    @property
-    def tasks(self) -> tuple[Task, ...]:
-        """The live tasks."""
-        ...
-
-
-class StopsArm(Protocol):
-    """Interface of the stop coordinator that the watch uses."""
-
-    @property
-    def gate(self) -> Gate:
-        """Closed while the arm is brought to rest."""
-        ...
-
-    @property
-    def follower(self) -> FollowsTasks:
-        """Follows the tasks of this program."""
-        ...
-
-    @property
-    def pending(self) -> Sized:
-        """Commands on their way that may move the arm."""
-        ...
-
-    @property
-    def streams(self) -> Sized:
-        """The open streams."""
-        ...
-
-    async def send_stop(self, timeout: float) -> None:
-        """Stop the arm."""
-        ...
-
-    async def rest(self, stop_timeout: float | None, timeout: float) -> None:
-        """Wait until the arm stands."""
-        ...
-
-
 class EnvelopeWatch:
     """Watches the state of one arm, and stops it if it would leave its envelope.
 
@@ -126,7 +85,7 @@ class EnvelopeWatch:
 
     def __init__(
         self,
-        coordinator: StopsArm,
+        coordinator: StopCoordinator,
         reads: RetryingReads,
         feed: StateFeed,
         events: Events,

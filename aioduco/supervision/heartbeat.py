@@ -40,11 +40,11 @@ from aioduco.reporting import BackgroundLogger
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco._wire.connection import Connection
     from aioduco.supervision.loop_watchdog import SignOfLife
 
 __all__ = [
     "Heartbeat",
-    "HeartbeatConnection",
     "HeartbeatLike",
     "HeartbeatMachine",
     "HeartbeatState",
@@ -168,26 +168,6 @@ _LATER = 0.001
 _CERTAIN = 2
 
 
-class HeartbeatConnection(Protocol):
-    """Interface of a connection that the heartbeat uses."""
-
-    def open(self, deadline: float | None = None) -> None:
-        """Connect; the calling thread becomes the owner."""
-        ...
-
-    def call(self, name: str, args: tuple[object, ...], timeout: float | None) -> object:
-        """Call a function and wait for its answer."""
-        ...
-
-    def abandon(self, reason: str = ...) -> None:
-        """Interrupt a call that is in progress, from any thread."""
-        ...
-
-    def close(self) -> None:
-        """Close the connection."""
-        ...
-
-
 class HeartbeatStatistics(NamedTuple):
     """Statistics of the heartbeat.
 
@@ -270,7 +250,7 @@ class Heartbeat:
 
     def __init__(
         self,
-        connect: Callable[[], HeartbeatConnection],
+        connect: Callable[[], Connection],
         seconds: float,
         life: SignOfLife,
         stall_limit: float,
@@ -289,7 +269,7 @@ class Heartbeat:
         #: when the last beat that was answered was sent [s of `boot_time`]; 0 before
         self.sent: float = 0.0
         self._machine = HeartbeatMachine(seconds, stall_limit, boot_time())
-        self._line: HeartbeatConnection | None = None
+        self._line: Connection | None = None
         self._ended = False
         self._nudge = threading.Event()
         self._error: DucoError | None = None

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
-from aioduco.controller_clock import Clock, WallClock
+from aioduco.controller_clock import Clock
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import STATE_RATE, TIMEOUT
 from aioduco.models.rules import Integer, Number
 from aioduco.supervision.task import OnCancel
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from os import PathLike
 
     from aioduco.trace import Trace
@@ -67,47 +68,41 @@ class ExitLadder:
                 TIMEOUT(f"exit_ladder.{rung.name}", seconds)
 
 
+def _within(rule: Callable[[str, Any], object], *, off: bool = False) -> dict[str, Any]:
+    """Say the range of a setting, and whether it may be None besides."""
+    return {"rule": rule, "off": off}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotSettings:
-    """Times and limits. `aioduco.connect` describes them.
+    """Times and limits. `aioduco.connect` describes them, and has their defaults.
 
     Raises:
         ParameterError: one of them is out of its range.
     """
 
-    call_timeout: float = 2.0
-    connect_timeout: float = 3.0
-    pool_size: int = 4
-    heartbeat: float | None = 1.0
-    loop_stall_limit: float = 1.0
-    on_cancel: OnCancel = "stop"
-    stop_timeout: float = 5.0
-    standstill_timeout: float = 5.0
-    unanswered_timeout: float = 60.0
-    exit_ladder: ExitLadder | None = None
-    guard: GuardKind | None = None
-    state_rate: float = 50.0
-    lag_limit: float | None = 0.25
-    trace: Trace | None = None
-    record: str | PathLike[str] | None = None
-    clock: Clock = field(default_factory=WallClock)
+    call_timeout: float = field(metadata=_within(TIMEOUT))
+    connect_timeout: float = field(metadata=_within(TIMEOUT))
+    pool_size: int = field(metadata=_within(_POOL_SIZE))
+    heartbeat: float | None = field(metadata=_within(_HEARTBEAT, off=True))
+    loop_stall_limit: float = field(metadata=_within(TIMEOUT))
+    on_cancel: OnCancel
+    stop_timeout: float = field(metadata=_within(TIMEOUT))
+    standstill_timeout: float = field(metadata=_within(TIMEOUT))
+    unanswered_timeout: float = field(metadata=_within(TIMEOUT))
+    exit_ladder: ExitLadder | None
+    guard: GuardKind | None
+    state_rate: float = field(metadata=_within(STATE_RATE))
+    lag_limit: float | None = field(metadata=_within(TIMEOUT, off=True))
+    trace: Trace | None
+    record: str | PathLike[str] | None
+    clock: Clock
 
     def __post_init__(self) -> None:
-        for name in (
-            "call_timeout",
-            "connect_timeout",
-            "stop_timeout",
-            "standstill_timeout",
-            "unanswered_timeout",
-        ):
-            TIMEOUT(name, getattr(self, name))
-        TIMEOUT("loop_stall_limit", self.loop_stall_limit)
-        STATE_RATE("state_rate", self.state_rate)
-        if self.lag_limit is not None:
-            TIMEOUT("lag_limit", self.lag_limit)
-        if self.heartbeat is not None:
-            _HEARTBEAT("heartbeat", self.heartbeat)
-        _POOL_SIZE("pool_size", self.pool_size)
+        for setting in fields(self):
+            value, rule = getattr(self, setting.name), setting.metadata.get("rule")
+            if rule is not None and not (value is None and setting.metadata["off"]):
+                rule(setting.name, value)
         if self.exit_ladder is not None and not isinstance(self.exit_ladder, ExitLadder):
             raise ParameterError("exit_ladder", self.exit_ladder, "an ExitLadder, or None")
         if self.guard is not None and self.guard not in get_args(GuardKind):

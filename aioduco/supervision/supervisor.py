@@ -22,10 +22,10 @@ import anyio
 from aioduco._platform import boot_time
 from aioduco._spawn import started_in_place_of
 from aioduco._wire.connection import Connection
-from aioduco._wire.host import Route
+from aioduco._wire.endpoint import Route
+from aioduco._wire.failures import resource_error
 from aioduco._wire.lane import WireLane
 from aioduco._wire.owner_loop import OwnerLoop, loop_callback
-from aioduco._wire.resource_errors import resource_error
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import (
     ConnectError,
@@ -210,7 +210,6 @@ class Supervisor:
             self.feed, self._feed_lane, self._background, self._heartbeat_state
         )
         self.envelope: EnvelopeKeeper = EnvelopeKeeper(
-            self.dispatcher,
             self.stop_coordinator,
             self.retrying,
             self.feed,
@@ -218,6 +217,7 @@ class Supervisor:
             self._background,
             settings,
         )
+        self.dispatcher.check = self.envelope.check
         self._replacing_guard = False
         self._exit_stop: ExitStop | None = None
         self._watchdog: LoopWatchdog | None = None

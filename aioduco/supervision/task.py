@@ -17,13 +17,14 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.task_state import added_entries
+from aioduco.supervision.task_state import TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Sequence
 
     from aioduco.controller_clock import Clock
-    from aioduco.supervision.task_state import ContinuousMotion, JointEta, TaskLifecycle
+    from aioduco.supervision.task_command import Command
+    from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
 __all__ = ["OnCancel", "Task", "TaskControl", "task_error"]
 
@@ -87,43 +88,40 @@ class Task:
     def __init__(
         self,
         control: TaskControl,
-        name: str,
+        command: Command,
         task_id: int,
-        life: TaskLifecycle,
         *,
         clock: Clock,
         accepted_at: float,
-        since: float,
         stops_before: int,
-        motion: bool,
-        on_cancel: OnCancel,
+        on_cancel: OnCancel = "detach",
         deadline: float | None = None,
-        continuous: ContinuousMotion | None = None,
-        eta: JointEta | None = None,
         errors_before: Sequence[str] = (),
     ) -> None:
         self._control = control
-        self.life = life
+        self.life: TaskLifecycle = TaskLifecycle(
+            blends=command.blends, continuous=command.continuous
+        )
         self.id = task_id
-        self.name = name
-        self.motion = motion
+        self.name: str = command.name
+        self.motion: bool = command.motion
         self.on_cancel: OnCancel = on_cancel
         self._clock = clock
         self.accepted_at = accepted_at
-        self.since = since
-        self._began, self._over = since, since
+        self.since: float = clock.now()
+        self._began = self._over = self.since
         self.started_at: float | None = None
         self.ended_at: float | None = None
-        self.deadline = deadline
+        self.deadline: float | None = None if deadline is None else self.since + deadline
         #: number of stops that had been requested when it was sent
         self.stops_before = stops_before
         #: how it ends, if it is a continuous motion
-        self.continuous = continuous
+        self.continuous: ContinuousMotion | None = command.continuous
         #: since when the arm has been seen to stand although the motion continues, by the clock;
         #: None if it moves
         self.stood_since: float | None = None
         #: its target and speed, if they are known for the joints
-        self.eta = eta
+        self.eta: JointEta | None = command.eta
         self._errors_before = tuple(errors_before)
         #: whether its start position has been asked for
         self.placed = False
@@ -140,7 +138,7 @@ class Task:
         self._errors: tuple[str, ...] = ()
         self._ended = anyio.Event()
         self._changed = anyio.Event()
-        self._states = [life.state]
+        self._states = [self.life.state]
 
     def __repr__(self) -> str:
         end = f" {self.outcome.value}" if self.outcome else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
-__all__ = ["Aim", "Command", "shown"]
+__all__ = ["Aim", "Command", "blocking", "shown"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class Command:
 
     Attributes:
         name: the function of the wire.
-        args: its arguments, checked and converted, with block false.
+        args: its arguments, checked and converted, with block false; see `blocking`.
         motion: whether it moves the arm.
         blends: whether it asks to blend into the next motion, or to be replaced by it.
         continuous: how it ends, if it is a continuous motion.
@@ -55,15 +55,26 @@ def shown(command: Command) -> str:
 
     The others have their names of the wire.
     """
-    from aioduco._wire.rpc import AsyncRpc  # noqa: PLC0415  # only when it is shown
-
-    _, *names = inspect.signature(getattr(AsyncRpc, command.name)).parameters
     texts = [
         _short(value) if number == 0 else f"{name}={_short(value)}"
-        for number, (name, value) in enumerate(zip(names, command.args, strict=False))
+        for number, (name, value) in enumerate(_named(command))
         if number == 0 or not _empty(value)
     ]
     return f"{command.name}({', '.join(texts)})"
+
+
+def blocking(command: Command) -> Command:
+    """Return the same command with block true: it is answered when it has ended."""
+    args = (name == "block" or value for name, value in _named(command))
+    return replace(command, args=tuple(args))
+
+
+def _named(command: Command) -> list[tuple[str, Any]]:
+    """The arguments of a command, with their names of the wire."""
+    from aioduco._wire.rpc import AsyncRpc  # noqa: PLC0415  # only when it is needed
+
+    _, *names = inspect.signature(getattr(AsyncRpc, command.name)).parameters
+    return list(zip(names, command.args, strict=False))
 
 
 def _empty(value: Any) -> bool:

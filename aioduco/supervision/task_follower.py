@@ -40,7 +40,8 @@ from aioduco.models.enums import Outcome, TaskState
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import GRID, Alarm, on_grid
 from aioduco.supervision.task import Task, TaskControl
-from aioduco.supervision.task_state import STOOD, TaskLifecycle
+from aioduco.supervision.task_command import Command
+from aioduco.supervision.task_state import STOOD, added_entries
 from aioduco.trace import tell
 
 if TYPE_CHECKING:
@@ -227,6 +228,15 @@ class TaskFollower:
         self._told += 1
         return self._error_list or ()
 
+    async def new_errors(self, before: Sequence[str]) -> tuple[str, ...]:
+        """Return what a command that has failed, and is no task, added to the error list."""
+        try:
+            found = await self._lane.call("get_last_error", (), ASK_LIMIT)
+        except DucoError:
+            return ()
+        self._error_list = tuple(found)
+        return added_entries(before, found)
+
     async def _read_error_list(self) -> None:
         self._list_due = False
         told = self._told
@@ -244,15 +254,11 @@ class TaskFollower:
         """Follow a task that moves nothing to its end; `completed` describes it."""
         task = Task(
             self._arm,
-            name,
+            Command(name, (), motion=False),
             task_id,
-            TaskLifecycle(),
             clock=self._clock,
             accepted_at=time.monotonic(),
-            since=self._clock.now(),
             stops_before=self._arm.stops if stops is None else stops,
-            motion=False,
-            on_cancel="detach",
         )
         self.follow(task)
         return await self.completed(task, timeout)

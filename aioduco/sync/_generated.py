@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from os import PathLike
     from typing import Literal, Unpack
 
+    from aioduco.api.blocking import BlockingMotions as AioBlockingMotions
     from aioduco.api.bus import Bus as AioBus
     from aioduco.api.bus.can import CanFrame
     from aioduco.api.compound import Compound as AioCompound
@@ -222,9 +223,9 @@ class Motion(_Section):
     def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
 
-        It applies to programs of the controller and to blocking calls, which this package does not
-        make: the controller has the motions that `run` and `path` send ahead as soon as they
-        arrive.
+        It applies to programs of the controller and to blocking calls, such as those of
+        `robot.blocking`: the controller has the motions that `run` and `path` send ahead as soon as
+        they arrive.
 
         Args:
             per: share of a motion after which the next one is read, 0 to 100 [%]; usually 0 or 50.
@@ -1400,6 +1401,1208 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         self._call(self._made.replay(name, v, mode))
+
+
+class BlockingMotions(_Section):
+    """Motions by the manual's blocking calls (阻塞型指令): with `block` true.
+
+        state = robot.blocking.movel(target, v=0.2, a=0.5)
+
+    The functions of `robot.motion` and of other sections that make motions, with the same
+    parameters. Each sends its call at once, and returns what the controller answers when the motion
+    has ended. The call has a connection and a thread of its own meanwhile: at most `pool_size` of
+    `connect` at a time, further ones wait.
+
+    It is a motion of this program like any other: `robot.envelope` checks it, a stop ends it, and
+    so does leaving the robot. An interrupt while it waits stops the arm, whatever `on_cancel` says.
+    It has no task: nothing is known of it before its end.
+
+    A motion with a blend radius is answered as interrupted when the controller reads ahead (see
+    `set_blend_ahead`), while the arm still moves; then the next motion has to be sent.
+    `robot.motion.run` and `path` blend without that. A velocity may be answered, too, while the arm
+    still moves: the manual does not say when.
+
+    Motions that only a command ends are not here: hand guiding, jogs without a step, velocities
+    without a time.
+
+    Every function raises, besides what it says:
+
+    - `TaskError`: the motion ended otherwise than by itself: one of the subclasses.
+    - `Refused`: the controller does not take it.
+    - `TaskStopped`, `RobotStateError`, `HeartbeatLost`: it was not sent, since the arm was stopped,
+      the robot is not open, or its heartbeat is not running.
+    - `EnvelopeViolated`: it would lead beyond `robot.envelope`; it was not sent.
+    - `OutcomeUnknown`: its answer was lost; the arm was stopped.
+    - `ConnectionLost`: it was not sent.
+    """
+
+    __slots__ = ()
+    _made: AioBlockingMotions
+
+    def movej2(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move to joint angles, all joints together (关节运动).
+
+        It is `robot.motion.movej2` by the manual's blocking call.
+
+        Args:
+            joints: target, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        return self._call(self._made.movej2(joints, v, a, r=r, op=op, def_acc=def_acc))
+
+    def movej_pose2(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool to a pose, all joints together, not along a line (关节运动到位姿).
+
+        It is `robot.motion.movej_pose2` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.movej_pose2(
+            pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def movej(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move to joint angles at a speed in percent (关节运动). `movej2` takes it in rad/s.
+
+        It is `robot.motion.movej` by the manual's blocking call.
+
+        Args:
+            joints: target, six angles in [-2π, 2π] [rad].
+            v: highest joint speed in percent of what the arm can do, above 0, up to 100.
+            a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Warns:
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+
+        Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
+        its users report.
+        """
+        return self._call(self._made.movej(joints, v, a, r=r, op=op, def_acc=def_acc))
+
+    def movej_pose(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool to a pose by the joints at a speed in percent (关节运动到位姿).
+
+        It is `robot.motion.movej_pose` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed in percent of what the arm can do, above 0, up to 100.
+            a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Warns:
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+
+        Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
+        its users report.
+        """
+        work = self._made.movej_pose(
+            pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def movel(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool to a pose along a line (直线运动). The manual prints its name as move1.
+
+        It is `robot.motion.movel` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.movel(
+            pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def tcp_move(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool by an offset in its own frame, along a line (沿工具坐标系直线移动).
+
+        It is `robot.motion.tcp_move` by the manual's blocking call.
+
+        Args:
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad], in the tool's frame.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        return self._call(self._made.tcp_move(offset, v, a, r=r, tool=tool, op=op, def_acc=def_acc))
+
+    def tcp_move_2p(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a line by the offset between two poses, in the tool's frame.
+
+        It is `robot.motion.tcp_move_2p` by the manual's blocking call.
+
+        Args:
+            p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.tcp_move_2p(
+            p1, p2, v, a, r=r, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def wobj_move(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool by an offset in the work object's frame (沿工件坐标系直线移动), in a line.
+
+        It is `robot.motion.wobj_move` by the manual's blocking call.
+
+        Args:
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad], in the work object's
+                frame.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.wobj_move(offset, v, a, r=r, wobj=wobj, op=op, def_acc=def_acc)
+        return self._call(work)
+
+    def wobj_move_2p(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a line by the offset between two poses, in the work object's frame.
+
+        It is `robot.motion.wobj_move_2p` by the manual's blocking call.
+
+        Args:
+            p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool of the two poses; empty for the one in use.
+            wobj: name of the work object of the two poses; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.wobj_move_2p(
+            p1, p2, v, a, r=r, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def movec(
+        self,
+        via: PoseLike,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        mode: int = 0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool to a pose along an arc (圆弧运动).
+
+        It is `robot.motion.movec` by the manual's blocking call.
+
+        Args:
+            via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2) of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: orientation of the tool: 0 changes to that of the end pose, 1 stays as at the
+                start, 2 stays fixed to the arc's tangent.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.movec(
+            via, pose, v, a, r=r, mode=mode, q_near=q_near, tool=tool, wobj=wobj, op=op,
+            def_acc=def_acc
+        )
+        return self._call(work)
+
+    def move_circle(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        mode: int = 1,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a whole circle (圆周运动), from its present pose through two poses.
+
+        It is `robot.motion.move_circle` by the manual's blocking call.
+
+        Args:
+            p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
+            p2: the second pose on the circle; the order start, p1, p2 gives the direction.
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: orientation of the tool: 1 as at the start, 2 fixed to the circle's tangent.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.move_circle(
+            p1, p2, v, a, r=r, mode=mode, q_near=q_near, tool=tool, wobj=wobj, op=op,
+            def_acc=def_acc
+        )
+        return self._call(work)
+
+    def spline(
+        self,
+        poses: Iterable[PoseLike],
+        v: float,
+        a: float,
+        *,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        r: float = 0.0,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a spline through poses (样条运动).
+
+        It is `robot.motion.spline` by the manual's blocking call.
+
+        Args:
+            poses: 1 to 50 poses of the tool in the work object; the first may be the present
+                pose; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.spline(poses, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc)
+        return self._call(work)
+
+    def spline_op(
+        self,
+        points: Iterable[PointOp],
+        v: float,
+        a: float,
+        *,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        r: float = 0.0,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
+
+        It is `robot.motion.spline_op` by the manual's blocking call.
+
+        Args:
+            points: 1 to 50 poses of the tool in the work object, each with outputs to set there.
+            v: speed of the tool, 0.00001 to 5 [m/s].
+            a: acceleration of the tool, from 0.00001 [m/s²].
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way along the whole spline.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.spline_op(points, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc)
+        return self._call(work)
+
+    def move_spiral(
+        self,
+        center: PoseLike,
+        pose: PoseLike | None,
+        rev: float,
+        length: float,
+        radius: float,
+        mode: int,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a spiral (螺旋运动), given by parameters or by its end.
+
+        It is `robot.motion.move_spiral` by the manual's blocking call.
+
+        Args:
+            center: pose of the spiral's centre (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
+            rev: total number of turns, negative for clockwise.
+            length: distance along the axis (len) [m], signed by the right-hand rule; mode 1
+                ignores it.
+            radius: radius at the end (rad, once red in the manual), from 0 [m]; mode 1 ignores
+                it.
+            mode: 0 for a spiral given by parameters, 1 for one given by its end.
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range, or `pose` is missing in mode 1.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.move_spiral(
+            center, pose, rev, length, radius, mode, v, a, q_near=q_near, tool=tool, wobj=wobj,
+            op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def speedj(self, velocities: VectorLike, a: float, *, time: float | None = 1.0) -> TaskState:
+        """Turn the joints, each at a velocity (关节速度运动), for a time.
+
+        It is `robot.motion.speedj` by the manual's blocking call.
+
+        Args:
+            velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
+                Shape (6,).
+            a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
+            time: seconds after which the controller stops the arm, from 0.001.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        return self._call(self._made.speedj(velocities, a, time=time))
+
+    def speedl(
+        self,
+        twist: VectorLike,
+        a: float,
+        *,
+        time: float | None = 1.0,
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
+    ) -> TaskState:
+        """Move the tool at a velocity (末端速度运动), for a time.
+
+        It is `robot.motion.speedl` by the manual's blocking call.
+
+        Args:
+            twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
+                about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            a: acceleration of the tool, from 0.00001 [m/s²].
+            time: seconds after which the controller stops the arm, from 0.001.
+            frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range; or, in another frame than the tool's, the
+                tool is to turn about one direction while it moves along another. That needs a new
+                velocity each time that the tool has turned: use `robot.speed.linear`.
+
+        Manual section 1.3.5.
+        """
+        return self._call(self._made.speedl(twist, a, time=time, frame=frame, wobj=wobj))
+
+    def servoj(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> TaskState:
+        """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
+
+        It is `robot.motion.servoj` by the manual's blocking call.
+
+        Args:
+            joints: target, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.servoj(
+            joints, v, a, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
+        )
+        return self._call(work)
+
+    def servoj_pose(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> TaskState:
+        """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
+
+        It is `robot.motion.servoj_pose` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.servoj_pose(
+            pose, v, a, q_near=q_near, tool=tool, wobj=wobj, kp=kp, kd=kd, smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc
+        )
+        return self._call(work)
+
+    def servo_tcp(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        tool: str = '',
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> TaskState:
+        """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
+
+        It is `robot.motion.servo_tcp` by the manual's blocking call.
+
+        Args:
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad] (pose_offset) along and
+                about the axes of `frame`, from the arm's present target. The tool turns about its
+                tip.
+            v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
+                tool by manual 4.3 [m/s].
+            a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
+            tool: name of the tool; empty for the one in use.
+            frame: frame of the offset: "tool", "base" (z points up if the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.servo_tcp(
+            offset, v, a, tool=tool, frame=frame, wobj=wobj, kp=kp, kd=kd, smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc
+        )
+        return self._call(work)
+
+    def servol(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> TaskState:
+        """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
+
+        It is `robot.motion.servol` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object (pose_list); x, y, z [m], rx, ry, rz
+                [rad].
+            v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
+                tool by manual 4.3 [m/s].
+            a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        work = self._made.servol(
+            pose, v, a, q_near=q_near, tool=tool, wobj=wobj, kp=kp, kd=kd, smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc
+        )
+        return self._call(work)
+
+    def move_jog(
+        self, jog: Jog, *, directions: JogDirections = JogDirections.MANUAL_3_8
+    ) -> TaskState:
+        """Jog one joint or one Cartesian direction (点动).
+
+        It is `robot.motion.move_jog` by the manual's blocking call.
+
+        Args:
+            jog: the jog, with a step.
+            directions: the controller's meaning of the two directions: the manuals contradict
+                each other. Try it with a small step at a low speed.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        return self._call(self._made.move_jog(jog, directions=directions))
+
+    def run_program(self, name: str) -> TaskState:
+        """Run a program that is stored on the controller (运行程序脚本).
+
+        It is `robot.program.run_program` by the manual's blocking call.
+
+        Args:
+            name: name of the program.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: the name is empty.
+
+        Manual section 1.3.4.
+        """
+        return self._call(self._made.run_program(name))
+
+    def trackJointMotion(self, speed: float, acc: float) -> TaskState:
+        """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
+
+        It is `robot.track.trackJointMotion` by the manual's blocking call.
+
+        Args:
+            speed: highest speed of the leading joint, 0.01·π/180 to 1.25·π [rad/s].
+            acc: its highest acceleration, 0.01·π/180 to 12.5·π [rad/s²].
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+            RobotStateError: the points that this program put into the pool are poses.
+
+        Manual section 1.3.12.
+        """
+        return self._call(self._made.trackJointMotion(speed, acc))
+
+    def trackCartMotion(
+        self, speed: float, acc: float, *, wobj: str = '', tool: str = '', radius: float = 0.005
+    ) -> TaskState:
+        """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
+
+        It is `robot.track.trackCartMotion` by the manual's blocking call.
+
+        Args:
+            speed: highest speed of the tool, 0.00001 to 5 [m/s].
+            acc: its highest acceleration, from 0.00001 [m/s²].
+            wobj: name of the work object; empty for the one in use.
+            tool: name of the tool; empty for the one in use.
+            radius: blend radius at the points, from 0 [m]. It is not in the manual; 0.005 is the
+                vendor's default.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+            RobotStateError: the points that this program put into the pool are joint angles.
+
+        Manual section 1.3.12.
+        """
+        work = self._made.trackCartMotion(speed, acc, wobj=wobj, tool=tool, radius=radius)
+        return self._call(work)
+
+    def move_eaxis(
+        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+    ) -> TaskState:
+        """Move external axes (外部轴移动); the arm stays where it is.
+
+        It is `robot.external_axes.move_eaxis` by the manual's blocking call.
+
+        Args:
+            scheme_name: name of the scheme.
+            epose: target, three values [rad or m, as the scheme is]. Shape (3,).
+            v: highest speed of the axes (vel), above 0 [rad/s or m/s].
+            op: outputs set on the way; triggers by distance have no effect here.
+
+        Returns:
+            The state of its task at its end.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14.
+        """
+        return self._call(self._made.move_eaxis(scheme_name, epose, v, op=op))
+
+    def movej2_eaxis(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the joints and external axes together (外部轴关节运动), as `movej2`.
+
+        It is `robot.external_axes.movej2_eaxis` by the manual's blocking call.
+
+        Args:
+            joints: target, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            scheme_name: name of the scheme.
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
+        """
+        work = self._made.movej2_eaxis(
+            joints, v, a, scheme_name, epose, eaxis_v, r=r, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def movej2_pose_eaxis(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool to a pose by the joints, with external axes, as `movej_pose2`.
+
+        It is `robot.external_axes.movej2_pose_eaxis` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            scheme_name: name of the scheme.
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
+        """
+        work = self._made.movej2_pose_eaxis(
+            pose, v, a, scheme_name, epose, eaxis_v, r=r, q_near=q_near, tool=tool, wobj=wobj,
+            op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def movel_eaxis(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a line, with external axes (外部轴直线运动), as `movel`.
+
+        It is `robot.external_axes.movel_eaxis` by the manual's blocking call.
+
+        Args:
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14, which prints its name as move1_eaxis.
+        """
+        work = self._made.movel_eaxis(
+            pose, v, a, scheme_name, epose, eaxis_v, r=r, q_near=q_near, tool=tool, wobj=wobj,
+            op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def movec_eaxis(
+        self,
+        via: PoseLike,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        mode: int = 0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along an arc, with external axes (外部轴圆弧运动), as `movec`.
+
+        It is `robot.external_axes.movec_eaxis` by the manual's blocking call.
+
+        Args:
+            via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2) of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: orientation of the tool: 0 changes to that of the end pose, 1 stays as at the
+                start, 2 stays fixed to the arc's tangent.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It has no `mode`; the wire does.
+        """
+        work = self._made.movec_eaxis(
+            via, pose, v, a, scheme_name, epose, eaxis_v, r=r, mode=mode, q_near=q_near, tool=tool,
+            wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def move_circle_eaxis(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        mode: int = 1,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> TaskState:
+        """Move the tool along a circle, with external axes (外部轴圆周运动), as `move_circle`.
+
+        It is `robot.external_axes.move_circle_eaxis` by the manual's blocking call.
+
+        Args:
+            p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
+            p2: the second pose on the circle; the order start, p1, p2 gives the direction.
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: orientation of the tool: 1 as at the start, 2 fixed to the circle's tangent.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The state of its task: finished, or interrupted if it blends into the next motion.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
+        """
+        work = self._made.move_circle_eaxis(
+            p1, p2, v, a, scheme_name, epose, eaxis_v, r=r, mode=mode, q_near=q_near, tool=tool,
+            wobj=wobj, op=op, def_acc=def_acc
+        )
+        return self._call(work)
+
+    def fc_move(self) -> TaskState:
+        """Move by force control alone (仅基于末端力控产生的补偿运动).
+
+        It is `robot.force.fc_move` by the manual's blocking call.
+
+        Returns:
+            The state of its task at its end.
+
+        Manual section 1.3.10.
+        """
+        return self._call(self._made.fc_move())
 
 
 class Servo(_Section):
@@ -4752,6 +5955,7 @@ class Robot(RobotLifecycle, ManualNames):
     Attributes:
         system: power, brakes, operation mode.
         motion: motions, jogs, hand guiding, joint trajectories.
+        blocking: motions by the manual's blocking calls, which return the state of their task.
         servo: streams of positions to follow.
         speed: streams of speeds.
         program: programs and files of the controller.
@@ -4779,6 +5983,7 @@ class Robot(RobotLifecycle, ManualNames):
         super().__init__(runner, robot)
         self.system: System = System(runner, robot.system)
         self.motion: Motion = Motion(runner, robot.motion)
+        self.blocking: BlockingMotions = BlockingMotions(runner, robot.blocking)
         self.servo: Servo = Servo(runner, robot.servo)
         self.speed: Speed = Speed(runner, robot.speed)
         self.program: Program = Program(runner, robot.program)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import inspect
 import json
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import aioduco
+from aioduco._wire import idl
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.supervision.command import MotionCommand
 
@@ -153,3 +154,20 @@ def cases() -> tuple[Case, ...]:
 
     modules = (motion_cases, section_cases, bus_cases, setting_cases, state_cases)
     return tuple(case for module in modules for case in module.CASES)
+
+
+def blocking_cases() -> list[Case]:
+    """The motions of `robot.blocking`, with what arrives."""
+    found = []
+    for case in cases():
+        if case.moves and hasattr(NOBODY.blocking, case.name):
+            at = idl.functions()[case.name].parameters.index("block")
+            wire = (*case.wire[:at], True, *case.wire[at + 1 :])
+            args = dict(case.args)
+            if case.name == "move_jog":  # without a step, it has no end of its own
+                del args["time"]
+                args["jog"] = replace(args["jog"], step=0.002)
+                param = replace(wire[0], use_step=True, step_cartvalue=0.002)
+                wire = (param, *wire[1:])
+            found.append(replace(case, section="blocking", args=args, wire=wire))
+    return found

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from client.bench import Bench, BenchTask
 
+from aioduco import TaskState
+from aioduco._wire import idl
+from aioduco.testing import eventually
+
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from aioduco import TaskState
 
 #: where the time in ms stands among the arguments of what goes on; None if it has none
 HELD: dict[str, int | None] = {
@@ -54,6 +56,20 @@ class Desk(Bench):
                 return self._add(BenchTask(name, now, now + self.motion_time))
 
         self.answer(name, start)
+
+    def blocks(self, name: str) -> None:
+        """Make a function that starts a motion answer at its end, if `block` is true."""
+        start = self._answers[name]
+        at = idl.functions()[name].parameters.index("block")
+
+        def called(*args: Any) -> int:
+            task_id: int = start(*args)
+            if args[at]:
+                eventually(lambda: TaskState(self.task_state(task_id)).ended, 60.0)
+                return self.task_state(task_id)
+            return task_id
+
+        self.answer(name, called)
 
     def begins(
         self, name: str, lasting: float = 0.02, end: TaskState | None = None, error: str = ""

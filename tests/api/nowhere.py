@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import aioduco
+from aioduco import TaskState
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -27,6 +28,9 @@ class _Launcher:
     ) -> Any:
         return await self._answer(command.name, command.args)
 
+    async def block(self, command: Any, _lane: Any, _aim: Any) -> TaskState:
+        return TaskState(await self._answer(command.name, command.args))
+
     async def feed(self, command: Any, _lane: Any) -> Any:
         return await self._answer(command.name, command.args)
 
@@ -44,8 +48,12 @@ def robot_on(answer: Answer) -> aioduco.Robot:
     async def end(ending: str, step: Callable[[], Awaitable[None]] | None) -> None:
         await (answer(ending, (False,)) if step is None else step())
 
+    async def no_errors() -> tuple[str, ...]:
+        return ()
+
     supervisor.calls.call = supervisor.blocking.call = call
     supervisor.dispatcher = _Launcher(answer)
     supervisor.stop_coordinator.end = end
+    supervisor.stop_coordinator.follower.error_list = no_errors
     supervisor.check_open = lambda _: None
     return robot

@@ -16,6 +16,7 @@ import pytest
 
 import aioduco
 from aioduco import HeartbeatState
+from aioduco._wire.connection import Connection
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
@@ -100,24 +101,19 @@ async def test_a_hung_loop_stops_the_beat_until_rearmed(
         assert robot.statistics().longest_stall > 0.8 * limit
 
 
-class Line:
+class Line(Connection):
     """A connection that notes what it is to call, and answers all of it."""
 
     def __init__(self, noted: list[object]) -> None:
+        super().__init__("192.0.2.1", 7003)
         self._noted = noted
 
-    def open(self, deadline: float | None = None) -> None:
-        pass
+    def open(self, deadline: float | None = None, addresses: object = None) -> None:
+        """Connect to nothing."""
 
-    def call(self, name: str, args: tuple[object, ...], timeout: float | None) -> object:
+    def call(self, name: str, *_: object) -> object:
         self._noted.append(name)
         return 0
-
-    def abandon(self, reason: str = "") -> None:
-        pass
-
-    def close(self) -> None:
-        pass
 
 
 def test_a_hung_loop_is_reported_before_the_arm_is_stopped() -> None:

@@ -5,16 +5,26 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import anyio
 import numpy as np
 import pytest
 
 import aioduco
 import aioduco.sync
-from aioduco import EnvelopeViolated, Joints, Pose, StreamLeavesEnvelope, TaskStopped, WorkerOptions
+from aioduco import (
+    EnvelopeViolated,
+    Joints,
+    Pose,
+    StreamLeavesEnvelope,
+    TaskState,
+    TaskStopped,
+    WorkerOptions,
+)
 from aioduco.envelope import Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.events import EnvelopeLeft
 from aioduco.sim import Simulator
 from aioduco.streaming.shared.state import Reason
+from aioduco.testing import eventually_async
 
 from .trials import ARM, LAG, Seen, least, watched
 
@@ -164,6 +174,44 @@ async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> 
     assert len(outcomes) == 2
 
 
+async def test_a_blocking_call_is_checked_as_the_motion_is(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    robot.envelope = Envelope("gcr5_910", ToolSpeed(0.2, action="slow"), wall())
+    with pytest.raises(EnvelopeViolated, match=r"movej2 was not sent.*'wall'"):
+        await robot.blocking.movej2((0.6, *START[1:]), v=1.0, a=5.0)
+    assert await robot.blocking.movej2((0.1, *START[1:]), v=3.0, a=20.0) is TaskState.FINISHED
+    assert await robot.state.get_actual_joints_position() == pytest.approx(
+        (0.1, *START[1:]), abs=1e-3
+    )
+    assert _fastest(seen) <= 0.2 * 1.02
+
+
+@pytest.mark.slow
+async def test_what_blends_after_a_blocking_call_is_watched(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
+    """Its call is answered while the arm moves, so the next one begins nobody knows where."""
+    here = await robot.state.get_tcp_pose()
+    corner = Pose(here.x, here.y + 0.2, *here[2:])
+    end = Pose(here.x - 0.2, here.y + 0.2, *here[2:])
+    edge = Zone.sphere((here.x - 0.05, here.y + 0.15, here.z), 0.03, bodies=("tool",), name="edge")
+    robot.envelope = Envelope("gcr5_910", edge)
+    sim.speed = 0.01  # the second comes in time
+    assert await robot.blocking.movel(corner, v=0.5, a=2.0, r=0.15) is TaskState.INTERRUPT
+    async with anyio.create_task_group() as tg:
+
+        async def second() -> None:
+            with pytest.raises(TaskStopped):
+                await robot.blocking.movel(end, v=0.5, a=2.0)
+
+        tg.start_soon(second)
+        await eventually_async(lambda: len(sim.tasks) == 2)
+        sim.speed = SPEED
+    assert not await robot.state.robotmoving()
+    robot.envelope = None
+
+
 async def test_a_stream_in_a_process_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
     points = START.array + np.linspace(0, 1, 400)[:, None] * np.array([0.8, 0, 0, 0, 0, 0])
@@ -285,10 +333,10 @@ async def test_singularities_are_kept_away_from(robot: aioduco.Robot) -> None:
 
 async def test_without_an_envelope_nothing_is_asked_or_checked(robot: aioduco.Robot) -> None:
     assert robot.envelope is None
-    supervisor = robot._supervisor
-    assert supervisor.dispatcher.check is None
     samples = robot.feed.statistics().samples
+    asked = robot.statistics().lanes["call"].calls
     await robot.motion.movej2((0.1, *START[1:]), v=3.0, a=20.0)
+    assert robot.statistics().lanes["call"].calls == asked
     assert robot.feed.statistics().samples == samples == 0
     with pytest.raises(aioduco.ParameterError):
         robot.envelope = "table"  # type: ignore[assignment]  # it is refused

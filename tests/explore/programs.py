@@ -91,6 +91,19 @@ class Cancelled(Program):
         robot.may("A is cancelled again", first.cancel)
 
 
+class Blocked(Program):
+    """A blocking call is stopped, or cancelled; another one waits for its connection."""
+
+    def __init__(self) -> None:
+        self.commands = Command("A"), Command("B")
+
+    async def begin(self, robot: Robot) -> None:
+        first = robot.start("A", robot.blocks("A"))
+        robot.start("B", robot.blocks("B"))
+        robot.may("the program calls robot.stop()", lambda: robot.start("stop", robot.stops()))
+        robot.may("A is cancelled", first.cancel)
+
+
 class Mode(Program):
     """A mode is entered, and the arm stopped, or the task cancelled; then a motion is awaited."""
 
@@ -212,6 +225,7 @@ ALL: tuple[type[Program], ...] = (
     StoppedOnce,
     StoppedNow,
     Cancelled,
+    Blocked,
     Mode,
     Resumed,
     Paused,

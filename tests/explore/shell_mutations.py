@@ -10,6 +10,7 @@ from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.motion_sources import Modes
+from aioduco.supervision.permits import Permits
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.unanswered import UnansweredMotion
 
@@ -134,6 +135,13 @@ SHELL_MUTATIONS = (
         "overtaken",
         _never,
         programs.StoppedNow,
+    ),
+    ShellMutation(
+        "a blocking call is sent when its connection is free, whatever has happened",
+        Permits,
+        "last_check",
+        lambda *_: _nothing,
+        programs.Blocked,
     ),
     ShellMutation(
         "a mode is left once, although it may be entered late",

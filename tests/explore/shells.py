@@ -25,6 +25,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 from unittest.mock import patch
 
+import aioduco
 from aioduco._wire.channel import LaneCall
 from aioduco._wire.idl import functions
 from aioduco.errors import (
@@ -41,7 +42,6 @@ from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.motion_sources import Claim
 from aioduco.supervision.permits import Permits
-from aioduco.supervision.settings import RobotSettings
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.task_command import Command as WireCommand
@@ -61,8 +61,19 @@ _LIMIT: Final = 200.0
 _TURNS: Final = 3_000
 #: seconds for which something is held: longer than it takes to see the arm stand
 _HELD: Final = 0.1
+#: those of the robots
+_SETTINGS: Final = aioduco.connect(
+    "192.0.2.1", heartbeat=None, loop_stall_limit=1e6, unanswered_timeout=4.0, stop_timeout=3.0
+)._supervisor.settings
+#: the motion that is sent by a blocking call
+_BLOCKS: Final = "movel"
 #: functions of the wire that move the arm, by the kinds of commands
-_MOVES: Final = {"movej2": "motion", "resume": "resume", "start_realtime_mode": "mode"}
+_MOVES: Final = {
+    "movej2": "motion",
+    _BLOCKS: "motion",
+    "resume": "resume",
+    "start_realtime_mode": "mode",
+}
 _COMMANDS: Final = {*_MOVES, "stop", "pause", "abort", "end_realtime_mode"}
 
 
@@ -130,6 +141,11 @@ class _Call(LaneCall):
     served: bool = False
     held_until: float = 0.0
     gone: bool = False
+
+    @property
+    def waits(self) -> bool:
+        """Whether its motion has not ended, after which alone it is answered."""
+        return self.name == _BLOCKS and self.call is not None and not self.call.command.state.ended
 
     def __str__(self) -> str:
         return self.call.command.name if self.call is not None else self.name
@@ -377,7 +393,7 @@ class Run(ArmWorld):
         ]
 
     def _answers(self, *, held: bool) -> list[partial[None]]:
-        calls = [one for one in self._wire if one.served and not one.gone]
+        calls = [one for one in self._wire if one.served and not one.gone and not one.waits]
         return [
             partial(self._reply, one) for one in calls if (one.held_until > self.seconds) is held
         ]
@@ -429,6 +445,8 @@ class Run(ArmWorld):
         if call.call is not None:
             call.call.state = "answered"
             self.say(f"the answer to {call} arrives")
+            if call.name == _BLOCKS:
+                call.value = int(call.call.command.state)
         if call.name == "stop":
             self.stop_answered(call.at)
         self.loop.call_soon(self._settle, call)
@@ -522,13 +540,12 @@ class Robot:
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        settings = RobotSettings(
-            heartbeat=None, loop_stall_limit=1e6, unanswered_timeout=4.0, stop_timeout=3.0
-        )
+        settings = _SETTINGS
         lanes = [
             cast("WireLane", Lane(run, name)) for name in ("stop", "control", "poll", "motion")
         ]
         self.calls = cast("WireLane", Lane(run, "call"))
+        self.blocking = cast("WireLane", Lane(run, "blocking"))
         self.background = BackgroundTasks(self._crashed)
         self.gate = Gate(None, 1e6, 0.0, self._permits_ended)
         self.permits = Permits(self.gate)
@@ -579,6 +596,15 @@ class Robot:
             outcome = await task
             if outcome.success and command.cut:
                 raise Violation(f"the await of {name} returns {outcome.value}, although it stopped")
+
+    async def blocks(self, name: str) -> None:
+        """Carry out a motion by a blocking call."""
+        command = self.run[name]
+        self.run.ask(command)
+        async with self._told(command):
+            state = await self.dispatcher.block(WireCommand(_BLOCKS, (name,)), self.blocking, None)
+            if state is TaskState.FINISHED and command.cut:
+                raise Violation(f"the call of {name} returns {state.name}, although it stopped")
 
     async def enters(self, name: str) -> None:
         """Enter a mode, as `Section._enter`."""

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from aioduco.supervision.settings import RobotSettings
+import aioduco
 
 ROOT = Path(__file__).parents[2]
 FILES = ROOT / "examples" / "production"
 UNIT = FILES / "aioduco.service"
-LADDER = RobotSettings().ladder
+LADDER = aioduco.connect("192.0.2.1")._supervisor.settings.ladder
 LONGEST = sum(s or 0.0 for s in (LADDER.settle, LADDER.stop, LADDER.standstill, LADDER.modes))
 
 

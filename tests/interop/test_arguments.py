@@ -6,10 +6,11 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from api.cases import Case, cases
+from api.cases import Case, blocking_cases, cases
 from api.nowhere import robot_on
 from api.test_calls import same
 
+import aioduco
 from aioduco._wire import codec, idl
 from aioduco.supervision.command import MotionCommand
 
@@ -62,6 +63,8 @@ def sent_and_answered(case: Case, generated: Generated) -> Callable[..., Awaitab
     async def exchange(name: str, args: tuple[Any, ...]) -> Any:
         function = idl.functions()[name]
         assert arrived(name, codec.encode(function, args), generated) == plain(args)
+        if name == case.name:
+            assert args == case.wire
         nothing: Any = [] if name == "get_last_error" else False
         answer = case.answer if name == case.name else case.also.get(name, nothing)
         return answered(name, answer, generated)
@@ -108,6 +111,13 @@ async def test_a_function_of_a_section(case: Case, generated: Generated) -> None
         assert type(result) is case.result
     else:
         same(result, case.result)
+
+
+@pytest.mark.parametrize("case", blocking_cases(), ids=str)
+async def test_a_blocking_call(case: Case, generated: Generated) -> None:
+    """It is the call of the motion with `block` true, and its answer is a state."""
+    state = await case.method(robot_on(sent_and_answered(case, generated)))(**case.args)
+    assert state is aioduco.TaskState.FINISHED
 
 
 @pytest.mark.parametrize("name", sorted(idl.functions()))

@@ -15,8 +15,8 @@ import pytest
 from aioduco._wire import codec, deadline_socket, idl, rpc
 from aioduco._wire.connection import Connection, ConnectionStatistics
 from aioduco._wire.deadline_socket import DeadlineSocket
+from aioduco._wire.endpoint import Route
 from aioduco._wire.framing import MAX_REPLY
-from aioduco._wire.host import Route
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco.errors import (
     CallTimeout,

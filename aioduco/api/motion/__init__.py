@@ -74,9 +74,9 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
     async def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
 
-        It applies to programs of the controller and to blocking calls, which this package does not
-        make: the controller has the motions that `run` and `path` send ahead as soon as they
-        arrive.
+        It applies to programs of the controller and to blocking calls, such as those of
+        `robot.blocking`: the controller has the motions that `run` and `path` send ahead as soon as
+        they arrive.
 
         Args:
             per: share of a motion after which the next one is read, 0 to 100 [%]; usually 0 or 50.

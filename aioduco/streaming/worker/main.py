@@ -33,7 +33,7 @@ from aioduco._platform import (
 )
 from aioduco._wire import way_out
 from aioduco._wire.connection import Connection
-from aioduco._wire.host import Route
+from aioduco._wire.endpoint import Route
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.scheduling import shorten_slice

@@ -31,7 +31,7 @@ from anyio.lowlevel import checkpoint
 
 from aioduco._platform import handed_socket, set_realtime_priority
 from aioduco._wire.connection import Connection
-from aioduco._wire.host import Route
+from aioduco._wire.endpoint import Route
 from aioduco._wire.lane import WireLane
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError

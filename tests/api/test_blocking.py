@@ -1,0 +1,406 @@
+"""`robot.blocking`: motions by calls that the controller answers at their end."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+from client.bench import HOME, POSE
+from moments import cancelled_once
+
+import aioduco
+import aioduco.sync
+from aioduco import HeartbeatState, Jog, Outcome, TaskState
+from aioduco._wire import idl
+from aioduco.sim import Simulator
+from aioduco.testing import Cut, FaultProxy, Place, eventually_async
+from api.cases import NOBODY, Case, blocking_cases, cases
+from api.desk import HELD
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator
+
+    from api.desk import Desk
+
+READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
+#: functions with `block` that are not motions, and motions that only a command ends
+ELSEWHERE = {
+    "waits by itself, and moves nothing": {
+        *("power_on", "power_off", "enable", "disable", "shutdown", "restart", "simulation"),
+        *("stop", "pause", "resume", "abort", "speed_stop", "end_teach_mode", "stop_manual_move"),
+    },
+    "is sent with block true": {
+        *("set_standard_digital_out", "set_tool_digital_out", "set_analog_output_mode"),
+        *("set_standard_analog_voltage_out", "set_standard_analog_current_out"),
+        *("set_baudrate_485", "set_baudrate_can", "set_eaxis_param", "set_eaxiss_scheme_param"),
+        *("add_eaxis_scheme", "delete_eaxis_scheme", "set_servo_config", "apply_servo_config"),
+        *("trackEnqueue", "trackEnqueueOp", "realtime_data_enqueue"),
+    },
+    "only a command ends it": {"teach_mode", "move_jog_eaxis"},
+}
+
+
+@pytest.fixture
+def desk(desk: Desk) -> Desk:
+    """A controller whose motions block if they are asked to."""
+    for case in cases():
+        if case.moves and "block" in idl.functions()[case.name].parameters:
+            if case.name not in desk._answers or case.name == "move_jog":  # by a step
+                desk.moves(case.name)
+            desk.blocks(case.name)
+    return desk
+
+
+def line(robot: aioduco.Robot, r: float = 0.0) -> Awaitable[TaskState]:
+    return robot.blocking.movel(POSE, v=0.2, a=0.5, r=r)
+
+
+# -- what is there ---------------------------------------------------------------------------------
+
+
+def test_every_function_with_block_is_there_or_elsewhere_for_a_reason() -> None:
+    blocks = {name for name, one in idl.functions().items() if "block" in one.parameters}
+    there = {name for name in blocks if hasattr(NOBODY.blocking, name)}
+    assert blocks - there == set().union(*ELSEWHERE.values())
+    assert there == {case.name for case in blocking_cases()}
+
+
+@pytest.mark.parametrize("case", blocking_cases(), ids=str)
+def test_it_takes_what_the_motion_takes(case: Case) -> None:
+    (motion,) = (one for one in cases() if one.name == case.name)
+    ours, theirs = (inspect.signature(one.method(NOBODY)) for one in (case, motion))
+    expected = [one for name, one in theirs.parameters.items() if name in case.args]
+    assert list(ours.parameters.values()) == expected
+    assert set(theirs.parameters) - set(case.args) <= {"time"}
+    text = inspect.getdoc(case.method(NOBODY)) or ""
+    for name in ours.parameters:
+        assert f"\n    {name}: " in text
+    assert f"`robot.{motion.section}.{case.name}`" in text
+    assert "manual" in text.lower()
+    assert "await" not in text
+
+
+def test_it_is_up_to_date_and_the_check_can_fail(tmp_path: Path) -> None:
+    root = Path(__file__).parents[2]
+    text = (root / "aioduco" / "api" / "blocking.py").read_text("utf-8")
+    (tmp_path / "other.py").write_text(text.replace("r=r", "r=0.0"), encoding="utf-8")
+    for target in (root / "aioduco" / "api" / "blocking.py", tmp_path / "other.py"):
+        code = (
+            "import pathlib, sys; sys.path.insert(0, 'idl'); sys.argv = ['', '--check']\n"
+            "import generate_blocking\n"
+            f"generate_blocking.TARGET = pathlib.Path({str(target)!r})\n"
+            "sys.exit(generate_blocking.main())\n"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=root,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+        assert done.returncode == (target.name == "other.py"), done.stdout + done.stderr
+    assert ast.parse(text)
+
+
+# -- what is sent, and what comes back -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", blocking_cases(), ids=str)
+async def test_a_blocking_call_returns_the_state_at_its_end(
+    robot: aioduco.Robot, desk: Desk, case: Case
+) -> None:
+    desk.motion_time = 0.02
+    state = await case.method(robot)(**case.args)
+    assert state is TaskState.FINISHED
+    assert isinstance(state, TaskState)
+    (call,) = desk.received(case.name)
+    assert call.args == case.wire
+    assert not robot.tasks
+    if case.name not in HELD:
+        assert not desk.moving()
+    assert "stop" not in desk.commands
+
+
+async def test_it_lasts_longer_than_a_call_may_take(desk: Desk) -> None:
+    desk.motion_time = 1.2
+    async with aioduco.connect(desk.host, desk.port, call_timeout=1.0) as robot:
+        assert await line(robot) is TaskState.FINISHED
+        assert not desk.moving()
+
+
+async def test_other_calls_and_other_blocking_calls_go_on_beside_it(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    desk.motion_time = 30.0
+    states: list[TaskState] = []
+
+    async def one() -> None:
+        states.append(await line(robot))
+
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(one)
+        tg.start_soon(one)
+        await eventually_async(lambda: len(desk.received("movel")) == 2)
+        assert list(await robot.state.get_tcp_pose()) == POSE
+        assert not states
+        desk.arrive()
+        await eventually_async(lambda: len(states) == 1)
+        desk.arrive()
+    assert states == [TaskState.FINISHED, TaskState.FINISHED]
+
+
+@pytest.mark.parametrize(
+    ("answer", "error"),
+    [
+        (2, aioduco.Refused),
+        (3, aioduco.TaskStopped),
+        (5, aioduco.TaskInterrupted),
+        (6, aioduco.TaskFailed),
+        (7, aioduco.TaskIllegal),
+        (8, aioduco.TaskParameterMismatch),
+        (-1, aioduco.Refused),
+    ],
+)
+async def test_another_end_is_an_error_that_says_what_the_controller_lists(
+    robot: aioduco.Robot, desk: Desk, answer: int, error: type[Exception]
+) -> None:
+    desk.errors = ["an older one"]
+
+    def fails(*_: Any) -> int:
+        desk.errors = ["an older one", "movel: out of reach"]
+        return answer
+
+    desk.answer("movel", fails)
+    with pytest.raises(error, match="movel") as caught:
+        await line(robot)
+    if isinstance(caught.value, aioduco.TaskError):
+        assert caught.value.errors == ("movel: out of reach",)
+
+
+async def test_a_motion_that_is_read_ahead_may_move_on(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    start = desk._answers["movel"]
+
+    def ahead(*args: Any) -> int:
+        start(*args[:7], False, *args[8:])
+        return int(TaskState.INTERRUPT)
+
+    desk.answer("movel", ahead)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        assert await line(robot, r=0.05) is TaskState.INTERRUPT
+        assert desk.moving()
+    assert not desk.moving()
+    assert desk.commands == ["movel", "stop"]
+
+
+async def test_a_started_motion_blends_into_a_blocking_one(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    desk.motion_time = 0.1
+    task = await robot.motion.movel(POSE, v=0.2, a=0.5, r=0.05).start()
+    assert await line(robot) is TaskState.FINISHED
+    assert await task is Outcome.BLENDED
+
+
+async def test_a_started_motion_does_not_blend_into_one_that_was_refused(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0, r=0.05).start()
+    desk.answer("movel", -1)
+    desk.tasks[task.id].successor = True
+    with pytest.raises(aioduco.Refused):
+        await line(robot)
+    with pytest.raises(aioduco.TaskInterrupted):
+        await task
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda robot: robot.blocking.move_jog(Jog.joint(1, 1, vel=10)),
+        lambda robot: robot.blocking.speedj([0.1, 0, 0, 0, 0, 0], a=1.0, time=None),
+        lambda robot: robot.blocking.speedl([0.1, 0, 0, 0, 0, 0], a=1.0, time=None),
+    ],
+    ids=["move_jog", "speedj", "speedl"],
+)
+async def test_what_only_a_command_ends_is_refused(
+    robot: aioduco.Robot, desk: Desk, call: Callable[[aioduco.Robot], Awaitable[TaskState]]
+) -> None:
+    with pytest.raises(aioduco.ParameterError, match=r"ends by itself.*robot\.motion\."):
+        await call(robot)
+    assert desk.commands == []
+
+
+# -- the gate --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("on_cancel", ["stop", "detach", "pause"])
+async def test_cancelling_it_stops_the_arm(desk: Desk, on_cancel: Any) -> None:
+    desk.motion_time = 30.0
+    async with aioduco.connect(desk.host, desk.port, on_cancel=on_cancel) as robot:
+        async with cancelled_once(desk.moving) as scope:
+            await line(robot)
+        assert scope.cancelled_caught
+        assert not desk.moving()
+
+
+async def test_a_stop_ends_it(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.motion_time = 30.0
+    async with anyio.create_task_group() as tg:
+
+        async def stop() -> None:
+            await eventually_async(desk.moving)
+            await robot.stop()
+
+        tg.start_soon(stop)
+        with pytest.raises(aioduco.TaskStopped):
+            await line(robot)
+        assert not desk.moving()
+
+
+async def test_it_waits_through_a_pause(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.motion_time = 0.2
+    states: list[TaskState] = []
+
+    async def one() -> None:
+        states.append(await line(robot))
+
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(one)
+        await eventually_async(lambda: desk.received("movel"))
+        await robot.pause()
+        assert not states
+        await robot.resume()
+    assert states == [TaskState.FINISHED]
+    assert "stop" not in desk.commands
+
+
+async def test_after_a_stop_nothing_that_waited_for_a_connection_is_sent(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    errors: list[BaseException] = []
+    async with aioduco.connect(desk.host, desk.port, pool_size=1) as robot:
+
+        async def one() -> None:
+            try:
+                await line(robot)
+            except aioduco.TaskStopped as exc:
+                errors.append(exc)
+
+        async with anyio.create_task_group() as tg:
+            tg.start_soon(one)
+            await eventually_async(desk.moving)
+            tg.start_soon(one)
+            lane = robot._supervisor.blocking
+            await eventually_async(lambda: lane.statistics().waiting)
+            await robot.stop()
+    assert len(errors) == 2
+    assert len(desk.received("movel")) == 1
+
+
+async def test_in_a_permit_that_has_ended_nothing_is_sent(robot: aioduco.Robot, desk: Desk) -> None:
+    with robot.permit("pick"):
+        await robot.stop()
+        with pytest.raises(aioduco.TaskStopped, match="was not sent"):
+            await line(robot)
+    assert desk.received("movel") == ()
+    assert await line(robot) is TaskState.FINISHED
+
+
+async def test_leaving_the_robot_stops_it(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    async with anyio.create_task_group() as tg, aioduco.connect(desk.host, desk.port) as robot:
+
+        async def one() -> None:
+            with pytest.raises((aioduco.TaskStopped, aioduco.ConnectionLost)):
+                await line(robot)
+
+        tg.start_soon(one)
+        await eventually_async(desk.moving)
+    assert not desk.moving()
+
+
+@pytest.mark.slow
+async def test_if_its_answer_is_lost_the_arm_is_stopped(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    async with (
+        FaultProxy(desk.host, desk.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port) as robot,
+    ):
+        proxy.on("movel", Cut(Place.AFTER_REQUEST))
+        with pytest.raises(aioduco.OutcomeUnknown):
+            await line(robot)
+        assert "stop" in desk.commands
+        assert not desk.moving()
+
+
+async def test_without_a_heartbeat_nothing_is_sent(desk: Desk) -> None:
+    async with aioduco.connect(desk.host, desk.port, heartbeat=0.2) as robot:
+        gate = desk.hold("rpc_heartbeat", None)
+        await eventually_async(
+            lambda: robot.heartbeat and robot.heartbeat.state is not HeartbeatState.BEATING
+        )
+        with pytest.raises(aioduco.HeartbeatLost, match="movel was not sent"):
+            await line(robot)
+        gate.set()
+    assert desk.received("movel") == ()
+
+
+async def test_a_robot_that_is_not_open_sends_nothing(desk: Desk) -> None:
+    with pytest.raises(aioduco.RobotStateError, match="movel was not sent"):
+        await line(aioduco.connect(desk.host, desk.port))
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        pass
+    with pytest.raises(aioduco.RobotStateError, match="movel was not sent"):
+        await line(robot)
+
+
+async def test_a_velocity_in_another_frame_is_turned(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("get_flange_pose", POSE)
+    await robot.blocking.speedl([0.0, 0.0, 0.1, 0.0, 0.0, 0.0], a=0.5, time=0.03, frame="base")
+    await robot.motion.speedl([0.0, 0.0, 0.1, 0.0, 0.0, 0.0], a=0.5, time=0.03, frame="base")
+    blocking, other = desk.received("speedl")
+    assert blocking.args == (*other.args[:3], True)
+    assert other.args[0] != [0.0, 0.0, 0.1, 0.0, 0.0, 0.0]
+
+
+# -- for programs that wait ------------------------------------------------------------------------
+
+
+def test_it_is_the_same_for_programs_that_wait(desk: Desk) -> None:
+    desk.motion_time = 0.02
+    with aioduco.sync.connect(desk.host, desk.port) as robot:
+        assert robot.blocking.movel(POSE, v=0.2, a=0.5) is TaskState.FINISHED
+    assert desk.received("movel")[0].args[7] is True
+
+
+# -- a simulated arm -------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+async def test_on_a_simulated_arm_it_blends_as_the_manual_says(sim: Simulator) -> None:
+    async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+        await robot.bring_up()
+        assert await robot.blocking.movej2(READY, v=1.0, a=2.0) is TaskState.FINISHED
+        await robot.motion.set_blend_ahead(50)
+        start = await robot.state.get_tcp_pose()
+        corner, end = start.shifted(x=0.1), start.shifted(x=0.1, z=0.03)
+        states = [
+            await robot.blocking.movel(corner, v=0.03, a=1.0, r=0.03),
+            await robot.blocking.movel(end, v=0.03, a=1.0),
+        ]
+        assert states == [TaskState.INTERRUPT, TaskState.FINISHED]
+        assert (await robot.state.get_tcp_pose()).distance(end)[0] < 1e-3
+        assert not await robot.state.robotmoving()
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    with Simulator(speed=5.0) as sim:
+        yield sim
