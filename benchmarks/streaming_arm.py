@@ -16,7 +16,7 @@ from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.servo import Servo
 
 if TYPE_CHECKING:
-    from aioduco.streaming.shared.config import Upsampling
+    from aioduco.streaming.shared.options import Upsampling
 
 
 async def upsampling(port: int) -> dict[str, dict[str, Any]]:

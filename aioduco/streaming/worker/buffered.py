@@ -148,7 +148,7 @@ class PoolStates(Life):
 
     def begin(self) -> None:
         """Note that the controller follows the pool."""
-        self.state = StreamState.FOLLOWING
+        self.following()
 
     def wanted(self, left: int) -> int:
         """Number of points to add to a pool that has `left` points."""
@@ -170,14 +170,14 @@ class PoolStates(Life):
             self.drained += not self.closing
         if left or added:
             self._dry_since = None
-            self.state = StreamState.FOLLOWING
+            self.following()
             return PoolAction.RESUME if not left or untaken else PoolAction.FOLLOW
         if self._dry_since is None:
             self._dry_since = now
         if self.closing:
             return PoolAction.FINISH
         self.starved += 1
-        self.state = StreamState.HOLDING
+        self.holding()
         if now - self._dry_since > self._hold:
             self.brake(Reason.STARVED)
             return PoolAction.EMPTY

@@ -32,6 +32,18 @@ class Life:
         self.text: str = ""
         self.closing: bool = False
 
+    def following(self) -> None:
+        """Note that the arm follows."""
+        self.state = StreamState.FOLLOWING
+
+    def holding(self) -> None:
+        """Note that the program is late, and the arm waits for it."""
+        self.state = StreamState.HOLDING
+
+    def ended(self) -> None:
+        """Note that the arm has come to rest, as was decided."""
+        self.state = StreamState.ENDED
+
     def close(self) -> None:
         """Follow all that was sent, then end: the program sends no more."""
         self.closing = True

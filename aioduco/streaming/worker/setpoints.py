@@ -116,7 +116,7 @@ class SetpointSource(Life):
             case StreamState.DECELERATING:
                 config = follower.brake()
                 if follower.at_rest:
-                    self.state = StreamState.ENDED
+                    self.ended()
             case _:
                 config = follower.step()
         return config
@@ -144,7 +144,7 @@ class SetpointSource(Life):
             self._interval = max(self._period, min(since, _LONGEST))
         self._stamp = point.stamp
         self._idle = 0
-        self.state = StreamState.FOLLOWING
+        self.following()
         duration = self._interval if self._paced else self._interval * _LATE
         follower.aim(target, self._interval, duration)
 
@@ -163,7 +163,7 @@ class SetpointSource(Life):
         if idle < due * _ROUNDING:
             return
         self.starved += not follower.at_rest
-        self.state = StreamState.HOLDING
+        self.holding()
         if idle > self._hold:
             self.brake(Reason.STARVED)
 
@@ -212,7 +212,7 @@ class ChunkSource(SetpointSource):
             return
         elif not timeline.ready:
             self._idle = 0
-            self.state = StreamState.FOLLOWING
+            self.following()
         elif self.closing:
             self._finish(follower)
         else:
@@ -230,7 +230,7 @@ class ChunkSource(SetpointSource):
         place = self._timeline.take(begin, tuple(self._chunk))
         if self.state is not StreamState.WAITING:
             return
-        self.state = StreamState.HOLDING
+        self.holding()
         if place is not None and not within(self._space, follower.config, place, self._reach):
             self.end(Reason.TOO_FAR)
 
