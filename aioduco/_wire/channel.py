@@ -601,14 +601,15 @@ async def _connect(loop: asyncio.AbstractEventLoop, sock: socket.socket, address
     uvloop's `sock_connect` resolves the address again, on threads of libuv's; a child that is
     forked after that crashes at its end (`uv__threadpool_cleanup`).
     """
+    writable = asyncio.Event()
     try:
-        loop.remove_writer(sock.fileno())
+        loop.add_writer(sock.fileno(), writable.set)
     except NotImplementedError:  # Windows' default loop
         await loop.sock_connect(sock, address)
         return
+    loop.remove_writer(sock.fileno())  # a socket that does not connect yet counts as writable
     error = sock.connect_ex(address)
     if error in (errno.EINPROGRESS, errno.EINTR):
-        writable = asyncio.Event()
         loop.add_writer(sock.fileno(), writable.set)
         try:
             await writable.wait()

@@ -34,9 +34,6 @@ class UnreportingLoop(asyncio.SelectorEventLoop):
     def add_writer(self, *_: Any, **__: Any) -> NoReturn:  # type: ignore[override]
         raise NotImplementedError
 
-    def remove_writer(self, *_: Any) -> NoReturn:
-        raise NotImplementedError
-
 
 LOOPS: dict[str, Callable[[], asyncio.AbstractEventLoop]] = {
     "asyncio": asyncio.SelectorEventLoop,
