@@ -7,6 +7,7 @@ import errno
 import os
 import socket
 import time
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -186,7 +187,7 @@ class LaneCall(Call):
             self.over.set_result(None)
 
 
-class Carrier:
+class Carrier(ABC):
     """What carries the calls of a lane, one at a time: a `Channel` or a `PoolThread`.
 
     Args:
@@ -212,17 +213,19 @@ class Carrier:
         """Number of sent bytes that the other side has not acknowledged."""
         return 0
 
+    @abstractmethod
     def take(self, call: LaneCall) -> bool:
         """Take a call; there must be none. Returns whether the caller must now `send` it."""
-        raise NotImplementedError
 
+    @abstractmethod
     def send(self, call: LaneCall) -> None:
         """Send the call that was taken, before anything else runs on the loop."""
-        raise NotImplementedError
 
+    @abstractmethod
     def expire(self, call: LaneCall) -> None:
         """End a call whose deadline has passed, unless its end is certain anyway."""
 
+    @abstractmethod
     def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
         """End a call that was abandoned, or whose lane is closed; its connection is dissolved.
 
@@ -231,7 +234,6 @@ class Carrier:
             reason: why, in words.
             exc: the same as for `failure`.
         """
-        raise NotImplementedError
 
     def _end(self, value: Any = None, error: BaseException | None = None) -> None:
         call, self.call = self.call, None
@@ -359,8 +361,8 @@ class Channel(Carrier):
         self._stream = stream
         try:
             self._loop.add_reader(stream.socket.fileno(), self._readable)
-        except NotImplementedError:
-            self._reports = False  # Windows' default loop
+        except NotImplementedError:  # Windows' default loop, which reports no readiness
+            self._reports = False
 
     def close(self, reason: str) -> None:
         """Close the connection; on the loop."""

@@ -133,6 +133,12 @@ class PoolThread(Carrier):
         self._inbox.put(call)
         return False
 
+    def send(self, call: LaneCall) -> None:
+        """Do nothing: the thread sends what it is passed."""
+
+    def expire(self, call: LaneCall) -> None:
+        """Do nothing: the thread keeps the deadline of its call."""
+
     def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
         """Make the thread drop its call. It is free when it has come back."""
         if self.call is call and not self._own.given_up:

@@ -505,6 +505,7 @@ class Run(ArmWorld):
         async def main() -> None:
             robot = Robot(self)
             await program(robot)
+            # the loop's time is made up: it passes at once, and nothing waits for a clock
             while self.acts or any(not task.done() for task in self.watched):  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
             await asyncio.sleep(6.0)  # what is still on its way arrives

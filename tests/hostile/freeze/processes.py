@@ -55,7 +55,9 @@ def freeze(pids: Sequence[int]) -> None:
     while any(_states(pid) - {"T", "Z", "X"} for pid in pids):
         if time.monotonic() > until:
             raise TimeoutError(f"processes {pids} did not stop")
-        time.sleep(0.0005)
+        time.sleep(
+            0.0005
+        )  # a poll: the system tells nobody that a process that is no child stopped
 
 
 def thaw(pids: Sequence[int]) -> None:
@@ -69,7 +71,7 @@ def kill(mark: str) -> None:
     while left := of_run(mark):
         for pid in left:
             _signal(pid, signal.SIGKILL)
-        time.sleep(0.005)
+        time.sleep(0.005)  # a poll, too: they are others' children
 
 
 def _signal(pid: int, number: int) -> None:
