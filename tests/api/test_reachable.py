@@ -48,7 +48,7 @@ def reachable() -> dict[str, Callable[..., Any]]:
         if not isinstance(section, Section):
             continue
         assert attribute in aioduco.Robot.__annotations__
-        assert f"        {attribute}: " in str(aioduco.Robot.__doc__), (
+        assert f"\n    {attribute}: " in str(inspect.getdoc(aioduco.Robot)), (
             f"{attribute} is undocumented"
         )
         if attribute == "blocking":

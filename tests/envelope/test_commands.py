@@ -32,6 +32,7 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
 from aioduco.trace import CallFinished
 
 from .trials import ARM, CYCLE, LAG, Seen, least, watched
@@ -121,11 +122,12 @@ async def test_set_points_end_at_the_wall(robot: aioduco.Robot, seen: Seen, kind
             sent += 1
         except EnvelopeViolated:
             refused += 1
-    await robot.stop()
     assert refused > 20
     assert sent > 20
+    # on a busy machine the arm follows later than the last set-point was sent
+    await eventually_async(lambda: nearest(seen) < 0.02)
+    await robot.stop()
     assert nearest(seen) > -LAG
-    assert nearest(seen) < 0.02
 
 
 async def test_a_set_point_is_checked_on_the_way_of_each_joint(robot: aioduco.Robot) -> None:
