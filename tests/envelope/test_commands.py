@@ -186,6 +186,9 @@ async def test_a_loop_asks_the_controller_for_nothing_more(
     # so slow that the arm is on its way until the end, and stands by the watch
     await robot.motion.servoj(turned(0.1), v=0.0005, a=5.0).start()
     assert "get_actual_joints_position" in names
+    # a busy machine brings the watch its first sample late
+    watch = robot._supervisor.envelope._watch
+    await eventually_async(lambda: watch.fresh() is not None)
     del names[:]
     for number in range(20):
         await robot.motion.servoj(turned(0.1 + 0.001 * number), v=0.0005, a=5.0).start()
