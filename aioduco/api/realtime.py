@@ -111,10 +111,10 @@ class Realtime(Section, RealtimeStreams):
                 raise ParameterError(f"points[{number}]", point, expected)
         joints = [p.values for p in given if p.mode is RealtimeMode.JOINT_POSITION]
         moves = _ENDING in self._supervisor.stop_coordinator.modes
-        await self._supervisor.envelope.admit("realtime_data_enqueue", joints, moves=moves)
-        data = [point.wire() for point in given]
-        call = calls.realtime_data_enqueue(data, True)
-        check_finished(call.name, await self._feed(call))
+        call = calls.realtime_data_enqueue([point.wire() for point in given], True)
+        with self._asked_for(call.name):
+            await self._supervisor.envelope.admit(call.name, joints, moves=moves)
+            check_finished(call.name, await self._feed(call))
 
     async def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).

@@ -193,6 +193,16 @@ class Track(Section, TrackStreams):
     async def _put(
         self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]] = ()
     ) -> None:
+        """Put points into the pool; if the arm follows it, they move the arm."""
+        if self._followed:
+            with self._asked_for(call.name):
+                await self._put_checked(kind, call, joints)
+        else:
+            await self._put_checked(kind, call, joints)
+
+    async def _put_checked(
+        self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]]
+    ) -> None:
         """Put points into the pool, by a call of the wire, after a check against the envelope."""
         await self._modes.settle(call.name)
         held = self._kind
