@@ -184,7 +184,6 @@ class Section(ManualNames):
                 "one that ends by itself: a velocity for a time, or a jog with a step. "
                 f"robot.motion.{command.name} makes one that a command ends",
             )
-        supervisor.check_open(command.name)
         follower = supervisor.stop_coordinator.follower
         with self._asked_for(command.name):
             before = await follower.error_list()
@@ -240,6 +239,7 @@ class Section(ManualNames):
         Raises:
             RobotStateError, HeartbeatLost, TaskStopped: it is not permitted; nothing was sent.
         """
+        self._supervisor.check_open(name)
         permits = self._supervisor.permits
         return permits.within(permits.ask(name))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
 import aioduco
@@ -35,6 +36,16 @@ class _Launcher:
         return await self._answer(command.name, command.args)
 
 
+class _Permits:
+    """Permits everything: what ends a permit is left out."""
+
+    def ask(self, _name: str) -> None:
+        """Permit it."""
+
+    def within(self, _permit: None) -> nullcontext[None]:
+        return nullcontext()
+
+
 def robot_on(answer: Answer) -> aioduco.Robot:
     """A robot whose sections call this function; supervision is left out."""
     robot = aioduco.connect("192.0.2.1")
@@ -53,6 +64,7 @@ def robot_on(answer: Answer) -> aioduco.Robot:
 
     supervisor.calls.call = supervisor.blocking.call = call
     supervisor.dispatcher = _Launcher(answer)
+    supervisor.permits = _Permits()
     supervisor.stop_coordinator.end = end
     supervisor.stop_coordinator.follower.error_list = no_errors
     supervisor.check_open = lambda _: None
