@@ -1,22 +1,135 @@
-"""What was asked for before a stop is not sent after it, whatever had to be read first."""
+"""What was asked for before a stop is not sent after it, whatever had to be read first.
+
+Each function that can move the arm is asked for with an envelope, so that as much as possible is
+read before it is sent. Then each of these reads hangs while the arm is stopped.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import anyio
 import pytest
-from client.bench import HOME
+from client.bench import HOME, POSE
 
 import aioduco
 from aioduco import Joints, RealtimeMode, RealtimePoint
 from aioduco.envelope import Envelope, Zone
+from aioduco.supervision.command import MotionCommand
 from aioduco.testing import eventually_async
+from api.cases import Case, blocking_cases, cases
+from api.desk import HELD, Desk
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from api.desk import Desk
+#: what the robot asks for by itself, all the time
+_BY_ITSELF = {
+    "rpc_heartbeat",
+    "getRobotStatus",
+    "getRobotIOStatus",
+    "robotmoving",
+    "get_noneblock_taskstate",
+    "get_robot_state",
+}
+_READ = {
+    "get_tcp_offset": [0.0] * 6,
+    "get_wobj": [0.0] * 6,
+    "get_flange_pose": POSE,
+    "get_tcp_pose_coord": POSE,
+    "get_actual_joints_position": HOME,
+    "get_tcp_pose": POSE,
+    "get_last_error": [],
+}
+#: far below the arm, so that what it does is read, and allowed
+_ENVELOPE = Envelope("gcr5_910", Zone.plane((0, 0, -5.0), (0, 0, 1)))
+
+
+def _in_other_frames() -> list[Case]:
+    """The motions that read the tool's pose before they are sent."""
+    found = []
+    for case in cases():
+        if case.moves and "frame" in case.parameters and case.section == "motion":
+            changed = {"frame": "base"}
+            if case.name == "speedl":
+                changed["twist"] = [0.0, 0.0, -0.01, 0.0, 0.0, 0.0]  # type: ignore[assignment]
+            found.append(replace(case, args=case.args | changed))
+    return found
+
+
+MOVING = [
+    case
+    for case in (*cases(), *_in_other_frames(), *blocking_cases())
+    if case.moves and case.section != "external_axes"
+]
+
+
+def _asks(robot: aioduco.Robot, case: Case) -> Callable[[], Awaitable[object]]:
+    """Ask for it by an await, or by `start`, where it would otherwise be waited for."""
+    made = case.method(robot)(**case.args)
+    if isinstance(made, MotionCommand):
+        return made.start
+
+    async def awaited() -> object:
+        return await made
+
+    return awaited
+
+
+async def _stopped(case: Case, held: str = "") -> tuple[list[str], BaseException | None]:
+    """Ask for something, and stop the arm when it was sent, or while a read hangs.
+
+    Args:
+        case: what is asked for.
+        held: the read that hangs until the stop has returned; empty to let it be sent.
+
+    Returns:
+        The functions that arrived since it was asked for, and what it raised.
+    """
+    with Desk() as desk:
+        desk.motion_time = 30.0
+        if case.name not in HELD:
+            desk.moves(case.name)
+        if case.section == "blocking":
+            desk.blocks(case.name)
+        for name, answer in _READ.items():
+            desk.answer(name, answer)
+        async with aioduco.connect(desk.host, desk.port) as robot:
+            robot.envelope = _ENVELOPE
+            raised: list[BaseException] = []
+
+            async def asked() -> None:
+                try:
+                    await _asks(robot, case)()
+                except aioduco.DucoError as exc:
+                    raised.append(exc)
+
+            awaited = held or case.name
+            gate = desk.hold(held, _READ[held]) if held else None
+            begin = len(desk.received())
+            before = len(desk.received(awaited))
+            async with anyio.create_task_group() as group:
+                group.start_soon(asked)
+                await eventually_async(lambda: len(desk.received(awaited)) > before or raised)
+                await robot.stop()
+                if gate is not None:
+                    gate.set()
+        names = [call.method for call in desk.received()[begin:]]
+        return names, raised[0] if raised else None
+
+
+@pytest.mark.parametrize("case", MOVING, ids=lambda case: f"{case.section}-{case.name}")
+@pytest.mark.cases(6)
+async def test_what_reads_before_it_is_sent_is_not_sent_after_a_stop(case: Case) -> None:
+    names, error = await _stopped(case)
+    assert case.name in names, error
+    reads = {one for one in names[: names.index(case.name)] if one not in _BY_ITSELF}
+    assert reads
+    for read in sorted(reads):
+        names, error = await _stopped(case, read)
+        assert case.name not in names, f"sent after the stop that came while {read} was read"
+        assert isinstance(error, aioduco.TaskStopped), read
 
 
 async def into_realtime(robot: aioduco.Robot) -> None:
