@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import pytest
 from wire.servers import ScriptedServer
 
-import aioduco
+import aioduco.recording
+import aioduco.testing
 from aioduco.robot import _NEEDED_OPEN
 
 if TYPE_CHECKING:
-    from wire.servers import Peer
+    from types import ModuleType
 
-SOURCE = ast.parse(Path(aioduco.__file__).read_text(encoding="utf-8"))
+    from wire.servers import Peer
 
 
 def run(code: str) -> str:
@@ -33,9 +34,11 @@ def run(code: str) -> str:
     return done.stdout.strip()
 
 
-def told_to_type_checkers() -> dict[str, str]:
+def told_to_type_checkers(package: ModuleType = aioduco) -> dict[str, str]:
     """By name the module from which the package's source imports it for type checkers."""
-    (block,) = (node for node in SOURCE.body if isinstance(node, ast.If))
+    assert package.__file__ is not None
+    source = ast.parse(Path(package.__file__).read_text(encoding="utf-8"))
+    (block,) = (node for node in source.body if isinstance(node, ast.If))
     assert ast.unparse(block.test) == "TYPE_CHECKING"
     found: dict[str, str] = {}
     for node in block.body:
@@ -72,6 +75,15 @@ def test_what_is_loaded_when_it_is_used_is_public_and_told_to_type_checkers() ->
     assert set(aioduco._HOME) | {"events"} == set(told_to_type_checkers())
     assert set(told_to_type_checkers()) <= set(aioduco.__all__)
     assert len(aioduco.__all__) == len(set(aioduco.__all__))
+
+
+@pytest.mark.parametrize("package", [aioduco.recording, aioduco.testing])
+def test_a_package_gives_on_first_use_what_type_checkers_were_told(package: ModuleType) -> None:
+    told = told_to_type_checkers(package)
+    assert {name: f"{package.__name__}.{module}" for name, module in package._HOME.items()} == told
+    assert set(told) == set(package.__all__)
+    assert run(f"from {package.__name__} import *; print({set(told)} - set(globals()))") == "set()"
+    assert run(f"import sys, {package.__name__}; print('anyio' in sys.modules)") == "False"
 
 
 def test_dir_lists_every_public_name_before_it_is_loaded() -> None:

@@ -15,9 +15,13 @@ which is loaded at its first use.
 
 from __future__ import annotations
 
-from aioduco.recording.publication import Publication, PublicationStatistics
-from aioduco.recording.recorder import Recording, RecordingStatistics
-from aioduco.recording.run import RecordedMessage, RecordedRun, read
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from aioduco.recording.publication import Publication, PublicationStatistics
+    from aioduco.recording.recorder import Recording, RecordingStatistics
+    from aioduco.recording.run import RecordedMessage, RecordedRun, read
 
 __all__ = [
     "Publication",
@@ -28,3 +32,17 @@ __all__ = [
     "RecordingStatistics",
     "read",
 ]
+
+_HOMES = {
+    "publication": ("Publication", "PublicationStatistics"),
+    "recorder": ("Recording", "RecordingStatistics"),
+    "run": ("RecordedMessage", "RecordedRun", "read"),
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Load a name on first use: a process that uses a part of this package loads that alone."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)

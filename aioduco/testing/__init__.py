@@ -8,34 +8,38 @@ that every call conforms to the manual.
 
 from __future__ import annotations
 
-from aioduco.testing.cancel import Cancelled, cancel_at, cancel_at_every_await
-from aioduco.testing.conformance import check_controller
-from aioduco.testing.faults import (
-    ApplicationError,
-    Chaos,
-    Cut,
-    Delay,
-    DropReply,
-    DropRequest,
-    Ending,
-    Fault,
-    Garbage,
-    HalfOpen,
-    HoldReply,
-    Place,
-    Plan,
-    RepeatReply,
-    Throttle,
-    WrongKind,
-    WrongMethod,
-    WrongSeqid,
-)
-from aioduco.testing.forgiven import nothing_forgiven
-from aioduco.testing.leaks import Resources, no_leaks
-from aioduco.testing.proxy import FaultProxy
-from aioduco.testing.recording_server import ReceivedCall, RecordingServer
-from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics
-from aioduco.testing.waiting import eventually, eventually_async
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from aioduco.testing.cancel import Cancelled, cancel_at, cancel_at_every_await
+    from aioduco.testing.conformance import check_controller
+    from aioduco.testing.faults import (
+        ApplicationError,
+        Chaos,
+        Cut,
+        Delay,
+        DropReply,
+        DropRequest,
+        Ending,
+        Fault,
+        Garbage,
+        HalfOpen,
+        HoldReply,
+        Place,
+        Plan,
+        RepeatReply,
+        Throttle,
+        WrongKind,
+        WrongMethod,
+        WrongSeqid,
+    )
+    from aioduco.testing.forgiven import nothing_forgiven
+    from aioduco.testing.leaks import Resources, no_leaks
+    from aioduco.testing.proxy import FaultProxy
+    from aioduco.testing.recording_server import ReceivedCall, RecordingServer
+    from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics
+    from aioduco.testing.waiting import eventually, eventually_async
 
 __all__ = [
     "ApplicationError",
@@ -72,3 +76,42 @@ __all__ = [
     "no_leaks",
     "nothing_forgiven",
 ]
+
+_HOMES = {
+    "cancel": ("Cancelled", "cancel_at", "cancel_at_every_await"),
+    "conformance": ("check_controller",),
+    "faults": (
+        "ApplicationError",
+        "Chaos",
+        "Cut",
+        "Delay",
+        "DropReply",
+        "DropRequest",
+        "Ending",
+        "Fault",
+        "Garbage",
+        "HalfOpen",
+        "HoldReply",
+        "Place",
+        "Plan",
+        "RepeatReply",
+        "Throttle",
+        "WrongKind",
+        "WrongMethod",
+        "WrongSeqid",
+    ),
+    "forgiven": ("nothing_forgiven",),
+    "leaks": ("Resources", "no_leaks"),
+    "proxy": ("FaultProxy",),
+    "recording_server": ("ReceivedCall", "RecordingServer"),
+    "records": ("CallRecord", "ConnectionRecord", "ProxyStatistics"),
+    "waiting": ("eventually", "eventually_async"),
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Load a name on first use: not all with each run of pytest, which loads the plugin."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
