@@ -19,15 +19,21 @@ import anyio
 import numpy as np
 
 import aioduco
+from aioduco.devices.grippers import (
+    DhGripper,
+    DigitalGripper,
+    Robotiq,
+    VacuumGripper,
+    gripper_model,
+)
 from aioduco.errors import ObjectLost, TaskError, TaskUnknown
-from aioduco.grippers import DhGripper, DigitalGripper, Robotiq, VacuumGripper, gripper_model
 from aioduco.kinematics import arm
 from aioduco.models.pose import Joints
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Table
 
 if TYPE_CHECKING:
-    from aioduco.grippers import PolledGripper
+    from aioduco.devices.grippers import PolledGripper
     from aioduco.robot import Robot
 
 READY = Joints.deg(-25, 0, 90, 0, -90, 0)

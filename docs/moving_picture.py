@@ -20,7 +20,7 @@ import anyio.to_thread
 import aioduco
 from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
 from aioduco.cli.picture import save
-from aioduco.grippers import DigitalGripper
+from aioduco.devices.grippers import DigitalGripper
 from aioduco.kinematics import arm as arm_of
 from aioduco.sim import Simulator
 from aioduco.sim.view.camera import Camera

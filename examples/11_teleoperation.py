@@ -20,7 +20,7 @@ import argparse
 import anyio
 
 import aioduco
-from aioduco.teleoperation import TeleopScale, open_device, teleoperate
+from aioduco.devices.teleoperation import TeleopScale, open_device, teleoperate
 
 
 async def main(host: str, port: int, pad: str | None) -> None:

@@ -12,7 +12,7 @@ import sys
 import anyio
 
 import aioduco
-from aioduco.grippers import DhGripper
+from aioduco.devices.grippers import DhGripper
 
 
 async def main(host: str, port: int) -> None:

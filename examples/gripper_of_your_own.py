@@ -9,8 +9,8 @@ import time
 import anyio
 
 import aioduco
-from aioduco.bus import ModbusRtu, Port
-from aioduco.grippers import GripperModel, GripperState, PolledGripper
+from aioduco.devices.bus import ModbusRtu, Port
+from aioduco.devices.grippers import GripperModel, GripperState, PolledGripper
 
 MINE = GripperModel("mine", "my gripper", stroke=0.06, force=(5.0, 60.0), speed=None, fastest=0.1,
                     mass=0.5, length=0.12, source="its data sheet")  # fmt: skip

@@ -14,7 +14,7 @@ import anyio
 
 import aioduco
 from aioduco import Joints, mm
-from aioduco.grippers import Robotiq
+from aioduco.devices.grippers import Robotiq
 
 READY = Joints.deg(0, 0, 90, 0, -90, 0)  # the part is expected 200 mm below, between the fingers
 
@@ -41,7 +41,7 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
     else:
-        from aioduco.grippers import gripper_model
+        from aioduco.devices.grippers import gripper_model
         from aioduco.kinematics import arm
         from aioduco.sim import Simulator
         from aioduco.sim.scene import Box, Table

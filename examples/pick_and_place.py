@@ -76,7 +76,7 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
     else:
-        from aioduco.grippers import gripper_model
+        from aioduco.devices.grippers import gripper_model
         from aioduco.sim import Simulator
         from aioduco.sim.scene import Box, Table
 

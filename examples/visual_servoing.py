@@ -4,10 +4,10 @@
     python visual_servoing.py 192.168.1.10        on a real one, with the computer's first camera
 
 The camera looks along the flange's z axis, as far right and down in its picture as the flange's x
-and y; where it is otherwise, `aioduco.cameras.calibrate_hand_eye` says how. Each picture says how
-far the part is beside the tool. The next target is half of that way: what a picture is late by
-makes the arm slower, and not restless. The stream brings the few targets to 500 set-points a
-second, and when the part is out of sight no target comes, so that the arm stands.
+and y; where it is otherwise, `aioduco.devices.cameras.calibrate_hand_eye` says how. Each picture
+says how far the part is beside the tool. The next target is half of that way: what a picture is
+late by makes the arm slower, and not restless. The stream brings the few targets to 500 set-points
+a second, and when the part is out of sight no target comes, so that the arm stands.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ import numpy as np
 
 import aioduco
 from aioduco import Pose
-from aioduco.cameras import Intrinsics, OpenCvCamera, SimulatedCamera
+from aioduco.devices.cameras import Intrinsics, OpenCvCamera, SimulatedCamera
 
 if TYPE_CHECKING:
-    from aioduco.cameras import CameraDevice, CameraFrame
+    from aioduco.devices.cameras import CameraDevice, CameraFrame
 
 HEIGHT = 0.3  # of the camera over the part, for a camera without depth [m]
 THERE = 0.002  # the tool is over the part [m]

@@ -31,7 +31,7 @@ sys.path.insert(0, str(ROOT))
 
 from aioduco._wire.rpc import Functions  # noqa: E402  # of this checkout
 from aioduco.api.section import Section  # noqa: E402  # of this checkout
-from aioduco.grippers.gripper import PolledGripper  # noqa: E402  # of this checkout
+from aioduco.devices.grippers.gripper import PolledGripper  # noqa: E402  # of this checkout
 from aioduco.recording.publication import Publication  # noqa: E402  # of this checkout
 from aioduco.recording.recorder import Recording  # noqa: E402  # of this checkout
 from aioduco.robot import Robot, connect  # noqa: E402  # of this checkout
@@ -106,7 +106,7 @@ ROBOT = Mirror(
 #: functions that take a robot: the module that is imported when they are called, and their names
 FUNCTIONS = {
     "aioduco.playback": ("play", "check_path_on", "check_waypoints_on", "run_waypoints"),
-    "aioduco.teleoperation": ("teleoperate",),
+    "aioduco.devices.teleoperation": ("teleoperate",),
 }
 #: classes whose methods make streams: bases of sections, or sections by themselves
 STREAM_MAKERS = (Servo, Speed, RealtimeStreams, TrackStreams)

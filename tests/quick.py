@@ -43,7 +43,7 @@ CASES = {
 }
 #: beginnings of the paths of tests that take long, mostly since they start programs
 LONG = (
-    *("client/test_examples", "fleet/", "grippers/test_simulated", "hostile/test_cable"),
+    *("client/test_examples", "fleet/", "devices/grippers/test_simulated", "hostile/test_cable"),
     *("hostile/test_fork", "hostile/test_frozen", "hostile/test_imports", "pages/", "panel/"),
     *("planning/", "playback/", "preflight/", "streaming/test_examples", "test_cli"),
 )

@@ -54,16 +54,17 @@ MAY_IMPORT: dict[str, set[str]] = {
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
     "tap": BASE | {"_wire"},
-    "bus": BASE | {"models", "api"},
+    "devices": set(),
+    "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
-    "grippers": BASE | {"models", "supervision", "api", "bus", "robot"},
+    "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
     "status_port": {"errors", "models"},
     "recording": CLIENT,
     "robot": CLIENT | {"recording"},
     # moves a robot by its public interface
     "playback": CLIENT | {"recording", "robot"},
     # lead a robot by its public interface
-    "teleoperation": CLIENT | {"robot"},
+    "devices.teleoperation": CLIENT | {"robot"},
     "events": {"supervision"},
     # the mains of all processes, each imported in its own process alone
     "frozen": CLIENT | {"planning", "sim", "tap"},
@@ -75,10 +76,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compat": BASE | {"_wire"},
     # knows arms, the simulator's physics and trajectories, and no robot
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
-    "sync": CLIENT | {"robot", "__init__", "recording", "playback", "grippers", "teleoperation"},
+    "sync": CLIENT
+    | {"robot", "__init__", "recording", "playback"}
+    | {"devices.grippers", "devices.teleoperation"},
     "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
-    "panel": {*("errors", "kinematics", "envelope", "events", "__init__", "playback", "planning")},
+    "panel": {
+        *("errors", "kinematics", "envelope", "events", "__init__", "planning"),
+        "playback",
+    },
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
         *("errors", "kinematics", "descriptions", "events", "trace", "__init__", "models", "sim"),
@@ -87,11 +93,13 @@ MAY_IMPORT: dict[str, set[str]] = {
     # gateways use robots as a program does
     "fleet": {"errors", "events", "reporting", "robot", "__init__"},
     # where a camera is and what it sees; simulated ones draw by the simulator
-    "cameras": {"errors", "models", "controller_clock", "sim"},
+    "devices.cameras": {"errors", "models", "controller_clock", "sim"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
     | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"}
-    | {"integrations", "tap", "testing", "playback", "grippers", "panel", "teleoperation", "fleet"},
+    | {"devices.grippers", "devices.teleoperation"}
+    | {"playback", "tap", "testing"}
+    | {"integrations", "fleet", "panel"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
@@ -176,7 +184,8 @@ LONGEST_CHAIN = {"aioduco.streaming": 9, "aioduco.supervision": 9}
 #: packages of which no module imports itself through others; `.ci/count` looks at all of them
 FREE_OF_CIRCLES = [
     *("aioduco.sim", "aioduco.api", "aioduco.sync", "aioduco.models", "aioduco.recording"),
-    *("aioduco.integrations.gym", "aioduco.grippers", "aioduco.envelope", "aioduco.kinematics"),
+    *("aioduco.integrations.gym", "aioduco.devices.grippers"),
+    *("aioduco.envelope", "aioduco.kinematics"),
 ]
 
 #: by library, the files that may import it, each with all that is under it
@@ -217,12 +226,12 @@ ONLY_IN: dict[str, set[str]] = {
     "opentelemetry": {"integrations/otel"},
     "zenoh": {"fleet/link.py"},
     "gymnasium": {"integrations/gym"},
-    "cv2": {"cameras"},
+    "cv2": {"devices/cameras"},
 }
 
 #: these are pure: no threads, sockets, clocks or files
 PURE = {
-    "bus/frames.py",
+    "devices/bus/frames.py",
     "_wire/framing.py",
     "_wire/lifecycle.py",
     "_wire/failures.py",
@@ -282,6 +291,10 @@ def part(name: str) -> str:
     words = name.split(".")
     beginnings = (".".join(words[:n]) for n in range(len(words), 0, -1))
     return next((each for each in beginnings if each in MAY_IMPORT), "__init__")
+
+
+def part_of_module(name: str) -> str:
+    return part(name.removeprefix("aioduco").removeprefix("."))
 
 
 def part_of_file(path: str) -> str:
@@ -346,8 +359,15 @@ def modules() -> dict[str, str]:
 
 
 def imported_modules(prefix: str) -> dict[str, set[str]]:
-    """By module with a name that begins so, which of them it imports, also for types alone."""
-    names = {path: name for name, path in modules().items() if f"{name}.".startswith(f"{prefix}.")}
+    """By module with a name that begins so, which of them it imports, also for types alone.
+
+    Parts of their own below it are left out.
+    """
+    names = {
+        path: name
+        for name, path in modules().items()
+        if f"{name}.".startswith(f"{prefix}.") and part_of_module(name) == part_of_module(prefix)
+    }
     graph: dict[str, set[str]] = {name: set() for name in names.values()}
     for one in imports():
         if one.path in names:

@@ -13,10 +13,10 @@ import pytest
 from aioduco import ParameterError, WorkerFailed
 from aioduco.cli.monitor import keyboard
 from aioduco.cli.monitor.keyboard import Key
+from aioduco.devices.teleoperation import KeyboardDevice, devices
 from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.servo import Servo
-from aioduco.teleoperation import KeyboardDevice, devices
 
 BARE = Path(__file__).parent / "bare"
 PROGRAM = """

@@ -17,8 +17,8 @@ from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
 
 if TYPE_CHECKING:
+    from aioduco.devices.teleoperation import InputDevice, TeleopScale
     from aioduco.sync import Robot
-    from aioduco.teleoperation import InputDevice, TeleopScale
 
 __all__ = ["teleop"]
 
@@ -92,8 +92,8 @@ def teleop(
     not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
     """
     extras.need(*(() if record is None else ("record",)), *(("sim",) if host is None else ()))
+    from aioduco.devices.teleoperation import TeleopScale, open_device  # noqa: PLC0415
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
-    from aioduco.teleoperation import TeleopScale, open_device  # noqa: PLC0415
 
     scale = TeleopScale(speed=speed, turn_speed=turn_speed, joint_speed=joint_speed)
     try:

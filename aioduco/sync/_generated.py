@@ -47,6 +47,10 @@ if TYPE_CHECKING:
     from aioduco.api.track import Track as AioTrack
     from aioduco.api.version import RobotType, Version as AioVersion
     from aioduco.controller_clock import Clock
+    from aioduco.devices.teleoperation.devices import InputDevice
+    from aioduco.devices.teleoperation.reading import Reading
+    from aioduco.devices.teleoperation.scale import TeleopScale
+    from aioduco.devices.teleoperation.teleop_loop import TeleopReport
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
     from aioduco.models.enums import FileKind, OperationMode, Outcome, OutputMode, TaskState
@@ -81,10 +85,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel
-    from aioduco.teleoperation.devices import InputDevice
-    from aioduco.teleoperation.reading import Reading
-    from aioduco.teleoperation.scale import TeleopScale
-    from aioduco.teleoperation.teleop_loop import TeleopReport
     from aioduco.trace import Trace
 
 
@@ -6541,7 +6541,7 @@ def teleoperate(
         ParameterError: an argument is out of range.
         StreamError: the stream ended for another reason; the error says why.
     """
-    from aioduco import teleoperation  # noqa: PLC0415  # only when it is used
+    from aioduco.devices import teleoperation  # noqa: PLC0415  # only when it is used
 
     work = teleoperation.teleoperate(
         robot._made, device, scale, frame=frame, wobj=wobj, joints=joints,

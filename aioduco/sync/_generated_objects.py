@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from pathlib import Path
 
+    from aioduco.devices.grippers.gripper import GripperState, PolledGripper as AioPolledGripper
     from aioduco.errors import DucoError
-    from aioduco.grippers.gripper import GripperState, PolledGripper as AioPolledGripper
     from aioduco.models.enums import Outcome, TaskState
     from aioduco.models.gripper_models import GripperModel
     from aioduco.models.op import Op

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from aioduco import robot as aio_robot
-    from aioduco.grippers.gripper import PolledGripper
+    from aioduco.devices.grippers.gripper import PolledGripper
     from aioduco.sync._generated import Robot
 
 __all__ = ["Gripper"]
@@ -21,7 +21,7 @@ P = ParamSpec("P")
 
 
 class Gripper(GripperCalls):
-    """A gripper of `aioduco.grippers`, whose functions return when they are done.
+    """A gripper of `aioduco.devices.grippers`, whose functions return when they are done.
 
         with aioduco.sync.Gripper(robot, Robotiq.at_tool, "robotiq_2f85") as gripper:
             gripper.activate()

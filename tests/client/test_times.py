@@ -12,17 +12,17 @@ import pytest
 import aioduco
 import aioduco.sync
 from aioduco import ParameterError, Tolerances, WorkerOptions
-from aioduco.bus import ModbusRtu, Port
 from aioduco.compat import DucoCobot
+from aioduco.devices.bus import ModbusRtu, Port
+from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
+from aioduco.devices.teleoperation import JointTarget
 from aioduco.fleet import FleetClient, FleetSettings
-from aioduco.grippers import DigitalGripper, Robotiq, VacuumGripper
 from aioduco.preflight import PreflightSettings
 from aioduco.sim import Simulator
 from aioduco.status_port import StatusPort
 from aioduco.streaming.doctor import examine
 from aioduco.streaming.ticks import Ticks
 from aioduco.supervision.settings import ExitLadder
-from aioduco.teleoperation import JointTarget
 from aioduco.testing import HalfOpen, Throttle
 from client.bench import HOME
 

@@ -19,7 +19,13 @@ from aioduco import Tolerances
 from aioduco.cli.app import app
 from aioduco.envelope import Envelope, Zone
 from aioduco.kinematics import arm
-from aioduco.playback import RecordedPath, WaypointFile, play, read_envelope, run_waypoints
+from aioduco.playback import (
+    RecordedPath,
+    WaypointFile,
+    play,
+    read_envelope,
+    run_waypoints,
+)
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from playback.recorded import FAR, HOME, nod, write

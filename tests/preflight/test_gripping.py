@@ -15,7 +15,7 @@ PROGRAM = """
 import anyio
 import aioduco
 from aioduco import Joints, Pose
-from aioduco.grippers import gripper_model
+from aioduco.devices.grippers import gripper_model
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Table
 

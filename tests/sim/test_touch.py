@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from aioduco.grippers import gripper_model
+from aioduco.devices.grippers import gripper_model
 from aioduco.kinematics import Arm, arm, models
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco.cli.demo.stage import PATIENCE
-from aioduco.grippers import DigitalGripper, gripper_model
+from aioduco.devices.grippers import DigitalGripper, gripper_model
 from aioduco.models.enums import Outcome
 from aioduco.models.pose import Joints
 from aioduco.sim.scene import Box, Table

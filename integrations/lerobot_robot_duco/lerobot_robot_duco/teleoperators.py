@@ -11,9 +11,7 @@ from lerobot.teleoperators import Teleoperator
 from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnectedError
 
 import aioduco.sync
-from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics import models
-from aioduco.teleoperation import (
+from aioduco.devices.teleoperation import (
     GamepadDevice,
     InputDevice,
     JointTarget,
@@ -21,6 +19,8 @@ from aioduco.teleoperation import (
     SpaceMouseDevice,
     TeleopScale,
 )
+from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics import models
 from lerobot_robot_duco.config_duco import (
     DucoGamepadConfig,
     DucoKeyboardConfig,

@@ -1,0 +1,146 @@
+"""Grippers of DH: AG-95, PGE, over Modbus RTU."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, ClassVar
+
+import anyio
+
+from aioduco.devices.grippers import dh_registers as registers
+from aioduco.devices.grippers.gripper import GripperState
+from aioduco.devices.grippers.modbus_gripper import ModbusGripper
+from aioduco.errors import GripperNotActivated, GripperTimeout, ModbusGarbled
+from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from aioduco.devices.bus import ModbusRtu
+    from aioduco.devices.grippers.dh_registers import DhState
+    from aioduco.models.gripper_models import GripperModel
+
+__all__ = ["DhGripper"]
+
+#: seconds after which a state belongs to this motion, even if the gripper was not seen moving
+_SETTLED = 0.3
+#: ranges of the registers for force and speed, in hundredths of the largest value
+_FORCES, _SPEEDS = (20, 100), (1, 100)
+
+
+class DhGripper(ModbusGripper):
+    """A gripper of DH's series AG or PGE.
+
+        async with DhGripper.at_tool(robot, "dh_ag95") as gripper:
+            await gripper.activate()
+            await gripper.close(force=60.0)
+
+    The tool's port must have the gripper's bit rate; the factory setting is 115200. The gripper
+    takes forces in hundredths, 20 to 100: the driver maps the least and the largest force of the
+    model to these two.
+
+    Args:
+        modbus: the device; its number is 1 by the factory setting.
+        model: "dh_ag95", "dh_pge", or a `GripperModel`; None for the first.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which a movement must have ended.
+        max_age: seconds without a new state after which `carrying` stops the arm.
+
+    Raises:
+        ParameterError: an argument is out of range.
+    """
+
+    usual_model: ClassVar[str] = "dh_ag95"
+    usual_unit: ClassVar[int] = 1
+
+    def __init__(
+        self,
+        modbus: ModbusRtu,
+        model: str | GripperModel | None = None,
+        *,
+        poll: float = 0.05,
+        timeout: float = 10.0,
+        max_age: float = 1.0,
+    ) -> None:
+        super().__init__(modbus, model, poll=poll, timeout=timeout, max_age=max_age)
+        self._seen_moving = True
+        self._sent_at = 0.0
+
+    async def status(self) -> DhState:
+        """Read the gripper's raw state.
+
+        Raises:
+            ModbusGarbled: the state has a value that the gripper's manual does not list.
+        """
+        read = await self._modbus.read_registers(registers.STATE, registers.STATE_COUNT)
+        try:
+            return registers.state(read)
+        except ValueError as error:
+            raise ModbusGarbled(f"the state of {self!r} is none: {error}") from error
+
+    async def activate(self) -> None:
+        """Find the ends of the stroke, unless they are known already.
+
+        The fingers move through the whole stroke: a held object falls.
+
+        Raises:
+            GripperTimeout: the gripper did not become ready.
+        """
+        async with self._lock:
+            if (await self.status()).initialization is registers.Initialization.DONE:
+                return
+            self._held = self._lost = False
+            await self._modbus.write_register(registers.INITIALIZE, 1)
+            ready = False
+            with anyio.move_on_after(self._timeout):
+                async for _ in every(self._poll):
+                    found = await self.status()
+                    if found.initialization is registers.Initialization.DONE:
+                        ready = True
+                        break
+            if not ready:
+                raise GripperTimeout(
+                    f"{self!r} was not ready within {self._timeout:g} s; it may still move"
+                )
+        await self.read()
+
+    async def _read(self) -> GripperState:
+        at = time.monotonic()
+        found = await self.status()
+        if found.initialization is not registers.Initialization.DONE:
+            if self._going:
+                raise GripperNotActivated(f"{self!r} is not initialized any more: activate it")
+            under_way = found.initialization is registers.Initialization.UNDER_WAY
+            return GripperState(None, None, under_way, at)
+        moving = found.grip is registers.DhGrip.MOVING
+        # At first the gripper may still report the previous motion.
+        self._seen_moving |= moving or at > self._sent_at + _SETTLED
+        stale = not self._seen_moving
+        caught = found.grip is registers.DhGrip.CAUGHT
+        width = found.position / registers.OPEN * self._model.stroke
+        return GripperState(width, caught and not stale, moving or stale, at)
+
+    async def _go(self, width: float, speed: float, force: float) -> None:
+        if (await self.status()).initialization is not registers.Initialization.DONE:
+            raise GripperNotActivated(
+                f"{self!r} is not initialized: call activate(), which moves the fingers. Nothing "
+                "was moved"
+            )
+        write = self._modbus.write_register
+        await write(registers.FORCE, _hundredths(force, self._model.force, _FORCES))
+        if self._model.speed is not None:
+            await write(registers.SPEED, _hundredths(speed, self._model.speed, _SPEEDS))
+        await self._send(round(width / self._model.stroke * registers.OPEN))
+
+    async def _send(self, position: int) -> None:
+        self._seen_moving, self._sent_at = False, time.monotonic()
+        await self._modbus.write_register(registers.POSITION, position)
+
+    async def _halt(self) -> None:
+        found = await self.status()
+        # There is no register that stops the gripper: its present position becomes the target.
+        if found.grip is not registers.DhGrip.CAUGHT:
+            await self._send(min(found.position, registers.OPEN))
+
+
+def _hundredths(value: float, limits: tuple[float, float], register: tuple[int, int]) -> int:
+    part = (value - limits[0]) / (limits[1] - limits[0])
+    return round(register[0] + part * (register[1] - register[0]))

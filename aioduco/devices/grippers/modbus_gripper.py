@@ -1,0 +1,82 @@
+"""The common parts of grippers on Modbus RTU: their model, their device, the tool's port."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from aioduco.devices.bus import ModbusRtu, Port
+from aioduco.devices.grippers.gripper import PolledGripper
+from aioduco.models.gripper_models import gripper_model
+
+if TYPE_CHECKING:
+    from typing import Self
+
+    from aioduco.models.gripper_models import GripperModel
+    from aioduco.robot import Robot
+
+__all__ = ["ModbusGripper"]
+
+
+class ModbusGripper(PolledGripper):
+    """A gripper that is a device on Modbus RTU; a base class for drivers.
+
+    A driver sets `usual_model` to the name of its usual model, and `usual_unit` to the factory
+    setting of its device number.
+
+    Args:
+        modbus: the device.
+        model: name of a model, or a `GripperModel`; None for the usual one.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which a movement must have ended.
+        max_age: seconds without a new state after which `carrying` stops the arm.
+
+    Raises:
+        ParameterError: an argument is out of range.
+    """
+
+    usual_model: ClassVar[str]
+    usual_unit: ClassVar[int]
+
+    def __init__(
+        self,
+        modbus: ModbusRtu,
+        model: str | GripperModel | None = None,
+        *,
+        poll: float = 0.05,
+        timeout: float = 10.0,
+        max_age: float = 1.0,
+    ) -> None:
+        wanted = self.usual_model if model is None else model
+        known = gripper_model(wanted) if isinstance(wanted, str) else wanted
+        super().__init__(known, poll=poll, timeout=timeout, max_age=max_age)
+        self._modbus = modbus
+
+    @classmethod
+    def at_tool(
+        cls,
+        robot: Robot,
+        model: str | GripperModel | None = None,
+        *,
+        unit: int | None = None,
+        answer_timeout: float = 0.5,
+        timeout: float = 10.0,
+        max_age: float | None = None,
+    ) -> Self:
+        """Make the driver of the gripper at the tool's RS-485 port of a robot.
+
+        Args:
+            robot: the robot.
+            model: as for the class.
+            unit: number of the device; None for the factory setting.
+            answer_timeout: seconds within which it must answer a request.
+            timeout: seconds within which a movement must have ended.
+            max_age: seconds without a new state after which `carrying` stops the arm; None for
+                twice `answer_timeout`.
+
+        Raises:
+            ParameterError: an argument is out of range.
+        """
+        number = cls.usual_unit if unit is None else unit
+        modbus = ModbusRtu(Port.tool(robot.bus), number, timeout=answer_timeout)
+        limit = 2 * answer_timeout if max_age is None else max_age
+        return cls(modbus, model, timeout=timeout, max_age=limit)

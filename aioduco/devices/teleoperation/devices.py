@@ -1,0 +1,225 @@
+"""Input devices as plain files of Linux: a terminal, /dev/input/js*, /dev/hidraw*."""
+
+from __future__ import annotations
+
+import errno
+import os
+import select
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, Self
+
+from aioduco._platform import has_device_files
+from aioduco.devices.teleoperation.gamepad import Gamepad
+from aioduco.devices.teleoperation.keyboard import Keyboard
+from aioduco.devices.teleoperation.spacemouse import SpaceMouse
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from aioduco.devices.teleoperation.reading import Reading
+
+__all__ = ["GamepadDevice", "InputDevice", "KeyboardDevice", "SpaceMouseDevice", "open_device"]
+
+_MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # SpaceMice have been sold by both
+_MOST = 4096
+
+
+class _Meaning(Protocol):
+    """Interprets the bytes of a device."""
+
+    def feed(self, data: bytes, now: float) -> None: ...
+    def reading(self, now: float) -> Reading: ...
+
+
+class InputDevice:
+    """An input device that is read without blocking. Use it in `with`.
+
+    Args:
+        meaning: interprets its bytes, such as `Gamepad`.
+        path: file of the device; None: an open descriptor is used.
+        descriptor: the open descriptor; it stays open at the end.
+        whole: whether each read returns exactly one report.
+    """
+
+    def __init__(
+        self,
+        meaning: _Meaning,
+        path: str | Path | None = None,
+        descriptor: int = -1,
+        *,
+        whole: bool = False,
+    ) -> None:
+        self._meaning = meaning
+        self._path = path
+        self._descriptor = descriptor
+        self._whole = whole
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self._path or 'of a terminal'}>"
+
+    def __enter__(self) -> Self:
+        """Open it.
+
+        Raises:
+            ParameterError: there is no such device, it may not be read, or the system is not Linux.
+        """
+        _require_files(self._path)
+        if self._path is not None:
+            try:
+                self._descriptor = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+            except OSError as exc:
+                raise ParameterError(
+                    "device", str(self._path), f"a device that can be read ({exc.strerror})"
+                ) from exc
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Close it."""
+        if self._path is not None and self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def read(self, now: float) -> Reading:
+        """Read and interpret the bytes that the device has sent; never blocks.
+
+        If the device is gone (unplugged, a closed terminal), the reading is not `held`, and `done`.
+
+        Args:
+            now: time of any clock that does not go back [s].
+        """
+        while select.select([self._descriptor], [], [], 0)[0]:
+            try:
+                data = os.read(self._descriptor, 64 if self._whole else _MOST)
+            except BlockingIOError:
+                break
+            except OSError as exc:
+                if exc.errno not in (errno.ENODEV, errno.EIO):
+                    raise
+                data = b""
+            self._meaning.feed(data, now)
+            if not data:
+                break
+        return self._meaning.reading(now)
+
+
+def _require_files(path: str | Path | None) -> None:
+    if not has_device_files():
+        raise ParameterError(
+            "device",
+            str(path or "a descriptor"),
+            "read on Linux: this system has no files of devices. Lead the arm by a program of your "
+            "own, with `robot.stream`, or from a machine with Linux",
+        )
+
+
+class KeyboardDevice(InputDevice):
+    """The keys of a terminal, or of a substitute such as a pipe.
+
+    Args:
+        descriptor: descriptor to read; None: standard input.
+        keys: interprets the keys; None: with the default times.
+    """
+
+    def __init__(self, descriptor: int | None = None, keys: Keyboard | None = None) -> None:
+        self._before: list[Any] | None = None
+        super().__init__(keys or Keyboard(), descriptor=-1 if descriptor is None else descriptor)
+
+    def __enter__(self) -> Self:
+        """Set the terminal to return each key at once, without echo.
+
+        Raises:
+            ParameterError: the system has no terminal that can be read in this way.
+        """
+        _require_files("keyboard")
+        import termios  # noqa: PLC0415 - not on every system
+        import tty  # noqa: PLC0415
+
+        if self._descriptor < 0:
+            self._descriptor = sys.stdin.fileno()
+        if os.isatty(self._descriptor):
+            self._before = termios.tcgetattr(self._descriptor)
+            tty.setcbreak(self._descriptor, termios.TCSANOW)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Restore the terminal's settings."""
+        if self._before is not None:
+            import termios  # noqa: PLC0415
+
+            termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
+            self._before = None
+
+
+class GamepadDevice(InputDevice):
+    """A gamepad.
+
+    Args:
+        path: file of the gamepad.
+        pad: interprets its events; None: the buttons of an Xbox gamepad.
+    """
+
+    def __init__(self, path: str | Path = "/dev/input/js0", pad: Gamepad | None = None) -> None:
+        super().__init__(pad or Gamepad(), path)
+
+
+class SpaceMouseDevice(InputDevice):
+    """A SpaceMouse.
+
+    Args:
+        path: file of the SpaceMouse; None: the first one that is found.
+        mouse: interprets its reports; None: the cap is the dead-man switch.
+
+    Raises:
+        ParameterError: no SpaceMouse is found.
+    """
+
+    def __init__(self, path: str | Path | None = None, mouse: SpaceMouse | None = None) -> None:
+        super().__init__(mouse or SpaceMouse(), path or _space_mouse(), whole=True)
+
+
+def _space_mouse(root: Path = Path("/sys/class/hidraw")) -> str:
+    """The file of the first SpaceMouse, from the kernel's description of each HID device."""
+    for found in sorted(root.glob("hidraw*")):
+        try:
+            lines = (found / "device" / "uevent").read_text(errors="replace").splitlines()
+        except OSError:
+            continue
+        said = {name: value for name, _, value in (line.partition("=") for line in lines)}
+        _, _, ids = said.get("HID_ID", "").partition(":")
+        maker = int(ids.partition(":")[0] or "0", 16)
+        name = said.get("HID_NAME", "").lower()
+        if maker in _MAKERS and any(word in name for word in ("space", "3dconnexion")):
+            return f"/dev/{found.name}"
+    raise ParameterError("device", "spacemouse", "plugged in: none is under /sys/class/hidraw")
+
+
+def open_device(kind: str, path: str | None = None) -> InputDevice:
+    """Make a device of a kind; entering it opens it.
+
+    Args:
+        kind: "keyboard", "gamepad" or "spacemouse".
+        path: file of the device; None: the usual one.
+
+    Raises:
+        ParameterError: there is no such kind, or no such device.
+    """
+    match kind:
+        case "keyboard":
+            return KeyboardDevice()
+        case "gamepad":
+            return GamepadDevice(path or "/dev/input/js0")
+        case "spacemouse":
+            return SpaceMouseDevice(path)
+    raise ParameterError("device", kind, "keyboard, gamepad or spacemouse")

@@ -1,0 +1,232 @@
+"""A gripper that stops reporting while it carries, and what the errors say was done to the arm."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+from client.bench import HOME, Bench
+
+import aioduco
+import aioduco.sync
+from aioduco import errors
+from aioduco._wire import rpc
+from aioduco.devices.grippers import DigitalGripper, GripperState, PolledGripper
+from aioduco.models.gripper_models import gripper_model
+from aioduco.testing import eventually, eventually_async
+
+from .test_drivers import robotiq
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.robot import Robot
+
+
+class Hand(PolledGripper):
+    """A gripper that holds something once it was closed, and reports what the test says."""
+
+    def __init__(self, robot: Robot | None = None, *, max_age: float = 30.0) -> None:
+        del robot
+        super().__init__(gripper_model("parallel"), poll=0.005, max_age=max_age)
+        self.holding: bool | None = None
+        self.error: Exception | None = None
+        self.answers = anyio.Event()
+        self.answers.set()
+
+    async def _read(self) -> GripperState:
+        await self.answers.wait()
+        if self.error is not None:
+            raise self.error
+        return GripperState(0.02, self.holding, False, time.monotonic())
+
+    async def _go(self, width: float, speed: float, force: float) -> None:
+        del width, speed, force
+        self.holding = True
+
+    async def _halt(self) -> None:
+        pass
+
+
+#: short, and only once the gripper is silent: before that a busy machine may be late with a poll
+SOON = 0.05
+
+
+def answer_nothing(hand: Hand) -> None:
+    hand.error = errors.ModbusTimeout("device 1 did not answer")
+
+
+def fail(hand: Hand) -> None:
+    hand.error = ValueError("a driver's own fault")
+
+
+def hang(hand: Hand) -> None:
+    hand.answers = anyio.Event()
+
+
+def lose_power(hand: Hand) -> None:
+    hand.holding = None
+
+
+@pytest.mark.parametrize(
+    ("fall_silent", "why"),
+    [
+        (answer_nothing, "reported nothing for .* did not answer"),
+        (fail, "reported nothing for .* own fault"),
+        (hang, "reported nothing for"),
+        (lose_power, "does not report it any more"),
+    ],
+)
+async def test_a_gripper_that_falls_silent_ends_what_is_awaited(
+    fall_silent: Callable[[Hand], None], why: str
+) -> None:
+    async with Hand() as hand:
+        await hand.close()
+        hand.check_held()
+
+        async def carry() -> None:
+            async with hand.carrying():
+                fall_silent(hand)
+                hand._max_age = SOON
+                await anyio.sleep_forever()
+
+        with pytest.raises(errors.HoldUnknown, match=why) as raised:
+            await carry()
+        assert "a motion that it awaited was stopped" in str(raised.value)
+        with pytest.raises(errors.HoldUnknown, match="nothing was done to the arm"):
+            hand.check_held()
+        with pytest.raises(errors.HoldUnknown, match="nothing was done to the arm"):
+            async with hand.carrying():
+                pytest.fail("it is not known whether it holds something")
+
+
+async def test_a_gripper_that_reports_again_is_known_again() -> None:
+    async with Hand() as hand:
+        await hand.close()
+        fail(hand)
+        hand._max_age = SOON
+        await eventually_async(lambda: bool(hand._unknown))
+        hand._max_age = 30.0
+        hand.error = None  # its failure did not end the polling
+        await eventually_async(lambda: not hand._unknown)
+        async with hand.carrying():
+            hand.check_held()
+
+
+async def test_a_gripper_that_is_not_polled_any_more_carries_nothing() -> None:
+    async with Hand() as hand:
+        await hand.close()
+    hand._max_age = SOON
+    with pytest.raises(errors.GripperError, match="not polled"):
+        async with hand.carrying():
+            pytest.fail("nothing would notice a loss")
+    await eventually_async(lambda: hand.state.age > SOON)
+    with pytest.raises(errors.HoldUnknown):
+        hand.check_held()
+
+
+async def test_time_in_which_the_event_loop_stood_still_does_not_count() -> None:
+    async with Hand(max_age=1.0) as hand:
+        await hand.close()
+        async with hand.carrying():
+            hang(hand)
+            time.sleep(1.5)  # noqa: ASYNC251  # the program's own fault
+            for _ in range(5):
+                await anyio.lowlevel.checkpoint()
+            hand.answers.set()
+            before = hand.state.read_at
+            await eventually_async(lambda: hand.state.read_at > before)
+
+
+async def test_an_error_says_what_was_done_to_the_arm() -> None:
+    async with Hand() as hand:
+        await hand.close()
+
+        async def carry(*, awaited: bool) -> None:
+            async with hand.carrying():
+                hand.holding = False
+                if awaited:
+                    await anyio.sleep_forever()
+                hand._lost = True  # as a poll does that comes with the last await of the block
+
+        with pytest.raises(errors.ObjectLost, match="had ended by then: nothing was done"):
+            await carry(awaited=False)
+        with pytest.raises(errors.ObjectLost, match="look where it lies; nothing was done"):
+            hand.check_held()
+        await hand.close()
+        with pytest.raises(errors.ObjectLost, match="a motion that it awaited was stopped"):
+            await carry(awaited=True)
+
+
+async def test_a_robotiq_that_was_without_power_is_not_trusted() -> None:
+    gripper, peer = robotiq()
+    async with gripper:
+        await gripper.activate()
+        await gripper.close()
+
+        async def carry() -> None:
+            async with gripper.carrying():
+                peer.before_read = lambda _: peer.registers.update({0x07D0: 0})
+                await anyio.sleep_forever()
+
+        with pytest.raises(errors.HoldUnknown, match="its power may have been off"):
+            await carry()
+
+
+async def test_the_arm_is_stopped_when_the_inputs_are_not_read_any_more() -> None:
+    """A gripper on inputs is as silent as the samples of the state."""
+    with Bench() as bench:
+        bench.motion_time = 60.0
+        async with (
+            aioduco.connect(bench.host, bench.port) as robot,
+            DigitalGripper(robot, 1, holds=1, max_age=30.0) as gripper,
+        ):
+            assert (await gripper.close()).holding
+
+            async def carry() -> None:
+                async with gripper.carrying():
+                    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+                    bench.hold("getRobotIOStatus", rpc.IOStatus(digitalInputs=[True] * 16))
+                    gripper._max_age = SOON
+                    await task
+
+            with pytest.raises(errors.HoldUnknown):
+                await carry()
+            assert not bench.moving()
+            assert bench.commands[-2:] == ["movej2", "stop"]
+
+
+async def test_a_sample_from_before_a_movement_does_not_say_how_it_ended() -> None:
+    """The input for shut was off before; that it is still off is not known."""
+    with Bench() as bench:
+        off = rpc.IOStatus(digitalInputs=[False] * 16)
+        bench.answer("getRobotIOStatus", off)
+        async with (
+            aioduco.connect(bench.host, bench.port) as robot,
+            DigitalGripper(robot, 1, shut=3, travel_time=0.001, timeout=30.0) as gripper,
+        ):
+            asked = len(bench.received("getRobotIOStatus"))
+            bench.hold("getRobotIOStatus", off)
+            await eventually_async(lambda: len(bench.received("getRobotIOStatus")) > asked)
+            gripper._timeout = 0.3
+            with pytest.raises(errors.GripperTimeout):
+                await gripper.close()
+
+
+def test_a_program_that_waits_notices_it_between_motions() -> None:
+    with (
+        Bench() as bench,
+        aioduco.sync.connect(bench.host, bench.port) as robot,
+        aioduco.sync.Gripper(robot, Hand) as gripper,
+    ):
+        gripper.close()
+        gripper.check_held()
+        hand = gripper._made
+        assert isinstance(hand, Hand)
+        answer_nothing(hand)
+        hand._max_age = SOON
+        eventually(lambda: hand._silent)
+        with pytest.raises(errors.HoldUnknown, match="did not answer"):
+            gripper.check_held()

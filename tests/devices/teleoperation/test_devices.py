@@ -1,0 +1,246 @@
+"""What the bytes of input devices mean, and when their dead-man is held; without a device."""
+
+from __future__ import annotations
+
+import os
+import struct
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from aioduco.devices.teleoperation import (
+    GamepadDevice,
+    JointTarget,
+    KeyboardDevice,
+    Reading,
+    TeleopScale,
+)
+from aioduco.devices.teleoperation.devices import SpaceMouseDevice, _space_mouse, open_device
+from aioduco.devices.teleoperation.gamepad import Gamepad
+from aioduco.devices.teleoperation.keyboard import KEYS, Keyboard
+from aioduco.devices.teleoperation.reading import STANDING
+from aioduco.devices.teleoperation.spacemouse import SpaceMouse
+from aioduco.errors import ParameterError
+from aioduco.kinematics import arm
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
+
+
+def event(kind: int, number: int, value: int) -> bytes:
+    """`struct js_event` of include/uapi/linux/joystick.h, in the machine's byte order."""
+    return struct.pack("=IhBB", 12345, value, kind, number)
+
+
+def report(number: int, *values: int) -> bytes:
+    """A report of a SpaceMouse: its number, then little-endian s16."""
+    return bytes([number]) + struct.pack(f"<{len(values)}h", *values)
+
+
+# -- keyboard --------------------------------------------------------------------------------------
+
+
+def test_a_key_leads_while_it_is_repeated_and_stands_soon_after_it_is_let_go() -> None:
+    keys = Keyboard()
+    keys.feed(b"w", 10.0)
+    assert keys.reading(10.39) == Reading((1, 0, 0, 0, 0, 0), held=True)
+    assert keys.reading(10.41) == Reading()
+    for tick in range(20):
+        keys.feed(b"w", 10.5 + 0.04 * tick)
+    last = 10.5 + 0.04 * 19
+    assert keys.reading(last + 0.14).held
+    assert not keys.reading(last + 0.16).held
+
+
+def test_each_of_the_six_directions_has_two_keys() -> None:
+    assert np.array(sorted(KEYS.values())).tolist() == sorted(
+        (sign * np.eye(6)[axis]).tolist() for axis in range(6) for sign in (1, -1)
+    )
+
+
+@pytest.mark.parametrize("data", [b" ", b"x", b"\x1b[A", b"\x1bOd", b"\x1b[1;5D", b"\xff"])
+def test_any_other_key_stands_and_letters_of_arrows_are_no_keys(data: bytes) -> None:
+    keys = Keyboard()
+    keys.feed(b"w", 1.0)
+    keys.feed(data, 1.01)
+    assert keys.reading(1.02) == Reading()
+    keys.feed(b"w", 1.1)
+    assert keys.reading(1.2).held
+
+
+@pytest.mark.parametrize("data", [b"q", b"Q", b"\x04", b""])
+def test_q_and_the_end_of_the_terminal_end_it(data: bytes) -> None:
+    keys = Keyboard()
+    keys.feed(b"w", 1.0)
+    keys.feed(data, 1.1)
+    found = keys.reading(1.1)
+    assert found.done
+
+
+# -- gamepad ---------------------------------------------------------------------------------------
+
+
+def test_sticks_count_only_while_a_shoulder_button_is_held() -> None:
+    pad = Gamepad()
+    pad.feed(event(2, 1, -32767) + event(2, 3, 16384), 0.0)
+    assert pad.reading(0.0) == Reading()
+    pad.feed(event(1, 5, 1), 0.1)
+    found = pad.reading(100.0)
+    assert found.held
+    assert found.axes == pytest.approx((1, 0, 0, 0, 0, -(0.5 - 0.1) / 0.9), abs=1e-4)
+    pad.feed(event(1, 5, 0), 100.1)
+    assert pad.reading(100.1) == Reading()
+
+
+def test_a_dead_man_that_was_down_at_the_opening_has_to_be_let_go_first() -> None:
+    pad = Gamepad()
+    pad.feed(event(0x81, 5, 1) + event(0x82, 1, -32767), 0.0)
+    assert not pad.reading(0.0).held
+    pad.feed(event(1, 5, 0) + event(1, 5, 1), 0.1)
+    assert pad.reading(0.1).axes[0] == 1.0
+
+
+def test_a_stick_at_rest_says_nothing_and_events_may_come_in_parts() -> None:
+    pad = Gamepad()
+    data = event(1, 4, 1) + event(2, 0, 3000) + event(2, 4, -32768) + event(1, 0, 1)
+    for at in range(0, len(data), 3):
+        pad.feed(data[at : at + 3], 0.0)
+    assert pad.reading(0.0) == Reading((0, 0, 1, 0, 0, 0), held=True, pressed=frozenset({0}))
+
+
+@pytest.mark.parametrize("data", [event(1, 7, 1), b""])
+def test_start_or_an_unplugged_gamepad_ends_it(data: bytes) -> None:
+    pad = Gamepad()
+    pad.feed(event(1, 5, 1), 0.0)
+    pad.feed(data, 0.1)
+    assert pad.reading(0.1).done
+
+
+# -- SpaceMouse ------------------------------------------------------------------------------------
+
+
+def test_a_cap_pushed_forward_left_and_up_leads_so() -> None:
+    mouse = SpaceMouse(width=0.0)
+    mouse.feed(report(1, -350, -175, -70), 0.0)  # to the right, towards the person, down
+    mouse.feed(report(2, 35, 0, 0), 0.0)
+    found = mouse.reading(0.1)
+    assert found.held
+    assert found.axes == pytest.approx((0.5, 1.0, 0.2, 0.0, -0.1, 0.0))
+
+
+def test_a_report_of_a_newer_model_has_the_turns_behind() -> None:
+    mouse = SpaceMouse(width=0.0)
+    mouse.feed(report(1, 0, 0, 0, 0, 0, -350), 0.0)
+    assert mouse.reading(0.0).axes == pytest.approx((0, 0, 0, 0, 0, 1.0))
+
+
+def test_bytes_as_they_were_seen_on_a_bus() -> None:
+    """Reports of a SpaceNavigator: the cap turned by -30 of 350 about its second axis."""
+    mouse = SpaceMouse(width=0.0)
+    mouse.feed(bytes.fromhex("01000000000000"), 0.0)
+    mouse.feed(bytes.fromhex("020000e2ff0000"), 0.0)
+    assert mouse.reading(0.0).axes == pytest.approx((0, 0, 0, 30 / 350, 0, 0))
+    mouse.feed(bytes.fromhex("0303"), 0.0)
+    assert mouse.reading(0.0).pressed == {0, 1}
+
+
+def test_a_deflected_cap_that_falls_silent_counts_as_let_go() -> None:
+    mouse = SpaceMouse()
+    mouse.feed(report(1, 0, -350, 0), 5.0)
+    assert mouse.reading(5.19).held
+    assert mouse.reading(5.21) == Reading()
+
+
+def test_a_button_may_be_asked_for_as_well() -> None:
+    mouse = SpaceMouse(button=1)
+    mouse.feed(report(1, 0, -350, 0), 0.0)
+    assert not mouse.reading(0.0).held
+    mouse.feed(b"\x03\x02\x00", 0.0)
+    assert mouse.reading(0.0).held
+    mouse.feed(b"", 0.1)
+    assert mouse.reading(0.1) == Reading(done=True, pressed=frozenset({1}))
+
+
+def test_a_space_mouse_is_found_by_what_the_kernel_says(tmp_path: Path) -> None:
+    for name, said in {
+        "hidraw0": "HID_ID=0003:0000046D:0000C52B\nHID_NAME=Logitech USB Receiver\n",
+        "hidraw1": "HID_ID=0003:0000256F:0000C635\nHID_NAME=3Dconnexion SpaceMouse Compact\n",
+    }.items():
+        (tmp_path / name / "device").mkdir(parents=True)
+        (tmp_path / name / "device" / "uevent").write_text(said)
+    (tmp_path / "hidraw2").mkdir()
+    assert _space_mouse(tmp_path) == "/dev/hidraw1"
+    with pytest.raises(ParameterError, match="plugged in"):
+        _space_mouse(tmp_path / "hidraw0")
+
+
+# -- devices ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.linux("devices that are files")
+def test_devices_are_read_without_waiting_and_their_end_is_seen(tmp_path: Path) -> None:
+    reader, writer = os.pipe()
+    try:
+        with KeyboardDevice(reader) as keys:
+            assert keys.read(0.0) == Reading()
+            os.write(writer, b"a")
+            assert keys.read(0.1).axes == (0, 1, 0, 0, 0, 0)
+            os.close(writer)
+            assert keys.read(0.2).done
+    finally:
+        os.close(reader)
+    path = tmp_path / "js0"
+    os.mkfifo(path)
+    with GamepadDevice(path) as pad:
+        writer = os.open(path, os.O_WRONLY)
+        os.write(writer, event(1, 5, 1) + event(2, 0, -32767))
+        assert pad.read(0.0).axes == (0, 1, 0, 0, 0, 0)
+        os.close(writer)
+        assert pad.read(0.1) == Reading(done=True, pressed=frozenset())
+    with pytest.raises(ParameterError, match="can be read"), SpaceMouseDevice(tmp_path / "none"):
+        pass
+    with pytest.raises(ParameterError, match="keyboard, gamepad"):
+        open_device("mouse")
+
+
+# -- speeds and targets ----------------------------------------------------------------------------
+
+
+def test_speeds_are_scaled_and_zero_without_the_dead_man() -> None:
+    scale = TeleopScale(speed=0.1, turn_speed=0.5, joint_speed=0.2)
+    axes = (1.0, -0.5, 0.0, 0.0, 1.0, 0.0)
+    assert scale.twist(Reading(axes, held=True)) == (0.1, -0.05, 0.0, 0.0, 0.5, 0.0)
+    assert scale.joints(Reading(axes, held=True)) == (0.2, -0.1, 0.0, 0.0, 0.2, 0.0)
+    assert scale.twist(Reading(axes)) == scale.joints(Reading(axes)) == STANDING
+    with pytest.raises(ParameterError, match="joint_speed"):
+        TeleopScale(joint_speed=9.0)
+
+
+@pytest.mark.parametrize("in_tool", [False, True])
+def test_a_joint_target_leads_the_flange_along_the_twist(in_tool: bool) -> None:
+    model = arm("gcr5_910")
+    target = JointTarget(model, damping=1e-4)
+    before = model.fkine(READY)
+    seen = np.array(READY)
+    for _ in range(30):
+        seen = target.by_twist([0.0, 0.0, 0.05, 0, 0, 0], 1 / 30, seen.tolist(), in_tool=in_tool)
+    after = model.fkine(seen)
+    axis = before[:3, 2] if in_tool else np.array([0.0, 0.0, 1.0])
+    np.testing.assert_allclose(after[:3, 3] - before[:3, 3], 0.05 * axis, atol=1e-3)
+    np.testing.assert_allclose(after[:3, :3], before[:3, :3], atol=1e-3)
+    assert target.rest(READY) == pytest.approx(seen)
+
+
+def test_a_joint_target_keeps_near_the_arm_and_within_limits_at_a_singularity() -> None:
+    model = arm("gcr5_910")
+    target = JointTarget(model, fastest=0.5, lead=0.1)
+    stretched = [0.0] * 6
+    before = np.array(stretched)
+    for _ in range(100):
+        new = target.by_twist([0.3, 0.2, 0.3, 1, 1, 1], 0.03, stretched)
+        assert np.abs(new - before).max() <= 0.5 * 0.03 + 1e-12
+        assert np.abs(new).max() <= 0.1
+        before = new

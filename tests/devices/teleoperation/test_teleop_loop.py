@@ -1,0 +1,169 @@
+"""An arm that is led by keys, on the simulated controller, and recorded."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco.devices.teleoperation import (
+    InputDevice,
+    KeyboardDevice,
+    Reading,
+    TeleopScale,
+    teleoperate,
+)
+from aioduco.devices.teleoperation.keyboard import Keyboard
+from aioduco.errors import ParameterError
+from aioduco.models.ranges import JOINT_SPEED
+from aioduco.recording import read
+from aioduco.sim import Simulator
+from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.state import Reason
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+@pytest.fixture
+def pipe() -> Iterator[tuple[int, int]]:
+    reader, writer = os.pipe()
+    yield reader, writer
+    for end in (reader, writer):
+        os.close(end)
+
+
+#: on a busy machine answers take long, and neither time is what is tested here
+WAITING: Any = {"hold": 30.0, "options": WorkerOptions(timeout=30.0)}
+
+
+def patient(sim: Simulator) -> aioduco.Robot:
+    return aioduco.connect(
+        sim.host,
+        sim.port,
+        heartbeat=30.0,
+        loop_stall_limit=30.0,
+        call_timeout=30.0,
+        lag_limit=None,
+        clock=sim.clock,
+    )
+
+
+class Standing:
+    """Whether the arm has not moved for a while of its own time; a speed of zero is sent on."""
+
+    def __init__(self, sim: Simulator) -> None:
+        self._sim = sim
+        self._since, self._joints = sim.time, np.array(sim.joints)
+
+    def __call__(self) -> bool:
+        time, joints = self._sim.time, np.array(self._sim.joints)
+        if np.abs(joints - self._joints).max() > 1e-4:
+            self._since, self._joints = time, joints
+        return time - self._since > 0.6
+
+
+def place(sim: Simulator) -> np.ndarray:
+    return np.array(sim.arm.fkine(sim.joints)[:3, 3])
+
+
+@pytest.mark.linux("devices that are files")
+async def test_a_held_key_leads_the_tool_and_a_silent_device_leaves_it_standing(
+    pipe: tuple[int, int], tmp_path: Path
+) -> None:
+    reader, writer = pipe
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            before, start = place(sim), np.array(sim.joints)
+            device = KeyboardDevice(reader, Keyboard(first=0.5, repeating=0.5))
+            async with robot.record(tmp_path / "run.mcap"), anyio.create_task_group() as tasks:
+                with device:
+
+                    async def lead() -> None:
+                        report = await teleoperate(robot, device, TeleopScale(speed=0.1), **WAITING)
+                        assert report.held >= 1
+                        assert report.seconds > 0.05
+
+                    tasks.start_soon(lead)
+
+                    def risen() -> bool:
+                        # As a terminal repeats a key that is held.
+                        os.write(writer, b"r")
+                        return bool(place(sim)[2] - before[2] > 0.01)
+
+                    await eventually_async(risen, 60.0)
+                    # Then nothing more comes: it comes to rest by itself.
+                    await eventually_async(Standing(sim), 60.0)
+                    os.write(writer, b"q")
+            way = place(sim) - before
+            np.testing.assert_allclose(way / np.linalg.norm(way), [0, 0, 1], atol=0.1)
+            led = np.array(sim.joints)
+            seen = read(tmp_path / "run.mcap").arrays("/joint_states")["position"]
+            np.testing.assert_allclose(seen[0], start, atol=2e-3)
+            np.testing.assert_allclose(seen[-1], led, atol=2e-3)
+
+
+@pytest.mark.linux("devices that are files")
+async def test_joints_are_turned_and_a_wrong_scale_is_refused(pipe: tuple[int, int]) -> None:
+    reader, writer = pipe
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            before = np.array(sim.joints)
+            seen = []
+            os.write(writer, b"u")  # the sixth axis
+
+            def look(reading: Reading) -> None:
+                seen.append(reading)
+                if abs(np.array(sim.joints)[5] - before[5]) > 0.01:
+                    os.write(writer, b"q")
+
+            with KeyboardDevice(reader, Keyboard(first=30.0)) as device:
+                await teleoperate(robot, device, joints=True, on_reading=look, **WAITING)
+            assert seen[-1].done
+            moved = np.array(sim.joints) - before
+            assert moved[5] > 0.01
+            assert np.abs(moved[:5]).max() < 2e-3
+            with pytest.raises(ParameterError, match="TeleopScale"):
+                await teleoperate(robot, device, 0.5)  # type: ignore[arg-type]  # what is refused
+
+
+class Held(InputDevice):
+    """A device whose dead-man switch is held until its person ends it."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self.first: float | None = None
+        self.last = 0.0
+
+    def read(self, now: float) -> Reading:
+        self.first = now if self.first is None else self.first
+        self.last = now
+        return Reading(held=True, done=now - self.first >= self._seconds)
+
+
+async def test_a_hold_that_lasts_until_the_end_counts() -> None:
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            device = Held(0.1)
+            report = await teleoperate(robot, device, **WAITING)
+    assert report.held == 1
+    assert device.first is not None
+    assert report.seconds == device.last - device.first
+
+
+async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
+    fastest = TeleopScale(turn_speed=JOINT_SPEED.high)
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            report = await teleoperate(robot, Held(0.0), fastest, **WAITING)
+    assert report.stream.reason is Reason.CLOSED
