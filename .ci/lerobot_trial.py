@@ -19,8 +19,8 @@ import numpy as np
 
 import aioduco.recording
 import aioduco.sync
+from aioduco.recording.tap import Tap, TappedCall
 from aioduco.sim import Simulator
-from aioduco.tap import Tap, TappedCall
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 from _common import machine, scheduling, write_results

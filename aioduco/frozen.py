@@ -85,7 +85,7 @@ def _pictures() -> Callable[[list[str]], int]:
 
 
 def _tap() -> Callable[[list[str]], int]:
-    from aioduco.tap.relay import main  # noqa: PLC0415
+    from aioduco.recording.tap.relay import main  # noqa: PLC0415
 
     return main
 
@@ -96,5 +96,5 @@ _MAINS: Final[dict[str, Callable[[], Callable[[list[str]], int]]]] = {
     "aioduco.planning.worker": _planner,
     "aioduco.sim.spawned": _simulator,
     "aioduco.sim.view.drawing": _pictures,
-    "aioduco.tap.relay": _tap,
+    "aioduco.recording.tap.relay": _tap,
 }

@@ -20,8 +20,8 @@ import anyio
 import anyio.to_thread
 
 import aioduco
-from aioduco.playback import RecordedPath, WaypointFile, play, run_waypoints
 from aioduco.recording import read
+from aioduco.recording.playback import RecordedPath, WaypointFile, play, run_waypoints
 
 if TYPE_CHECKING:
     from collections.abc import Callable

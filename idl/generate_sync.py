@@ -105,7 +105,7 @@ ROBOT = Mirror(
 )
 #: functions that take a robot: the module that is imported when they are called, and their names
 FUNCTIONS = {
-    "aioduco.playback": ("play", "check_path_on", "check_waypoints_on", "run_waypoints"),
+    "aioduco.recording.playback": ("play", "check_path_on", "check_waypoints_on", "run_waypoints"),
     "aioduco.devices.teleoperation": ("teleoperate",),
 }
 #: classes whose methods make streams: bases of sections, or sections by themselves

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 from patient import COMMAND_LINE
-from playback.recorded import write
 from ports import free_port
+from recording.playback.recorded import write
 from test_cli_monitor import moving, terminal
 from test_cli_robot import ready_arm
 

@@ -53,7 +53,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
-    "tap": BASE | {"_wire"},
+    "recording.tap": BASE | {"_wire"},
     "devices": set(),
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
@@ -62,12 +62,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "recording": CLIENT,
     "robot": CLIENT | {"recording"},
     # moves a robot by its public interface
-    "playback": CLIENT | {"recording", "robot"},
+    "recording.playback": CLIENT | {"recording", "robot"},
     # lead a robot by its public interface
     "devices.teleoperation": CLIENT | {"robot"},
     "events": {"supervision"},
     # the mains of all processes, each imported in its own process alone
-    "frozen": CLIENT | {"planning", "sim", "tap"},
+    "frozen": CLIENT | {"planning", "sim", "recording.tap"},
     "__init__": CLIENT | {"robot", "events", "frozen", "recording"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
@@ -77,13 +77,13 @@ MAY_IMPORT: dict[str, set[str]] = {
     # knows arms, the simulator's physics and trajectories, and no robot
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
     "sync": CLIENT
-    | {"robot", "__init__", "recording", "playback"}
+    | {"robot", "__init__", "recording", "recording.playback"}
     | {"devices.grippers", "devices.teleoperation"},
     "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
     "panel": {
         *("errors", "kinematics", "envelope", "events", "__init__", "planning"),
-        "playback",
+        "recording.playback",
     },
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
@@ -98,7 +98,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "cli": CLIENT
     | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"}
     | {"devices.grippers", "devices.teleoperation"}
-    | {"playback", "tap", "testing"}
+    | {"recording.playback", "recording.tap", "testing"}
     | {"integrations", "fleet", "panel"},
 }
 

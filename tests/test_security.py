@@ -13,12 +13,12 @@ from aioduco.cli.tap import tap
 from aioduco.cli.view import view
 from aioduco.fleet import FleetSettings
 from aioduco.panel import Panel
+from aioduco.recording.tap import Tap
 from aioduco.sim import Simulator
 from aioduco.sim.server.line_server import LineServer
 from aioduco.sim.server.rpc_server import Server
 from aioduco.sim.server.status_server import StatusServer
 from aioduco.sync import Robot as SyncRobot
-from aioduco.tap import Tap
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from aioduco.cli.sessions import control_session, observing_session
 
 if TYPE_CHECKING:
     from aioduco.envelope import Envelope
-    from aioduco.playback import RecordedPath, WaypointFile
+    from aioduco.recording.playback import RecordedPath, WaypointFile
     from aioduco.sync import Robot
 
 __all__ = ["play"]
@@ -84,12 +84,12 @@ def play(
     extras.need("record", *(("sim",) if simulates else ()))
     if model is not None:
         extras.arm(model)
-    from aioduco.playback import (  # noqa: PLC0415 - for this command alone
+    from aioduco.recording import read  # noqa: PLC0415
+    from aioduco.recording.playback import (  # noqa: PLC0415 - for this command alone
         RecordedPath,
         WaypointFile,
         read_envelope,
     )
-    from aioduco.recording import read  # noqa: PLC0415
 
     with ended_by_errors():
         what: RecordedPath | WaypointFile
@@ -133,8 +133,8 @@ class _Playing:
     def check(self, model: str | None) -> None:
         """Check it without a robot."""
         from aioduco.kinematics import arm  # noqa: PLC0415
-        from aioduco.playback import RecordedPath, check_path  # noqa: PLC0415
-        from aioduco.playback.path_check import check_waypoints  # noqa: PLC0415
+        from aioduco.recording.playback import RecordedPath, check_path  # noqa: PLC0415
+        from aioduco.recording.playback.path_check import check_waypoints  # noqa: PLC0415
 
         if model is None:
             typer.echo("it does not say for which arm it is: --model says so", err=True)
@@ -149,7 +149,7 @@ class _Playing:
     def simulate(self, scene: Path | None, *, keep: bool) -> None:
         """Play it on a simulated arm; errors there are raised."""
         import aioduco.sync  # noqa: PLC0415
-        from aioduco.playback import RecordedPath  # noqa: PLC0415
+        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
         from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
         typer.echo(f"on a simulated {self._model or 'gcr5_910'}: {self._what}")
@@ -190,7 +190,7 @@ class _Playing:
 
     def _against(self, robot: Robot) -> list[str]:
         import aioduco.sync  # noqa: PLC0415
-        from aioduco.playback import RecordedPath  # noqa: PLC0415
+        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
 
         if isinstance(self._what, RecordedPath):
             found = aioduco.sync.check_path_on(
@@ -205,8 +205,8 @@ class _Playing:
         """Announcement of the motion, as text."""
         import numpy as np  # noqa: PLC0415
 
-        from aioduco.playback import RecordedPath  # noqa: PLC0415
-        from aioduco.playback.path_check import fastest  # noqa: PLC0415
+        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
+        from aioduco.recording.playback.path_check import fastest  # noqa: PLC0415
 
         here = np.asarray(robot.state.get_actual_joints_position())
         if isinstance(self._what, RecordedPath):
@@ -220,7 +220,7 @@ class _Playing:
 
     def _play(self, robot: Robot) -> None:
         import aioduco.sync  # noqa: PLC0415
-        from aioduco.playback import RecordedPath  # noqa: PLC0415
+        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
 
         if isinstance(self._what, RecordedPath):
             result = aioduco.sync.play(
@@ -237,7 +237,7 @@ class _Playing:
 
 def _model_of(what: RecordedPath | WaypointFile) -> str | None:
     """The model that a file is for; None if the file names none or an unknown one."""
-    from aioduco.playback.player import model_named  # noqa: PLC0415
+    from aioduco.recording.playback.player import model_named  # noqa: PLC0415
 
     found = model_named(what.arm)
     return None if found is None else found.name

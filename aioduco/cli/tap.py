@@ -19,7 +19,7 @@ from aioduco.cli.addresses import Host, Port, robot_at
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from aioduco.tap import TapNote, TappedCall
+    from aioduco.recording.tap import TapNote, TappedCall
 
 __all__ = ["tap"]
 
@@ -50,7 +50,7 @@ def tap(
     aioduco tap 192.168.1.10 --listen 127.0.0.1:7003 -o calls.jsonl
     """
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
-    from aioduco.tap import Tap, TapNote  # noqa: PLC0415
+    from aioduco.recording.tap import Tap, TapNote  # noqa: PLC0415
 
     address = robot_at(host, port)
     where, _, number = listen.rpartition(":")

@@ -12,7 +12,7 @@ from aioduco.cli.questions import ask
 from aioduco.cli.sessions import control_session, observing_session
 
 if TYPE_CHECKING:
-    from aioduco.playback import WaypointFile
+    from aioduco.recording.playback import WaypointFile
     from aioduco.sync import Robot
 
 __all__ = ["teach"]
@@ -66,8 +66,8 @@ def teach(
 def _file(robot: Robot, path: Path) -> WaypointFile:
     """The existing file, or a new one."""
     from aioduco.errors import PathRefused  # noqa: PLC0415
-    from aioduco.playback import WaypointFile  # noqa: PLC0415
-    from aioduco.playback.player import arm_named  # noqa: PLC0415
+    from aioduco.recording.playback import WaypointFile  # noqa: PLC0415
+    from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
 
     told = arm_named(robot.version.get_robot_type())
     if not path.exists():

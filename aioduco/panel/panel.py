@@ -53,7 +53,7 @@ from aioduco.panel.page_requests import (
 from aioduco.panel.page_server import PageServer
 from aioduco.panel.page_state import alarm_text, event_severity, history_point, page_sample
 from aioduco.panel.simulator_port import ask_simulator
-from aioduco.playback.player import arm_named, model_named
+from aioduco.recording.playback.player import arm_named, model_named
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

@@ -65,9 +65,9 @@ if TYPE_CHECKING:
     from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
-    from aioduco.playback.path_check import PathFinding
-    from aioduco.playback.recorded_path import RecordedPath
-    from aioduco.playback.waypoints import WaypointFile
+    from aioduco.recording.playback.path_check import PathFinding
+    from aioduco.recording.playback.recorded_path import RecordedPath
+    from aioduco.recording.playback.waypoints import WaypointFile
     from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import (
         Feedback,
@@ -6412,7 +6412,7 @@ def play(
         RobotStateError: something else moves the arm; nothing was sent.
         StreamError: the stream ended for another reason, which the message names.
     """
-    from aioduco import playback  # noqa: PLC0415  # only when it is used
+    from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
     work = playback.play(
         robot._made, path, approach=approach, outputs=outputs, arm=arm, through=through,
@@ -6439,7 +6439,7 @@ def check_path_on(
     Raises:
         ParameterError: the controller reports no known model, and none is given.
     """
-    from aioduco import playback  # noqa: PLC0415  # only when it is used
+    from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
     work = playback.check_path_on(robot._made, path, arm=arm, envelope=envelope)
     return robot._runner.call(work)
@@ -6461,7 +6461,7 @@ def check_waypoints_on(
         envelope: the limits that the waypoints must keep; None: those of `robot.envelope`. The
             ways between them are checked motion by motion, when they are run.
     """
-    from aioduco import playback  # noqa: PLC0415  # only when it is used
+    from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
     work = playback.check_waypoints_on(robot._made, waypoints, arm=arm, envelope=envelope)
     return robot._runner.call(work)
@@ -6491,7 +6491,7 @@ def run_waypoints(
         EnvelopeViolated: a motion would leave `robot.envelope`: it was not sent.
         TaskError: a motion did not succeed; the arm stands.
     """
-    from aioduco import playback  # noqa: PLC0415  # only when it is used
+    from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
     work = playback.run_waypoints(robot._made, waypoints, arm=arm, speed=speed)
     return robot._runner.call(work)

@@ -26,7 +26,7 @@ SIMULATOR = """
         assert sim.port
 """
 TAP = """
-    from aioduco.tap import Tap
+    from aioduco.recording.tap import Tap
     with Tap({host!r}, {port}) as tap:
         async with aioduco.connect(tap.host, tap.port) as robot:
             await robot.motion.movej2({HOME}, v=1.0, a=1.0)

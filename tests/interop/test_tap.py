@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco.tap import Tap, TapNote, TappedCall
+from aioduco.recording.tap import Tap, TapNote, TappedCall
 
 from .conftest import connected
 from .test_vendor_client import BENT, FINISHED, TURNED, bring_up, movej2

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from aioduco._wire.codec import encode, message
 from aioduco._wire.idl import functions
 from aioduco._wire.messages import Message, MessageType, application_error
-from aioduco.tap.conversation import Conversation, TapNote, TappedCall
-from aioduco.tap.relay import CopyKind
+from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
+from aioduco.recording.tap.relay import CopyKind
 
 REQUEST, ANSWER = CopyKind.REQUEST, CopyKind.ANSWER
 

@@ -13,11 +13,11 @@ them, through its public interface alone. Blocking programs use `aioduco.sync.pl
 
 from __future__ import annotations
 
-from aioduco.playback.envelope_file import read_envelope
-from aioduco.playback.path_check import PathFinding, check_path
-from aioduco.playback.player import check_path_on, check_waypoints_on, play, run_waypoints
-from aioduco.playback.recorded_path import RecordedOutput, RecordedPath
-from aioduco.playback.waypoints import Waypoint, WaypointFile
+from aioduco.recording.playback.envelope_file import read_envelope
+from aioduco.recording.playback.path_check import PathFinding, check_path
+from aioduco.recording.playback.player import check_path_on, check_waypoints_on, play, run_waypoints
+from aioduco.recording.playback.recorded_path import RecordedOutput, RecordedPath
+from aioduco.recording.playback.waypoints import Waypoint, WaypointFile
 
 __all__ = [
     "PathFinding",

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
-    from aioduco.playback.recorded_path import RecordedPath
-    from aioduco.playback.waypoints import WaypointFile
+    from aioduco.recording.playback.recorded_path import RecordedPath
+    from aioduco.recording.playback.waypoints import WaypointFile
 
 __all__ = ["PathFinding", "check_path", "check_waypoints", "fastest", "sharpest"]
 

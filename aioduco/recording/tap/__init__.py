@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from aioduco.tap.conversation import TapNote, TappedCall
-from aioduco.tap.tap import Tap
+from aioduco.recording.tap.conversation import TapNote, TappedCall
+from aioduco.recording.tap.tap import Tap
 
 __all__ = ["Tap", "TapNote", "TappedCall"]

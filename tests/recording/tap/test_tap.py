@@ -23,7 +23,7 @@ import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.errors import ConnectError
 from aioduco.recording import read
-from aioduco.tap import Tap, TapNote, TappedCall
+from aioduco.recording.tap import Tap, TapNote, TappedCall
 from aioduco.testing import eventually, no_leaks
 
 if TYPE_CHECKING:

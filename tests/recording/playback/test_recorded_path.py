@@ -12,11 +12,11 @@ import aioduco
 from aioduco.envelope import Envelope, ToolSpeed, Zone
 from aioduco.kinematics import arm
 from aioduco.models.ranges import JOINT_SPEED
-from aioduco.playback import RecordedPath, check_path
-from aioduco.playback.path_check import fastest, sharpest
-from aioduco.playback.player import follow
 from aioduco.recording import read
-from playback.recorded import FAR, HOME, RATE, nod, write
+from aioduco.recording.playback import RecordedPath, check_path
+from aioduco.recording.playback.path_check import fastest, sharpest
+from aioduco.recording.playback.player import follow
+from recording.playback.recorded import FAR, HOME, RATE, nod, write
 
 if TYPE_CHECKING:
     from pathlib import Path

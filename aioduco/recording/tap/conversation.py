@@ -11,7 +11,7 @@ from aioduco._wire.framing import Malformed
 from aioduco._wire.idl import functions
 from aioduco._wire.messages import Inbox, Message, MessageType
 from aioduco.errors import ControllerError
-from aioduco.tap.relay import CopyKind
+from aioduco.recording.tap.relay import CopyKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

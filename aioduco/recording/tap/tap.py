@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from aioduco._linked_process import LinkedProcess
 from aioduco._spawn import Unstartable
 from aioduco.errors import ConnectError
-from aioduco.tap.conversation import Conversation, TapNote, TappedCall
-from aioduco.tap.relay import HEAD, CopyKind
+from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
+from aioduco.recording.tap.relay import HEAD, CopyKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -66,7 +66,7 @@ class Tap:
             RuntimeError: no process can be started.
         """
         try:
-            linked = LinkedProcess("aioduco.tap.relay")
+            linked = LinkedProcess("aioduco.recording.tap.relay")
         except Unstartable as error:
             raise RuntimeError(f"the relay was not started: {error}") from error
         try:

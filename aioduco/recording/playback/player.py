@@ -27,15 +27,15 @@ from aioduco.errors import (
 from aioduco.kinematics import Arm, models
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import JOINT_SPEED
-from aioduco.playback.path_check import (
+from aioduco.recording.playback.path_check import (
     PathFinding,
     check_path,
     check_waypoints,
     fastest,
     sharpest,
 )
-from aioduco.playback.recorded_path import RecordedPath
-from aioduco.playback.waypoints import WaypointFile
+from aioduco.recording.playback.recorded_path import RecordedPath
+from aioduco.recording.playback.waypoints import WaypointFile
 from aioduco.streaming.joint_trajectory import Tolerances
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 
     from aioduco.api.version import RobotType
     from aioduco.envelope import Envelope
-    from aioduco.playback.recorded_path import RecordedOutput
-    from aioduco.playback.waypoints import Waypoint
+    from aioduco.recording.playback.recorded_path import RecordedOutput
+    from aioduco.recording.playback.waypoints import Waypoint
     from aioduco.robot import Robot
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
     from aioduco.streaming.options import WorkerOptions

@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.tap.conversation import Conversation, TapNote, TappedCall
-from aioduco.tap.relay import CopyKind
+from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
+from aioduco.recording.tap.relay import CopyKind
 
 from .test_conversation import answer, call
 

@@ -189,7 +189,7 @@ class RecordedPath:
         self, motion: Any, read_joints: Any, **options: Any
     ) -> TrajectoryResult | None:
         """Follow the path; called by `robot.motion.execute`."""
-        from aioduco.playback.player import follow  # noqa: PLC0415 - it names this class
+        from aioduco.recording.playback.player import follow  # noqa: PLC0415 - it names this class
 
         return await follow(motion, read_joints, self, **options)
 

@@ -9,7 +9,7 @@ import pytest
 
 import aioduco
 from aioduco import Joints
-from aioduco.playback import WaypointFile
+from aioduco.recording.playback import WaypointFile
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -19,16 +19,16 @@ from aioduco import Tolerances
 from aioduco.cli.app import app
 from aioduco.envelope import Envelope, Zone
 from aioduco.kinematics import arm
-from aioduco.playback import (
+from aioduco.recording import read
+from aioduco.recording.playback import (
     RecordedPath,
     WaypointFile,
     play,
     read_envelope,
     run_waypoints,
 )
-from aioduco.recording import read
 from aioduco.sim import Simulator
-from playback.recorded import FAR, HOME, nod, write
+from recording.playback.recorded import FAR, HOME, nod, write
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
