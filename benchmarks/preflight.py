@@ -21,7 +21,7 @@ from pathlib import Path
 
 from _common import arguments, percentile, print_table, write_results
 
-from aioduco.preflight import preflight
+from aioduco.testing.preflight import preflight
 
 PROGRAM = """
 import anyio

@@ -18,8 +18,8 @@ from typing import Any
 
 from _common import parser, print_table, write_results
 
-from aioduco.preflight import PreflightSettings
-from aioduco.preflight.sweep import sweep
+from aioduco.testing.preflight import PreflightSettings
+from aioduco.testing.preflight.sweep import sweep
 
 VARY = ("start", "latency", "faults", "payload")
 

@@ -21,12 +21,12 @@ from typing import Any
 
 from PIL import Image
 
-from aioduco.preflight import PreflightSettings, preflight
-from aioduco.preflight.html import page
 from aioduco.sim.scene import Box
+from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight.html import page
 
 HERE = Path(__file__).resolve().parent
-PROGRAM = HERE.parent / "tests/preflight/programs/scene_collision.py"
+PROGRAM = HERE.parent / "tests/testing/preflight/programs/scene_collision.py"
 CELL = [Box(at=(0.35, 0.35, 0.4), size=(0.2, 0.2, 0.8), colour=(0.8, 0.3, 0.2), name="box")]
 
 

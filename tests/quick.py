@@ -45,7 +45,8 @@ CASES = {
 LONG = (
     *("client/test_examples", "fleet/", "devices/grippers/test_simulated", "hostile/test_cable"),
     *("hostile/test_fork", "hostile/test_frozen", "hostile/test_imports", "pages/", "panel/"),
-    *("planning/", "recording/playback/", "preflight/", "streaming/test_examples", "test_cli"),
+    *("planning/", "recording/playback/", "streaming/test_examples", "test_cli"),
+    "testing/preflight/",
 )
 #: of the examples of a property, at least so many are tried
 LEAST_EXAMPLES = 5

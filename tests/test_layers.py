@@ -79,7 +79,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "sync": CLIENT
     | {"robot", "__init__", "recording", "recording.playback"}
     | {"devices.grippers", "devices.teleoperation"},
-    "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
+    "testing.preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
     "panel": {
         *("errors", "kinematics", "envelope", "events", "__init__", "planning"),
@@ -94,11 +94,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "fleet": {"errors", "events", "reporting", "robot", "__init__"},
     # where a camera is and what it sees; simulated ones draw by the simulator
     "devices.cameras": {"errors", "models", "controller_clock", "sim"},
-    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
+    "testing.pytest_plugin": CLIENT
+    | {"robot", "__init__", "sim", "sync", "testing", "testing.preflight"},
     "cli": CLIENT
-    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"}
+    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "planning"}
     | {"devices.grippers", "devices.teleoperation"}
-    | {"recording.playback", "recording.tap", "testing"}
+    | {"recording.playback", "recording.tap", "testing", "testing.preflight"}
     | {"integrations", "fleet", "panel"},
 }
 
@@ -202,17 +203,21 @@ ONLY_IN: dict[str, set[str]] = {
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
-    "PIL": {"testing/artefacts.py", "cli/picture.py", "cli/demo/planned.py", "preflight/html.py"},
-    "distributed": {"preflight/sweep.py"},
+    "PIL": {
+        *("cli/picture.py", "cli/demo/planned.py"),
+        *("testing/artefacts.py", "testing/preflight/html.py"),
+    },
+    "distributed": {"testing/preflight/sweep.py"},
     "matplotlib": {"cli", "streaming/report.py", "recording/figures.py"},
     # connections on the event loop, what wakes it, and tasks that outlive the one that started them
     # and, in the process of a preflight, the program's own loops
     "asyncio": {
         *("_wire/channel.py", "_wire/lane.py", "_wire/owner_loop.py", "_wire/pool.py"),
         *("supervision/concurrency.py",),
-        *("preflight/child.py", "preflight/lines.py", "preflight/patches.py"),
+        *("testing/preflight/child.py", "testing/preflight/lines.py"),
+        "testing/preflight/patches.py",
     },
-    "pytest": {"pytest_plugin.py"},
+    "pytest": {"testing/pytest_plugin.py"},
     "foxglove": {"recording/channels.py"},
     "zstandard": {"recording/container.py"},
     "pyarrow": {"recording/tables.py"},

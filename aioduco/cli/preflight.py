@@ -14,7 +14,7 @@ from aioduco.cli.number_lists import mounting_option
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from aioduco.preflight import PreflightReport, PreflightSettings
+    from aioduco.testing.preflight import PreflightReport, PreflightSettings
 
 __all__ = ["preflight"]
 
@@ -84,8 +84,8 @@ def preflight(
     from rich.console import Console  # noqa: PLC0415 - for this command alone
 
     from aioduco.errors import DucoError  # noqa: PLC0415
-    from aioduco.preflight import PreflightSettings  # noqa: PLC0415
-    from aioduco.preflight import preflight as run  # noqa: PLC0415
+    from aioduco.testing.preflight import PreflightSettings  # noqa: PLC0415
+    from aioduco.testing.preflight import preflight as run  # noqa: PLC0415
 
     console = Console()
     try:
@@ -117,7 +117,7 @@ def preflight(
     if result is not None:
         result.write_text(json.dumps(report.as_json(), indent=2) + "\n", encoding="utf-8")
     if html is not None:
-        from aioduco.preflight.html import page  # noqa: PLC0415 - it needs an extra
+        from aioduco.testing.preflight.html import page  # noqa: PLC0415 - it needs an extra
 
         html.write_text(page(report), encoding="utf-8")
         console.print(f"page: {html}", highlight=False)
@@ -166,7 +166,7 @@ def _sweep(
     from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
-    from aioduco.preflight.sweep import sweep  # noqa: PLC0415 - it needs an extra
+    from aioduco.testing.preflight.sweep import sweep  # noqa: PLC0415 - it needs an extra
 
     columns = (*Progress.get_default_columns(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console) as progress:

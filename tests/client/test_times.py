@@ -17,13 +17,13 @@ from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
 from aioduco.devices.teleoperation import JointTarget
 from aioduco.fleet import FleetClient, FleetSettings
-from aioduco.preflight import PreflightSettings
 from aioduco.sim import Simulator
 from aioduco.status_port import StatusPort
 from aioduco.streaming.doctor import examine
 from aioduco.streaming.ticks import Ticks
 from aioduco.supervision.settings import ExitLadder
 from aioduco.testing import HalfOpen, Throttle
+from aioduco.testing.preflight import PreflightSettings
 from client.bench import HOME
 
 if TYPE_CHECKING:

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 PREFLIGHT = """
-    from aioduco.preflight import preflight
+    from aioduco.testing.preflight import preflight
     preflight(__file__, quiet=True)
 """
 SWEEP = """
-    from aioduco.preflight import PreflightSettings
-    from aioduco.preflight.sweep import sweep
+    from aioduco.testing.preflight import PreflightSettings
+    from aioduco.testing.preflight.sweep import sweep
     sweep(__file__, (), PreflightSettings(), 1)
 """
 #: the error of each without the process
@@ -190,7 +190,7 @@ def test_each_process_can_be_started_by_a_frozen_program() -> None:
         )
     }
     # a frozen program cannot be tried out: see above
-    assert started - {"aioduco.preflight.child"} == set(frozen._MAINS)
+    assert started - {"aioduco.testing.preflight.child"} == set(frozen._MAINS)
     for name, load in frozen._MAINS.items():
         assert load() is import_module(name).main
 

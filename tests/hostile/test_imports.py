@@ -13,10 +13,10 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco import _spawn
 from aioduco.planning import Planner, Scene, planner
-from aioduco.preflight import PreflightError, preflight, runner
 from aioduco.sim import process as sim_process
 from aioduco.sim.simulator import Simulator
 from aioduco.sim.view import render
+from aioduco.testing.preflight import PreflightError, preflight, runner
 
 from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 PREFLIGHT = """
-    from aioduco.preflight import preflight
+    from aioduco.testing.preflight import preflight
     assert preflight({tried!r}, quiet=True).ok
 """
 KINDS = {
@@ -125,7 +125,7 @@ def test_packages_that_only_the_program_knows_of_are_found(
         ("aioduco.planning.worker as w; w.load()", planner._PACKAGES, {"ompl", "toppra"}),
         ("aioduco.sim.view.drawing, mujoco.egl", render._PACKAGES, {"mujoco", "OpenGL"}),
         ("aioduco.sim.spawned, aioduco.sim.view.render", sim_process._PACKAGES, {"mujoco"}),
-        ("aioduco.preflight.child, aioduco.compat._runner", runner._PACKAGES, {"mujoco"}),
+        ("aioduco.testing.preflight.child, aioduco.compat._runner", runner._PACKAGES, {"mujoco"}),
     ],
     ids=["robot", "planner", "pictures", "simulator", "preflight"],
 )

@@ -11,10 +11,10 @@ from aioduco import Joints, ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.planning import Ground, Mesh, PointCloud, Scene
-from aioduco.preflight.margins import margins
 from aioduco.sim import Simulator
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, mjcf_of
+from aioduco.testing.preflight.margins import margins
 
 READY = Joints.deg(0, 0, 90, 0, -90, 0)
 

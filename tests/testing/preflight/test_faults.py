@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from aioduco.preflight import PreflightSettings, preflight
-from aioduco.preflight.findings import KINDS
 from aioduco.sim.scene import Box, Rod, Table, Thing
+from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight.findings import KINDS
 
 PROGRAMS = Path(__file__).parent / "programs"
 CELLS: dict[str, list[Thing]] = {

@@ -19,7 +19,7 @@ from aioduco.sim.view.render import PictureProcess
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from aioduco.preflight.runner import PreflightReport
+    from aioduco.testing.preflight.runner import PreflightReport
 
 __all__ = ["page"]
 

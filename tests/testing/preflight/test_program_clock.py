@@ -7,9 +7,9 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING
 
-from aioduco.preflight.program_clock import ProgramClock
 from aioduco.sim import Simulator, runtime
 from aioduco.testing import eventually
+from aioduco.testing.preflight.program_clock import ProgramClock
 
 if TYPE_CHECKING:
     import pytest

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import MissingExtra
-from aioduco.preflight.runner import PreflightError, PreflightSettings, preflight, refuse_frozen
+from aioduco.testing.preflight.runner import (
+    PreflightError,
+    PreflightSettings,
+    preflight,
+    refuse_frozen,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

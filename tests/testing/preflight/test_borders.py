@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from aioduco.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight import PreflightSettings, preflight
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -25,7 +25,6 @@ from aioduco import robot as robot_module
 from aioduco._wire import connection, lane
 from aioduco.compat import DucoCobot
 from aioduco.planning.planner import Planner
-from aioduco.preflight import lines
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server.processor import Processor
@@ -35,14 +34,15 @@ from aioduco.supervision.command import MotionCommand
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.task_command import shown
 from aioduco.sync._runner import Runner
+from aioduco.testing.preflight import lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
-    from aioduco.preflight.program_clock import ProgramClock, Wait
-    from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
     from aioduco.sim.simulator import Simulator
+    from aioduco.testing.preflight.program_clock import ProgramClock, Wait
+    from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder
 
 __all__ = ["Cell", "install"]
 
@@ -116,7 +116,7 @@ def _asked_by_program(depth: int = 2) -> bool | None:
     while frame is not None:
         name = frame.f_globals.get("__name__", "")
         first = name.partition(".")[0]
-        if first == "aioduco" and not name.startswith("aioduco.preflight"):
+        if first == "aioduco" and not name.startswith("aioduco.testing.preflight"):
             return bool(name.startswith("aioduco.cli"))
         if frame.f_code is lines._RUN_ONCE:
             return None

@@ -48,12 +48,12 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Iterator, Mapping
 
     from aioduco.controller_clock import Clock
-    from aioduco.preflight import PreflightReport
     from aioduco.robot import Robot
     from aioduco.sim import Simulator
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.sync import Robot as SyncRobot
     from aioduco.testing import FaultProxy
+    from aioduco.testing.preflight import PreflightReport
 
 __all__ = [
     "duco_preflight",
@@ -316,12 +316,12 @@ def duco_sync_robot(_duco_line: _Line) -> Iterator[SyncRobot]:
 
 @pytest.fixture
 def duco_preflight() -> Callable[..., PreflightReport]:
-    """`aioduco.preflight.preflight`, with settings as keywords: `duco_preflight(file, scene=cell)`.
+    """`preflight`, with settings as keywords: `duco_preflight(file, scene=cell)`.
 
     It takes the program's file, then its arguments as a list; the report's `ok` and `findings` say
     what would go wrong.
     """
-    from aioduco.preflight import PreflightSettings, preflight  # noqa: PLC0415 - loads MuJoCo
+    from aioduco.testing.preflight import PreflightSettings, preflight  # noqa: PLC0415 - loads MuJoCo
 
     def run(program: str, arguments: tuple[str, ...] = (), **settings: Any) -> PreflightReport:
         return preflight(program, arguments, PreflightSettings(**settings), quiet=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight import PreflightSettings, preflight
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,16 +11,16 @@ import numpy as np
 
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco.models.enums import TaskState
-from aioduco.preflight import lines
-from aioduco.preflight.borders import AccessBlocked
+from aioduco.testing.preflight import lines
+from aioduco.testing.preflight.borders import AccessBlocked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from aioduco.preflight.lines import CallOrigin, ProgramLine
-    from aioduco.preflight.program_clock import ProgramClock
     from aioduco.sim import Simulator
     from aioduco.sim.snapshot import SimulationSnapshot
+    from aioduco.testing.preflight.lines import CallOrigin, ProgramLine
+    from aioduco.testing.preflight.program_clock import ProgramClock
 
 __all__ = ["ProgramCall", "RunRecorder"]
 

@@ -20,11 +20,11 @@ from aioduco._spawn import Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import TIMEOUT
-from aioduco.preflight.borders import address_of
-from aioduco.preflight.findings import PreflightFinding, findings
-from aioduco.preflight.margins import Margin, margins, near_singularities
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import mjcf_of, mounting_of
+from aioduco.testing.preflight.borders import address_of
+from aioduco.testing.preflight.findings import PreflightFinding, findings
+from aioduco.testing.preflight.margins import Margin, margins, near_singularities
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -245,7 +245,10 @@ def _run(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         linked = LinkedProcess(
-            "aioduco.preflight.child", packages=_PACKAGES, runs_program=True, output=not quiet
+            "aioduco.testing.preflight.child",
+            packages=_PACKAGES,
+            runs_program=True,
+            output=not quiet,
         )
     except (Unstartable, OSError) as error:
         raise PreflightError(f"nothing was run: {error}") from error

@@ -12,7 +12,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import singular_values
 from aioduco.planning.clearance import Clearance
 from aioduco.planning.collision import CollisionChecker
-from aioduco.preflight.findings import PreflightFinding, running
+from aioduco.testing.preflight.findings import PreflightFinding, running
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The process in which the program runs; only `aioduco.preflight.runner` starts it.
+"""The process in which the program runs; only `aioduco.testing.preflight.runner` starts it.
 
 So a program on a real arm cannot run like this by accident. The process gets its options over its
 channel, and ends when the channel closes.
@@ -24,13 +24,13 @@ import numpy as np
 
 from aioduco._linked_process import ValueChannel
 from aioduco.kinematics import arm as arm_of
-from aioduco.preflight import lines, patches
-from aioduco.preflight.borders import block_outside_access
-from aioduco.preflight.program_clock import ProgramClock
-from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
-from aioduco.preflight.variation import Variation
 from aioduco.sim.scene import mjcf_of
 from aioduco.sim.simulator import READY, Simulator
+from aioduco.testing.preflight import lines, patches
+from aioduco.testing.preflight.borders import block_outside_access
+from aioduco.testing.preflight.program_clock import ProgramClock
+from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder
+from aioduco.testing.preflight.variation import Variation
 
 __all__ = ["main"]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from aioduco.preflight import PreflightSettings, preflight
 from aioduco.sim.scene import Table
+from aioduco.testing.preflight import PreflightSettings, preflight
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 #: given the address of a robot that is not there: nothing of it is ever connected to
 THERE = "192.0.2.1"
 BRIEF = ["--seconds", "0.4"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "docs/preflight_page.py"
+SCRIPT = Path(__file__).resolve().parents[3] / "docs/preflight_page.py"
 
 
 @pytest.mark.slow

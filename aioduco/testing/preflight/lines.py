@@ -28,7 +28,7 @@ __all__ = [
     "of_main_thread",
 ]
 
-_PACKAGE = Path(__file__).resolve().parents[1]
+_PACKAGE = Path(__file__).resolve().parents[2]
 _PROGRAMS = _PACKAGE / "cli"
 _LIBRARIES = tuple(
     Path(path).resolve() for path in {*map(sysconfig.get_path, ("stdlib", "purelib", "platlib"))}

@@ -11,9 +11,9 @@ import pytest
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
-from aioduco.preflight import PreflightSettings, preflight
-from aioduco.preflight.sweep import sweep
-from aioduco.preflight.variation import KINDS, Variation
+from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight.sweep import sweep
+from aioduco.testing.preflight.variation import KINDS, Variation
 
 distributed = pytest.importorskip("distributed")
 PROGRAM = str(Path(__file__).parent / "programs/joint_limit.py")

@@ -6,9 +6,9 @@ the program, uses their internals.
 
 from __future__ import annotations
 
-from aioduco.preflight.findings import PreflightFinding
-from aioduco.preflight.margins import Margin
-from aioduco.preflight.runner import (
+from aioduco.testing.preflight.findings import PreflightFinding
+from aioduco.testing.preflight.margins import Margin
+from aioduco.testing.preflight.runner import (
     PreflightError,
     PreflightReport,
     PreflightSettings,

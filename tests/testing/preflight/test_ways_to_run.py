@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from aioduco.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight import PreflightSettings, preflight
 
 if TYPE_CHECKING:
     from pathlib import Path
