@@ -22,7 +22,7 @@ import anyio
 from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
 
 from aioduco._wire.lane import WireLane
-from aioduco.fleet import FleetClient, FleetSettings
+from aioduco.integrations.fleet import FleetClient, FleetSettings
 from aioduco.testing import eventually_async
 
 HOST = "127.0.0.1"

@@ -18,7 +18,7 @@ from playwright.async_api import async_playwright
 
 import aioduco
 from aioduco.envelope import Envelope, Zone
-from aioduco.panel import Panel
+from aioduco.integrations.panel import Panel
 from aioduco.planning import Scene
 from aioduco.sim import Simulator
 from aioduco.sim.console import Console

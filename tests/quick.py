@@ -43,10 +43,10 @@ CASES = {
 }
 #: beginnings of the paths of tests that take long, mostly since they start programs
 LONG = (
-    *("client/test_examples", "fleet/", "devices/grippers/test_simulated", "hostile/test_cable"),
-    *("hostile/test_fork", "hostile/test_frozen", "hostile/test_imports", "pages/", "panel/"),
-    *("planning/", "recording/playback/", "streaming/test_examples", "test_cli"),
-    "testing/preflight/",
+    *("client/test_examples", "devices/grippers/test_simulated", "hostile/test_cable"),
+    *("hostile/test_fork", "hostile/test_frozen", "hostile/test_imports", "integrations/fleet/"),
+    *("integrations/panel/", "pages/", "planning/", "recording/playback/"),
+    *("streaming/test_examples", "test_cli", "testing/preflight/"),
 )
 #: of the examples of a property, at least so many are tried
 LEAST_EXAMPLES = 5

@@ -81,7 +81,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     | {"devices.grippers", "devices.teleoperation"},
     "testing.preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
-    "panel": {
+    "integrations.panel": {
         *("errors", "kinematics", "envelope", "events", "__init__", "planning"),
         "recording.playback",
     },
@@ -91,7 +91,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "sync",
     },
     # gateways use robots as a program does
-    "fleet": {"errors", "events", "reporting", "robot", "__init__"},
+    "integrations.fleet": {"errors", "events", "reporting", "robot", "__init__"},
     # where a camera is and what it sees; simulated ones draw by the simulator
     "devices.cameras": {"errors", "models", "controller_clock", "sim"},
     "testing.pytest_plugin": CLIENT
@@ -100,7 +100,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "planning"}
     | {"devices.grippers", "devices.teleoperation"}
     | {"recording.playback", "recording.tap", "testing", "testing.preflight"}
-    | {"integrations", "fleet", "panel"},
+    | {"integrations", "integrations.fleet", "integrations.panel"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
@@ -221,15 +221,15 @@ ONLY_IN: dict[str, set[str]] = {
     "foxglove": {"recording/channels.py"},
     "zstandard": {"recording/container.py"},
     "pyarrow": {"recording/tables.py"},
-    "viser": {"panel/arm_scene.py"},
-    "websockets": {"panel/page_server.py"},
+    "viser": {"integrations/panel/arm_scene.py"},
+    "websockets": {"integrations/panel/page_server.py"},
     **{
         name: {"integrations/ros/ros1"}
         for name in ("rospy", "actionlib", "genpy", "genmsg", "rosgraph")
     },
     "rclpy": {"integrations/ros/ros2"},
     "opentelemetry": {"integrations/otel"},
-    "zenoh": {"fleet/link.py"},
+    "zenoh": {"integrations/fleet/link.py"},
     "gymnasium": {"integrations/gym"},
     "cv2": {"devices/cameras"},
 }
@@ -251,11 +251,11 @@ PURE = {
     "integrations/ros/goal_queue.py",
     "integrations/ros/arm_readings.py",
     "integrations/ros/node_parameters.py",
-    "fleet/reports.py",
-    "fleet/gateway_state.py",
-    "panel/control_lease.py",
-    "panel/page_requests.py",
-    "panel/page_state.py",
+    "integrations/fleet/reports.py",
+    "integrations/fleet/gateway_state.py",
+    "integrations/panel/control_lease.py",
+    "integrations/panel/page_requests.py",
+    "integrations/panel/page_state.py",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 

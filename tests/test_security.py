@@ -11,8 +11,8 @@ from aioduco.cli.panel import panel
 from aioduco.cli.sim import sim
 from aioduco.cli.tap import tap
 from aioduco.cli.view import view
-from aioduco.fleet import FleetSettings
-from aioduco.panel import Panel
+from aioduco.integrations.fleet import FleetSettings
+from aioduco.integrations.panel import Panel
 from aioduco.recording.tap import Tap
 from aioduco.sim import Simulator
 from aioduco.sim.server.line_server import LineServer

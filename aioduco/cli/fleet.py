@@ -15,7 +15,7 @@ from aioduco.cli import extras
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors
 
 if TYPE_CHECKING:
-    from aioduco.fleet import FleetSettings, FleetStop, FleetView
+    from aioduco.integrations.fleet import FleetSettings, FleetStop, FleetView
 
 __all__ = ["fleet"]
 
@@ -38,7 +38,7 @@ def serve(file: File) -> None:
     """
     settings = _settings(file)
     from aioduco.cli.signals import receive_signals  # noqa: PLC0415 - quick help
-    from aioduco.fleet import FleetGateway  # noqa: PLC0415
+    from aioduco.integrations.fleet import FleetGateway  # noqa: PLC0415
 
     async def run() -> int:
         with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
@@ -62,7 +62,7 @@ def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
     Exit codes: 0 all gateways reported their state; 1 some are missing; 2 a wrong file.
     """
     settings = _settings(file)
-    from aioduco.fleet import FleetClient  # noqa: PLC0415 - quick help
+    from aioduco.integrations.fleet import FleetClient  # noqa: PLC0415 - quick help
 
     async def ask() -> FleetView:
         async with FleetClient(settings) as client:
@@ -94,7 +94,7 @@ def stop(
     Exit codes: 0 all of them stand; 2 a wrong file; 4 it is not known that all of them stand.
     """
     settings = _settings(file)
-    from aioduco.fleet import FleetClient  # noqa: PLC0415 - quick help
+    from aioduco.integrations.fleet import FleetClient  # noqa: PLC0415 - quick help
 
     async def ask() -> FleetStop:
         async with FleetClient(settings) as client:
@@ -118,7 +118,7 @@ def stop(
 
 def _settings(file: Path) -> FleetSettings:
     extras.need("fleet")
-    from aioduco.fleet import FleetFileError, FleetSettings  # noqa: PLC0415 - quick help
+    from aioduco.integrations.fleet import FleetFileError, FleetSettings  # noqa: PLC0415 - quick help
 
     try:
         return FleetSettings.read(file)

@@ -18,7 +18,7 @@ from aioduco.cli.jog import Manual
 from aioduco.cli.sim_do import control_port_of
 
 if TYPE_CHECKING:
-    from aioduco.panel import Panel
+    from aioduco.integrations.panel import Panel
 
 __all__ = ["panel"]
 
@@ -95,10 +95,10 @@ def panel(
     if control_port is None and _is_here(address.host):
         control_port = control_port_of(address.port) or None
     # All imports run before the event loop: loading would block it.
+    from aioduco.integrations.panel import Panel  # noqa: PLC0415
     from aioduco.models.jog import JogDirections  # noqa: PLC0415
-    from aioduco.panel import Panel  # noqa: PLC0415
 
-    import_module("aioduco.panel.arm_scene")  # imports viser too
+    import_module("aioduco.integrations.panel.arm_scene")  # imports viser too
 
     older = manual is Manual.OLDER
     with ended_by_errors():

@@ -16,7 +16,7 @@ from aioduco.compat import DucoCobot
 from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
 from aioduco.devices.teleoperation import JointTarget
-from aioduco.fleet import FleetClient, FleetSettings
+from aioduco.integrations.fleet import FleetClient, FleetSettings
 from aioduco.sim import Simulator
 from aioduco.status_port import StatusPort
 from aioduco.streaming.doctor import examine

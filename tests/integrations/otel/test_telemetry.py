@@ -166,7 +166,7 @@ def test_nothing_is_loaded_where_it_is_not_asked_for() -> None:
     program = (
         "import sys, aioduco, aioduco.sync, aioduco.robot; aioduco.connect('127.0.0.1');"
         "print([name for name in sys.modules if name.startswith(('opentelemetry', 'zenoh',"
-        " 'aioduco.integrations', 'aioduco.fleet'))])"
+        " 'aioduco.integrations', 'aioduco.integrations.fleet'))])"
     )
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False

@@ -14,14 +14,14 @@ import anyio
 import anyio.from_thread
 
 from aioduco.errors import ConnectError, MissingExtra
-from aioduco.fleet.reports import LONGEST, alive_key, state_key, stop_key
+from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, stop_key
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from types import TracebackType
     from typing import Self
 
-    from aioduco.fleet.settings import FleetSettings
+    from aioduco.integrations.fleet.settings import FleetSettings
 
 __all__ = ["FleetLink"]
 

@@ -9,15 +9,20 @@ from typing import TYPE_CHECKING, Final
 import anyio
 
 from aioduco.errors import ParameterError
-from aioduco.fleet.link import FleetLink
-from aioduco.fleet.reports import GatewayReport, MessageRefused, StopReport, StopRequest
+from aioduco.integrations.fleet.link import FleetLink
+from aioduco.integrations.fleet.reports import (
+    GatewayReport,
+    MessageRefused,
+    StopReport,
+    StopRequest,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from types import TracebackType
     from typing import Self
 
-    from aioduco.fleet.settings import FleetSettings
+    from aioduco.integrations.fleet.settings import FleetSettings
 
 __all__ = ["FleetClient", "FleetStop", "FleetView"]
 

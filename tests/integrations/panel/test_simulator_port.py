@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from aioduco.panel.simulator_port import ask_simulator
+from aioduco.integrations.panel.simulator_port import ask_simulator
 
 
 async def test_a_simulator_that_dies_before_it_answers_is_an_error_of_the_system() -> None:

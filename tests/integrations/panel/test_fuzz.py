@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco.errors import ParameterError
-from aioduco.panel.page_requests import LONGEST, PageStop, page_request
+from aioduco.integrations.panel.page_requests import LONGEST, PageStop, page_request
 
 SIX = [0.1] * 6
 JOG = {"kind": "jog", "axis": "x", "direction": 1, "percent": 10, "frame": "base"}

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.fleet.gateway_state import GatewayState
-from aioduco.fleet.reports import (
+from aioduco.integrations.fleet.gateway_state import GatewayState
+from aioduco.integrations.fleet.reports import (
     LONGEST,
     ArmReport,
     ArmStopped,
@@ -19,7 +19,7 @@ from aioduco.fleet.reports import (
     StopReport,
     StopRequest,
 )
-from aioduco.fleet.settings import FleetFileError, FleetSettings
+from aioduco.integrations.fleet.settings import FleetFileError, FleetSettings
 
 ARM = {"name": "left", "host": "127.0.0.1"}
 READERS = (StopRequest, StopReport, GatewayReport)

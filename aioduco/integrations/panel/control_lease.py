@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from aioduco.panel.page_requests import HoldMotion
+    from aioduco.integrations.panel.page_requests import HoldMotion
 
 __all__ = [
     "BeginLease",

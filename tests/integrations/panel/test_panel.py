@@ -17,7 +17,7 @@ from websockets.exceptions import InvalidStatus
 
 import aioduco
 from aioduco.errors import ConnectError, ParameterError
-from aioduco.panel import Panel
+from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 

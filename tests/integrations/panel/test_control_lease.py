@@ -9,8 +9,7 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from aioduco.models.jog import Jog
-from aioduco.panel.control_lease import (
+from aioduco.integrations.panel.control_lease import (
     BeginLease,
     BeginMotion,
     ControlLease,
@@ -19,10 +18,11 @@ from aioduco.panel.control_lease import (
     LeasePhase,
     RefusePage,
 )
-from aioduco.panel.page_requests import JogMotion
+from aioduco.integrations.panel.page_requests import JogMotion
+from aioduco.models.jog import Jog
 
 if TYPE_CHECKING:
-    from aioduco.panel.control_lease import LeaseEffect
+    from aioduco.integrations.panel.control_lease import LeaseEffect
 
 TOKEN = "correct horse battery"
 HOLD, PAGE = 0.4, 3.0

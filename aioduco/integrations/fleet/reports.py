@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
-from aioduco.fleet.settings import is_name
+from aioduco.integrations.fleet.settings import is_name
 
 __all__ = [
     "LONGEST",

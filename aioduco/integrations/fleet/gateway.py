@@ -12,10 +12,10 @@ import anyio.abc
 
 from aioduco.errors import DucoError, StopsUnconfirmed
 from aioduco.events import ConnectionBack, ConnectionGone
-from aioduco.fleet.gateway_state import GatewayState
-from aioduco.fleet.link import FleetLink
-from aioduco.fleet.reports import ArmReport
-from aioduco.fleet.settings import FleetFileError
+from aioduco.integrations.fleet.gateway_state import GatewayState
+from aioduco.integrations.fleet.link import FleetLink
+from aioduco.integrations.fleet.reports import ArmReport
+from aioduco.integrations.fleet.settings import FleetFileError
 from aioduco.reporting import BackgroundLogger
 from aioduco.robot import connect, stop_all
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from aioduco.fleet.settings import ArmSettings, FleetSettings
+    from aioduco.integrations.fleet.settings import ArmSettings, FleetSettings
     from aioduco.robot import Robot
 
 __all__ = ["FleetGateway"]

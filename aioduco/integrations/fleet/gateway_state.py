@@ -6,7 +6,7 @@ import itertools
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from aioduco.fleet.reports import (
+from aioduco.integrations.fleet.reports import (
     ArmReport,
     ArmStopped,
     GatewayReport,

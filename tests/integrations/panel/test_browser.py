@@ -10,7 +10,7 @@ import pytest
 from test_cli_robot import HOME
 
 import aioduco
-from aioduco.panel import Panel
+from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
 from aioduco.sim.console import Console
 from aioduco.sim.server.line_server import LineServer

@@ -11,10 +11,10 @@ of a router or of another gateway do not affect the supervision.
 
 from __future__ import annotations
 
-from aioduco.fleet.client import FleetClient, FleetStop, FleetView
-from aioduco.fleet.gateway import FleetGateway
-from aioduco.fleet.reports import ArmStopped, GatewayReport, StopReport
-from aioduco.fleet.settings import ArmSettings, FleetFileError, FleetSettings
+from aioduco.integrations.fleet.client import FleetClient, FleetStop, FleetView
+from aioduco.integrations.fleet.gateway import FleetGateway
+from aioduco.integrations.fleet.reports import ArmStopped, GatewayReport, StopReport
+from aioduco.integrations.fleet.settings import ArmSettings, FleetFileError, FleetSettings
 
 __all__ = [
     "ArmSettings",

@@ -23,8 +23,7 @@ import anyio
 import aioduco
 from aioduco import JogDirections, ProgramState, events
 from aioduco.errors import DucoError, ParameterError
-from aioduco.kinematics import arm as arm_of
-from aioduco.panel.control_lease import (
+from aioduco.integrations.panel.control_lease import (
     BeginLease,
     BeginMotion,
     ControlLease,
@@ -33,7 +32,7 @@ from aioduco.panel.control_lease import (
     LeasePhase,
     RefusePage,
 )
-from aioduco.panel.page_requests import (
+from aioduco.integrations.panel.page_requests import (
     JOINT_ACCELERATION,
     LINE_ACCELERATION,
     GiveBack,
@@ -50,9 +49,15 @@ from aioduco.panel.page_requests import (
     TakeControl,
     page_request,
 )
-from aioduco.panel.page_server import PageServer
-from aioduco.panel.page_state import alarm_text, event_severity, history_point, page_sample
-from aioduco.panel.simulator_port import ask_simulator
+from aioduco.integrations.panel.page_server import PageServer
+from aioduco.integrations.panel.page_state import (
+    alarm_text,
+    event_severity,
+    history_point,
+    page_sample,
+)
+from aioduco.integrations.panel.simulator_port import ask_simulator
+from aioduco.kinematics import arm as arm_of
 from aioduco.recording.playback.player import arm_named, model_named
 
 if TYPE_CHECKING:
@@ -64,14 +69,14 @@ if TYPE_CHECKING:
 
     from aioduco import Robot, Snapshot, Task
     from aioduco.envelope import Envelope
-    from aioduco.panel.arm_scene import ArmScene
-    from aioduco.panel.control_lease import LeaseEffect
-    from aioduco.panel.page_requests import HoldMotion, PageRequest
+    from aioduco.integrations.panel.arm_scene import ArmScene
+    from aioduco.integrations.panel.control_lease import LeaseEffect
+    from aioduco.integrations.panel.page_requests import HoldMotion, PageRequest
     from aioduco.planning import Scene
 
 __all__ = ["Panel"]
 
-_log = logging.getLogger("aioduco.panel")
+_log = logging.getLogger("aioduco.integrations.panel")
 
 #: seconds between two reads of values that change seldom
 _SELDOM: Final = 1.0
@@ -263,7 +268,7 @@ class Panel:
 
     def _make_scene(self) -> ArmScene:
         """Make the scene; run on a thread, because viser takes a while to load and to start."""
-        from aioduco.panel.arm_scene import ArmScene  # noqa: PLC0415
+        from aioduco.integrations.panel.arm_scene import ArmScene  # noqa: PLC0415
 
         around, envelope = self._scene_around, self._envelope
         # above the port of the page, so that both can be forwarded

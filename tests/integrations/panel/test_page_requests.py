@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from aioduco.errors import ParameterError
-from aioduco.models.jog import Jog, JogFrame
-from aioduco.panel.page_requests import (
+from aioduco.integrations.panel.page_requests import (
     JogMotion,
     JointMotion,
     LineMotion,
@@ -25,6 +24,7 @@ from aioduco.panel.page_requests import (
     TakeControl,
     page_request,
 )
+from aioduco.models.jog import Jog, JogFrame
 
 SIX = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 JOG = {"kind": "jog", "axis": 2, "direction": -1, "percent": 10}

@@ -17,8 +17,14 @@ import zenoh
 from ports import free_port
 
 import aioduco
-from aioduco.fleet import ArmSettings, FleetClient, FleetGateway, FleetSettings, FleetView
-from aioduco.fleet.link import FleetLink
+from aioduco.integrations.fleet import (
+    ArmSettings,
+    FleetClient,
+    FleetGateway,
+    FleetSettings,
+    FleetView,
+)
+from aioduco.integrations.fleet.link import FleetLink
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 

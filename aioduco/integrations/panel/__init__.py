@@ -11,6 +11,6 @@ It uses only the public interface of the package, and needs the extra `panel`.
 
 from __future__ import annotations
 
-from aioduco.panel.panel import Panel
+from aioduco.integrations.panel.panel import Panel
 
 __all__ = ["Panel"]

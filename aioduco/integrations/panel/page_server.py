@@ -24,7 +24,7 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Response
 
-from aioduco.panel.page_requests import LONGEST
+from aioduco.integrations.panel.page_requests import LONGEST
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
 
 __all__ = ["PageServer"]
 
-_log = logging.getLogger("aioduco.panel")
+_log = logging.getLogger("aioduco.integrations.panel")
 
 #: logger for websockets: browsers open connections that they do not use, and break off others
-_SILENT: Final = logging.Logger("aioduco.panel.pages", logging.CRITICAL)
+_SILENT: Final = logging.Logger("aioduco.integrations.panel.pages", logging.CRITICAL)
 #: bytes in a page's send buffer above which further messages to it are skipped
 _FULL: Final = 65_536
 #: number of skipped messages in a row after which a page is disconnected
@@ -189,7 +189,7 @@ class PageServer:
         name = _FILES.get(path)
         if name is None:
             return _plain(http.HTTPStatus.NOT_FOUND, "there is no such page")
-        body = (resources.files("aioduco.panel") / "page" / name).read_bytes()
+        body = (resources.files("aioduco.integrations.panel") / "page" / name).read_bytes()
         return _response(http.HTTPStatus.OK, body, _KINDS[name.rpartition(".")[2]])
 
 
@@ -197,7 +197,7 @@ def _page_of_viser() -> Response:
     """Viser's page without its control panel, which is empty."""
     client = resources.files("viser") / "client" / "build" / "index.html"
     text = client.read_text(encoding="utf-8")
-    folder = resources.files("aioduco.panel") / "page"
+    folder = resources.files("aioduco.integrations.panel") / "page"
     style, script = ((folder / name).read_text(encoding="utf-8") for name in _ADDED)
     added = f"<style>{style}</style><script>{script}</script>"
     body = text.replace("</head>", f"{added}</head>", 1).encode()
