@@ -21,7 +21,7 @@ from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lis
 
 if TYPE_CHECKING:
     from aioduco import events
-    from aioduco.frozen import freeze_support
+    from aioduco._process.frozen import freeze_support
     from aioduco.models.enums import (
         FileKind,
         OperationMode,
@@ -138,7 +138,7 @@ __all__ += errors.__all__
 
 #: names by the module that provides them on first use; the imports above are for type checkers
 _HOMES = {
-    "aioduco.frozen": ("freeze_support",),
+    "aioduco._process.frozen": ("freeze_support",),
     "aioduco.models.enums": (
         "FileKind",
         "OperationMode",

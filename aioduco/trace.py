@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from aioduco.reporting import BackgroundLogger, reporter
+from aioduco._process.reporting import BackgroundLogger, reporter
 
 __all__ = [
     "CallFinished",

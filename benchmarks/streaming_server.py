@@ -18,8 +18,8 @@ import numpy as np
 import rpc_server
 import thriftpy2
 
+from aioduco._process.scheduling import shorten_slice
 from aioduco._wire import idl
-from aioduco.scheduling import shorten_slice
 
 if TYPE_CHECKING:
     import socket

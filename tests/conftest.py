@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 # Threads of NumPy's algebra, which nothing here has a use for, take longer to start and to end than
 # NumPy to load, in each of some hundred processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# MuJoCo loads what draws, which takes as long as the rest of it: see aioduco/_spawn.py.
+# MuJoCo loads what draws, which takes as long as the rest of it: see aioduco/_process/spawn.py.
 os.environ.setdefault("MUJOCO_GL", "disable")
 
 # A shell without job control starts what it puts into the background with this signal ignored, and

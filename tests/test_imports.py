@@ -113,11 +113,11 @@ LIBRARIES = {"aioduco", "anyio", "exceptiongroup", "idna", "sniffio", "typing_ex
 NEEDLESS = {"email", "http", "multiprocessing", "pickle", "tempfile", "tomllib", "urllib.request"}
 #: of this package, what nobody waits for: a name stands for all that is below it, too
 FOR_ALL = {
-    *("aioduco.errors", "aioduco.reporting", "aioduco.trace", "aioduco._platform"),
+    *("aioduco.errors", "aioduco._process.reporting", "aioduco.trace", "aioduco._process.platform"),
     *("aioduco._version", "aioduco._wire"),
 }
 TO_CONNECT = FOR_ALL | {
-    *("aioduco._spawn", "aioduco.controller_clock", "aioduco.envelope", "aioduco.models"),
+    *("aioduco._process.spawn", "aioduco.controller_clock", "aioduco.envelope", "aioduco.models"),
     *("aioduco.robot", "aioduco.supervision"),
 }
 TO_STOP = FOR_ALL | {

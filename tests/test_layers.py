@@ -15,15 +15,15 @@ import pytest
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 BASE = {
-    "_linked_process",
-    "_platform",
-    "_spawn",
+    "_process.linked_process",
+    "_process.platform",
+    "_process.spawn",
     "_version",
     "controller_clock",
     "errors",
-    "reporting",
+    "_process.reporting",
     "_wire.rpc",
-    "scheduling",
+    "_process.scheduling",
     "trace",
 }
 CLIENT = BASE | {
@@ -33,23 +33,24 @@ CLIENT = BASE | {
 #: by part, the parts that it may import; itself always. A part is a folder or module with all that
 #: is below it, but for what is a part of its own.
 MAY_IMPORT: dict[str, set[str]] = {
-    "_platform": set(),
-    "_spawn": {"_platform"},
-    "_linked_process": {"_platform", "_spawn"},
+    "_process": set(),
+    "_process.platform": set(),
+    "_process.spawn": {"_process.platform"},
+    "_process.linked_process": {"_process.platform", "_process.spawn"},
     "_version": set(),
     "controller_clock": set(),
     "errors": set(),
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
-    "scheduling": set(),
-    "reporting": set(),
-    "trace": {"reporting"},
+    "_process.scheduling": set(),
+    "_process.reporting": set(),
+    "trace": {"_process.reporting"},
     "models": {"errors", "_wire.rpc"},
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
     # limits and their check: pure, and without numpy where the worker of a stream imports it
     "envelope": {"errors", "models", "kinematics"},
-    "_wire": {"_platform", "errors", "reporting", "_wire.rpc", "trace"},
+    "_wire": {"_process.platform", "errors", "_process.reporting", "_wire.rpc", "trace"},
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
@@ -67,8 +68,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.teleoperation": CLIENT | {"robot"},
     "events": {"supervision"},
     # the mains of all processes, each imported in its own process alone
-    "frozen": CLIENT | {"planning", "sim", "recording.tap"},
-    "__init__": CLIENT | {"robot", "events", "frozen", "recording"},
+    "_process.frozen": CLIENT | {"planning", "sim", "recording.tap"},
+    "__init__": CLIENT | {"robot", "events", "_process.frozen", "recording"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim", "kinematics", "recording"},
@@ -91,7 +92,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "sync",
     },
     # gateways use robots as a program does
-    "integrations.fleet": {"errors", "events", "reporting", "robot", "__init__"},
+    "integrations.fleet": {"errors", "events", "_process.reporting", "robot", "__init__"},
     # where a camera is and what it sees; simulated ones draw by the simulator
     "devices.cameras": {"errors", "models", "controller_clock", "sim"},
     "testing.pytest_plugin": CLIENT
@@ -164,13 +165,13 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
 #: The process border runs between the worker and the rest.
 STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "shared": {
-        *("aioduco.streaming.shared", "aioduco._platform", "aioduco.errors"),
+        *("aioduco.streaming.shared", "aioduco._process.platform", "aioduco.errors"),
         # check what a program gives; no worker loads them
         *("aioduco.models.rules", "aioduco.models.ranges"),
     },
     "worker": {
-        *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
-        *("aioduco._platform", "aioduco.supervision.unanswered"),
+        *("aioduco._wire", "aioduco.errors", "aioduco._process.scheduling"),
+        *("aioduco._process.platform", "aioduco.supervision.unanswered"),
         *("aioduco.envelope.checker", "aioduco.envelope.limits", "aioduco.envelope.zones"),
         *("aioduco.streaming.shared", "aioduco.streaming.worker"),
     },
@@ -459,7 +460,7 @@ def test_processes_are_started_in_one_place() -> None:
             and ast.unparse(node.func) in {f"subprocess.{n}" for n in starts}
         )
     }
-    assert found == {"_spawn.py"}
+    assert found == {"_process/spawn.py"}
 
 
 def test_pure_modules_do_no_io() -> None:

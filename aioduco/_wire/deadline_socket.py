@@ -11,7 +11,7 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._platform import CONNECTING, limits_sockets, readiness, unacknowledged
+from aioduco._process.platform import CONNECTING, limits_sockets, readiness, unacknowledged
 from aioduco._wire.failures import DeadlinePassed, Ended
 from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 

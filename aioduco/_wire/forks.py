@@ -49,7 +49,7 @@ class _ForkHooks:
             except Exception:
                 # Continue with the other objects. The module is loaded here, since a stream's
                 # worker does not need it.
-                from aioduco.reporting import BackgroundLogger  # noqa: PLC0415
+                from aioduco._process.reporting import BackgroundLogger  # noqa: PLC0415
 
                 BackgroundLogger(__name__).exception("a forked child could not let go of %r", one)
 

@@ -12,7 +12,7 @@ import ctypes
 import socket
 from typing import TYPE_CHECKING, Final
 
-from aioduco._platform import limits_sockets
+from aioduco._process.platform import limits_sockets
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -26,6 +26,7 @@ import warnings
 from typing import TYPE_CHECKING, Any
 
 import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
+from aioduco._process.reporting import BackgroundLogger
 from aioduco._version import __version__
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY
@@ -49,7 +50,6 @@ from aioduco._wire.vendor_arguments import wire_arguments
 from aioduco.compat._foreign import ENUMS, as_thrift
 from aioduco.compat._generated import KEYWORDS, ManualFunctions
 from aioduco.errors import ConnectError, ConnectionLost, DucoError, ParameterError
-from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,8 +10,8 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
-from aioduco._linked_process import LinkedProcess
-from aioduco._spawn import Unstartable
+from aioduco._process.linked_process import LinkedProcess
+from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.pose import Joints, Pose
 from aioduco.planning.motion_limits import MotionLimits

@@ -14,7 +14,7 @@ import sys
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from aioduco._linked_process import ValueChannel
+from aioduco._process.linked_process import ValueChannel
 from aioduco.errors import PlanningError
 from aioduco.planning.collision import CollisionChecker
 from aioduco.planning.problem import PlanningProblem, WorkerScene

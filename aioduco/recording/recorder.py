@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco._version import __version__
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
 from aioduco.models.samples import pose
 from aioduco.recording.writer import MessageWriter, RecordingWriter
-from aioduco.reporting import BackgroundLogger
 from aioduco.streaming.session import Session
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.trace import CallFinished

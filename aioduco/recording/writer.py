@@ -21,9 +21,9 @@ from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
-from aioduco._platform import BINARY, CLOSE_ON_EXEC
+from aioduco._process.platform import BINARY, CLOSE_ON_EXEC
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import MissingExtra
-from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Callable

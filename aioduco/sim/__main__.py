@@ -15,7 +15,7 @@ import sys
 import threading
 from typing import Any
 
-from aioduco._linked_process import ValueChannel
+from aioduco._process.linked_process import ValueChannel
 from aioduco.sim.spawned import serve
 
 

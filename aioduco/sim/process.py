@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import anyio.to_thread
 
-from aioduco._linked_process import LinkedProcess
-from aioduco._spawn import Unstartable
+from aioduco._process.linked_process import LinkedProcess
+from aioduco._process.spawn import Unstartable
 from aioduco.controller_clock import ScaledClock
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import socket
 import sys
 from typing import TYPE_CHECKING, Any
 
-from aioduco._linked_process import ValueChannel
+from aioduco._process.linked_process import ValueChannel
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:

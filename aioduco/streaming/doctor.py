@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._platform import processors
+from aioduco._process.platform import processors
 from aioduco.models import ranges
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import Feeding, WorkerOptions

@@ -27,8 +27,8 @@ from typing import TYPE_CHECKING
 import anyio
 import anyio.lowlevel
 
-from aioduco._platform import boot_time, clock_step
-from aioduco._spawn import Process, Unstartable
+from aioduco._process.platform import boot_time, clock_step
+from aioduco._process.spawn import Process, Unstartable
 from aioduco._wire.failures import resource_error
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop

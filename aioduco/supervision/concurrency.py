@@ -33,9 +33,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import anyio
 import anyio.lowlevel
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
 from aioduco.errors import Refused, RobotStateError, StopUnconfirmed
 from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import every, run_to_completion

@@ -33,9 +33,9 @@ import time
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
-from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Callable

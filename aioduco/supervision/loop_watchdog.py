@@ -13,9 +13,9 @@ import time
 import traceback
 from typing import TYPE_CHECKING, Final
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
+from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
-from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Callable

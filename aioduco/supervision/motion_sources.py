@@ -29,9 +29,9 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import ControllerError, DucoError, GuardLost, Refused, RobotStateError
 from aioduco.models.enums import TaskState
-from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator

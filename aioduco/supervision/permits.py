@@ -6,7 +6,7 @@ import contextlib
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import anyio.lowlevel
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopUnconfirmed
-from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.unanswered import LOOK_EVERY, NextStep, UnansweredMotion
 

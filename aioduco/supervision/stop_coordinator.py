@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco.errors import (
     ControllerError,
     DucoError,
@@ -31,7 +32,6 @@ from aioduco.errors import (
     TaskStopped,
     UnknownFunction,
 )
-from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams

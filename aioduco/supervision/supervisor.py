@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
-from aioduco._platform import boot_time
-from aioduco._spawn import started_in_place_of
+from aioduco._process.platform import boot_time
+from aioduco._process.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
+from aioduco._process.spawn import started_in_place_of
 from aioduco._wire.connection import Connection
 from aioduco._wire.endpoint import Route
 from aioduco._wire.failures import resource_error
@@ -42,7 +43,6 @@ from aioduco.errors import (
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.samples import Samples
 from aioduco.models.version import ControllerVersion
-from aioduco.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper

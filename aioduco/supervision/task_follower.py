@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     ControllerError,
     DucoError,
@@ -37,7 +38,6 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import GRID, Alarm, on_grid
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_command import Command

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import anyio
 from anyio.from_thread import BlockingPortal
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.models.ranges import TIMEOUT
-from aioduco.reporting import BackgroundLogger
 from aioduco.sync._presence import CallTimes
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco._platform import missing_guard_features
+from aioduco._process.platform import missing_guard_features
 from aioduco.supervision.guard.client import Answer, shared
 from aioduco.supervision.guard.messages import Release
 

@@ -173,8 +173,8 @@ def _bare_import(
     found = _import(name, globals, locals, fromlist, level)
     if name == "asyncio" or name.startswith("asyncio."):
         _limit_loops()
-    if "aioduco._spawn" in sys.modules:
-        _prepare_children(sys.modules["aioduco._spawn"])
+    if "aioduco._process.spawn" in sys.modules:
+        _prepare_children(sys.modules["aioduco._process.spawn"])
     if not ours or name not in MORE:
         return found
     if name not in _bare:
@@ -222,7 +222,7 @@ def install() -> None:
     """Take it all away, in this process and in those that it starts."""
     if builtins.__import__ is _bare_import:
         return
-    if "aioduco._platform" in sys.modules:
+    if "aioduco._process.platform" in sys.modules:
         raise RuntimeError("the package has seen all of the platform already")
     socket.socket.share = share  # type: ignore[attr-defined]  # Windows alone has it
     os.environ.update(_environment())

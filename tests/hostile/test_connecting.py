@@ -142,7 +142,7 @@ async def test_a_guard_that_cannot_be_started_is_said_so(
     [
         pytest.param("process", "os.memfd_create", marks=pytest.mark.linux("memory files")),
         ("process", "aioduco.streaming.session.socket.socketpair"),
-        ("process", "aioduco._spawn.subprocess.Popen"),
+        ("process", "aioduco._process.spawn.subprocess.Popen"),
         ("thread", "aioduco.streaming.session.socket.socketpair"),
         ("thread", "mmap"),
         ("thread", "thread"),

@@ -21,8 +21,8 @@ from client.bench import HOME, Bench
 
 import aioduco
 import aioduco.sync
+from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco._wire import codec, idl, layout
-from aioduco.reporting import BackgroundLogger, reporter
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.state import StreamState

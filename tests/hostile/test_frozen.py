@@ -13,8 +13,8 @@ import pytest
 from client.bench import HOME, Bench
 
 import aioduco
-from aioduco import frozen
-from aioduco._spawn import MARK
+from aioduco._process import frozen
+from aioduco._process.spawn import MARK
 
 from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM, TAP
 

@@ -11,7 +11,7 @@ import pytest
 from client.bench import HOME, Bench
 
 import aioduco
-from aioduco import _spawn
+from aioduco._process import spawn
 from aioduco.planning import Planner, Scene, planner
 from aioduco.sim import process as sim_process
 from aioduco.sim.simulator import Simulator
@@ -104,7 +104,7 @@ def test_packages_that_only_the_program_knows_of_are_found(
     bench: Bench, tmp_path: Path, kind: str, isolated: bool
 ) -> None:
     """A plain interpreter without any package; the program has put them on its own path."""
-    folders = sorted(set(_spawn._places().values()))
+    folders = sorted(set(spawn._places().values()))
     script = tmp_path / "program.py"
     begin = f"import sys\nsys.path[:0] = {folders!r}"
     script.write_text(program(bench, kind, tmp_path / "tried.py", begin))
@@ -144,7 +144,7 @@ def test_all_that_the_processes_import_is_taken_from_where_the_program_has_it(
         "print(*sorted(n for n in found if not n.startswith('_sysconfigdata')))"
     )
     said = run([sys.executable, "-c", code], Path.cwd())
-    assert set(said.split()) <= {*_spawn._PACKAGES, *more}
+    assert set(said.split()) <= {*spawn._PACKAGES, *more}
     assert {"aioduco", *some} <= set(said.split())
 
 
@@ -164,7 +164,7 @@ def test_a_program_that_is_tried_finds_modules_as_it_would_alone(
 async def test_a_guard_that_cannot_begin_says_why(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_spawn, "_BEGIN", "import a_package_that_nobody_has")
+    monkeypatch.setattr(spawn, "_BEGIN", "import a_package_that_nobody_has")
     with pytest.raises(aioduco.GuardLost, match="No module named 'a_package_that_nobody_has'"):
         await aioduco.connect(bench.host, bench.port, guard="process").open()
 
@@ -172,7 +172,7 @@ async def test_a_guard_that_cannot_begin_says_why(
 async def test_a_lane_that_cannot_begin_says_why(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_spawn, "_BEGIN", "import a_package_that_nobody_has")
+    monkeypatch.setattr(spawn, "_BEGIN", "import a_package_that_nobody_has")
     async with aioduco.connect(bench.host, bench.port) as robot:
         stream = robot.servo.joints(v=1.0, a=5.0, rate=100)
         with pytest.raises(
@@ -195,7 +195,7 @@ async def test_a_lane_that_cannot_begin_says_why(
 def test_each_other_process_that_cannot_begin_says_why(
     monkeypatch: pytest.MonkeyPatch, start: Callable[[], object], error: str
 ) -> None:
-    monkeypatch.setattr(_spawn, "_BEGIN", "import a_package_that_nobody_has")
+    monkeypatch.setattr(spawn, "_BEGIN", "import a_package_that_nobody_has")
     errors = (aioduco.PlanningError, aioduco.RenderError, RuntimeError, PreflightError)
     with pytest.raises(errors, match="No module named 'a_package_that_nobody_has'") as raised:
         start()

@@ -19,7 +19,7 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import HeartbeatState
-from aioduco.reporting import BackgroundLogger, reporter
+from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import BackgroundTasks
 from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop
 from aioduco.testing import eventually, eventually_async, no_leaks
@@ -300,7 +300,7 @@ async def test_a_trace_hook_that_blocks_holds_up_no_call_and_no_stop(bench: Benc
 PROGRAM = """
 import asyncio, logging, sys, threading, time
 import aioduco
-from aioduco.reporting import reporter
+from aioduco._process.reporting import reporter
 
 class Handler(logging.Handler):
     def emit(self, record):
@@ -463,7 +463,7 @@ def test_an_argument_that_cannot_be_shown_is_no_error(caplog: pytest.LogCaptureF
 def test_a_forked_child_reports_by_a_thread_of_its_own() -> None:
     program = """
 import logging, os, sys
-from aioduco.reporting import BackgroundLogger, reporter
+from aioduco._process.reporting import BackgroundLogger, reporter
 logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(message)s")
 BackgroundLogger("a").info("parent")
 reporter.flush()

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 import aioduco.streaming
-from aioduco import _spawn
-from aioduco._platform import has_memory_files
+from aioduco._process import spawn
+from aioduco._process.platform import has_memory_files
 
 from .conftest import HERE
 
@@ -65,11 +65,12 @@ OF_SHARED_MEMORY = {"multiprocessing", "subprocess"}
 #: of this package, all that a worker may load beside what is below `worker` and `shared`
 USED = {
     "aioduco",
-    "aioduco._platform",
+    "aioduco._process",
+    "aioduco._process.platform",
     "aioduco._version",
     "aioduco._wire",
     "aioduco.errors",
-    "aioduco.scheduling",
+    "aioduco._process.scheduling",
     "aioduco.streaming",
     "aioduco.supervision",
     "aioduco.supervision.unanswered",  # the machine that brings the arm to rest, which is pure
@@ -91,7 +92,7 @@ async def test_a_worker_loads_what_it_needs_and_stays_small(
 ) -> None:
     """A real one, started as each is, with limits of jerk; at its exit it tells what it loaded."""
     record = tmp_path / "modules"
-    monkeypatch.setattr(_spawn, "_BEGIN", RECORDER.format(path=str(record)) + _spawn._BEGIN)
+    monkeypatch.setattr(spawn, "_BEGIN", RECORDER.format(path=str(record)) + spawn._BEGIN)
     stream = controller.servo.joints(v=1.0, a=5.0, source_rate=100, upsample="ruckig")
     async with stream:
         await stream.send(HERE)

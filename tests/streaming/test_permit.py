@@ -13,7 +13,7 @@ import anyio
 import pytest
 from patient import patient_queue
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
 from aioduco.errors import StreamClosed, StreamError, StreamStarved, StreamStopped, WorkerFailed
 from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from aioduco import WorkerOptions
-from aioduco._platform import set_realtime_priority
-from aioduco.scheduling import shorten_slice
+from aioduco._process.platform import set_realtime_priority
+from aioduco._process.scheduling import shorten_slice
 from aioduco.streaming.worker.clock import ProcessorShare
 from aioduco.testing import eventually_async
 
@@ -60,7 +60,7 @@ def allowed() -> bool:
 
 _HOG = """
 import os, time
-from aioduco._platform import boost_main_thread, realtime_priority
+from aioduco._process.platform import boost_main_thread, realtime_priority
 
 told = []
 assert boost_main_thread(0.02, lambda: told.append(os.sched_getscheduler(0)))

@@ -10,6 +10,7 @@ from typing import Any
 import anyio
 import pytest
 
+from aioduco._process.reporting import reporter
 from aioduco._wire.lane import LaneState, WireLane
 from aioduco.errors import (
     ConnectError,
@@ -19,7 +20,6 @@ from aioduco.errors import (
     OutcomeUnknown,
     ParameterError,
 )
-from aioduco.reporting import reporter
 from aioduco.testing import eventually_async, no_leaks
 from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, TraceEvent
 

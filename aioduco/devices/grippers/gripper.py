@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     DucoError,
     GripperError,
@@ -30,7 +31,6 @@ from aioduco.errors import (
 )
 from aioduco.models import ranges
 from aioduco.models.rules import Number
-from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.concurrency import BackgroundTasks, every
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Final
 import anyio
 import anyio.abc
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopsUnconfirmed
 from aioduco.events import ConnectionBack, ConnectionGone
 from aioduco.integrations.fleet.gateway_state import GatewayState
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.reports import ArmReport
 from aioduco.integrations.fleet.settings import FleetFileError
-from aioduco.reporting import BackgroundLogger
 from aioduco.robot import connect, stop_all
 
 if TYPE_CHECKING:

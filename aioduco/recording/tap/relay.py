@@ -21,9 +21,9 @@ import time
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._linked_process import ValueChannel
-from aioduco._platform import CONNECTING
-from aioduco.scheduling import shorten_slice
+from aioduco._process.linked_process import ValueChannel
+from aioduco._process.platform import CONNECTING
+from aioduco._process.scheduling import shorten_slice
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,8 +6,8 @@ import contextlib
 import socket
 from typing import TYPE_CHECKING
 
-from aioduco._linked_process import LinkedProcess
-from aioduco._spawn import Unstartable
+from aioduco._process.linked_process import LinkedProcess
+from aioduco._process.spawn import Unstartable
 from aioduco.errors import ConnectError
 from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
 from aioduco.recording.tap.relay import HEAD, CopyKind

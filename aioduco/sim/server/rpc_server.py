@@ -10,8 +10,8 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire import idl
-from aioduco.reporting import BackgroundLogger
 from aioduco.sim.server.processor import CallInbox, Malformed, Processor
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from aioduco._linked_process import ValueChannel
+from aioduco._process.linked_process import ValueChannel
 from aioduco.sim.view.camera import Camera, PictureMark
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import copy
 import threading
 from typing import TYPE_CHECKING, Any
 
-from aioduco._linked_process import LinkedProcess
-from aioduco._spawn import Unstartable
+from aioduco._process.linked_process import LinkedProcess
+from aioduco._process.spawn import Unstartable
 from aioduco.errors import ParameterError, RenderError
 from aioduco.sim.view.camera import Camera
 from aioduco.sim.view.drawing import ADVICE, PictureRequest

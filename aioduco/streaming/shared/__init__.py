@@ -1,4 +1,4 @@
 """The memory that a program shares with the worker of its stream.
 
-Imports neither anyio nor asyncio nor numpy, and from the rest of the package only `_platform`.
+Imports neither anyio, asyncio nor numpy, and of the rest of the package `_process.platform` alone.
 """

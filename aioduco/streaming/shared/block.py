@@ -15,7 +15,7 @@ from __future__ import annotations
 import mmap
 import struct
 
-from aioduco._platform import has_memory_files
+from aioduco._process.platform import has_memory_files
 from aioduco.streaming.shared.backing import MemoryFile, NamedMemory
 from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.shared.histogram import Histogram

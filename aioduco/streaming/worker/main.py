@@ -21,7 +21,7 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from aioduco._platform import (
+from aioduco._process.platform import (
     boost_main_thread,
     drop_realtime_priority,
     ending_signals,
@@ -31,12 +31,12 @@ from aioduco._platform import (
     set_affinity,
     set_realtime_priority,
 )
+from aioduco._process.scheduling import shorten_slice
 from aioduco._wire import way_out
 from aioduco._wire.connection import Connection
 from aioduco._wire.endpoint import Route
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
-from aioduco.scheduling import shorten_slice
 from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.config import CallDrive, PoolDrive, QueueDrive
 from aioduco.streaming.shared.state import Reason, StreamState

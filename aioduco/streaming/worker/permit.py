@@ -28,7 +28,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
 from aioduco.streaming.shared.state import Reason
 from aioduco.streaming.shared.words import ControlWord, StreamCommand
 

@@ -17,13 +17,13 @@ import subprocess
 import threading
 from typing import TYPE_CHECKING, Final
 
-from aioduco._platform import missing_guard_features
-from aioduco._spawn import Process, Unstartable
+from aioduco._process.platform import missing_guard_features
+from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.spawn import Process, Unstartable
 from aioduco._wire.failures import resource_error
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.nonblocking import send_at_once
 from aioduco.errors import GuardLost
-from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.guard.messages import (
     MAX_PACKET,
     MAX_ROBOTS,

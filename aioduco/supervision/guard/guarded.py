@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
-from aioduco._platform import boot_time
+from aioduco._process.platform import boot_time
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion

@@ -29,14 +29,14 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.lowlevel import checkpoint
 
-from aioduco._platform import handed_socket, set_realtime_priority
+from aioduco._process.platform import handed_socket, set_realtime_priority
+from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.scheduling import shorten_slice
 from aioduco._wire.connection import Connection
 from aioduco._wire.endpoint import Route
 from aioduco._wire.lane import WireLane
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError
-from aioduco.reporting import BackgroundLogger
-from aioduco.scheduling import shorten_slice
 from aioduco.supervision.guard.messages import (
     MAX_PACKET,
     Alive,

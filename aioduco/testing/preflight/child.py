@@ -22,7 +22,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from aioduco._linked_process import ValueChannel
+from aioduco._process.linked_process import ValueChannel
 from aioduco.kinematics import arm as arm_of
 from aioduco.sim.scene import mjcf_of
 from aioduco.sim.simulator import READY, Simulator

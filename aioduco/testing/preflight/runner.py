@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco._linked_process import LinkedProcess
-from aioduco._spawn import Unstartable, is_frozen
+from aioduco._process.linked_process import LinkedProcess
+from aioduco._process.spawn import Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import TIMEOUT

@@ -18,13 +18,13 @@ from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.servo import Servo
 
-BARE = Path(__file__).parent / "bare"
+BARE = Path(__file__).parents[1] / "bare"
 PROGRAM = """
 import os, socket, asyncio, aioduco
-from aioduco import _platform
+from aioduco._process import platform
 from aioduco.sim import Simulator
 
-assert not _platform.limits_sockets() and not _platform.hands_over_by_number()
+assert not platform.limits_sockets() and not platform.hands_over_by_number()
 
 async def main():
     with Simulator.spawn() as sim:

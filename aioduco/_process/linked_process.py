@@ -8,8 +8,8 @@ import struct
 import subprocess
 from typing import TYPE_CHECKING, Any
 
-from aioduco._platform import handed_socket
-from aioduco._spawn import Process
+from aioduco._process.platform import handed_socket
+from aioduco._process.spawn import Process
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,7 +7,7 @@ import sys
 import traceback
 from typing import TYPE_CHECKING, Final
 
-from aioduco._spawn import MARK, children, is_frozen
+from aioduco._process.spawn import MARK, children, is_frozen
 
 if TYPE_CHECKING:
     from collections.abc import Callable

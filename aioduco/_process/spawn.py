@@ -25,7 +25,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._platform import NEW_GROUP, SHARED, hands_over_by_number, has_memory_files
+from aioduco._process.platform import NEW_GROUP, SHARED, hands_over_by_number, has_memory_files
 
 if TYPE_CHECKING:
     import socket
