@@ -39,6 +39,11 @@ from ports import give_each_once  # noqa: E402
 if TYPE_CHECKING:
     from collections.abc import Generator
 
+# The tests start hundreds of programs. Where Python is told to keep no bytecode, each of them would
+# compile all that it imports.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # Threads of NumPy's algebra, which nothing here has a use for, take longer to start and to end than
 # NumPy to load, in each of some hundred processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -66,12 +71,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--thorough",
         action="store_true",
         help="run all cases of all tests, which takes minutes; without it a few of each",
-    )
-    parser.addoption(
-        "--beyond",
-        metavar="FILE",
-        help="leave out what passed in another run, whose --junitxml this is: with --thorough all "
-        "that the quick run leaves to it",
     )
     parser.addoption(
         "--bare-platform",
@@ -140,11 +139,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in items:
             for mark in item.iter_markers("linux"):
                 item.add_marker(pytest.mark.skip(f"this platform lacks: {mark.args[0]}"))
-    if config.getoption("thorough"):
-        file = config.getoption("beyond")
-        kept, left = (items, []) if file is None else quick.beyond(items, Path(file))
-    else:
-        kept, left = quick.divided(items)
+    kept, left = (items, []) if config.getoption("thorough") else quick.divided(items)
     if left:
         config.hook.pytest_deselected(items=left)
     items[:] = quick.slow_first(kept, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))

@@ -9,15 +9,12 @@ longest beginning of its file's path.
 from __future__ import annotations
 
 import os
-import re
 from typing import TYPE_CHECKING, Any, TypeVar
-from xml.etree import ElementTree
 
 from hypothesis import settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-    from pathlib import Path
 
     import pytest
 
@@ -67,30 +64,6 @@ def divided(items: Iterable[pytest.Item]) -> tuple[list[pytest.Item], list[pytes
     return kept, left
 
 
-def beyond(items: Iterable[pytest.Item], run: Path) -> tuple[list[pytest.Item], list[pytest.Item]]:
-    """The items that another run did not try as much as the thorough one does, and the others.
-
-    Properties are tried with more examples, and some tests by themselves do more.
-
-    Args:
-        items: of the thorough run.
-        run: what pytest's `--junitxml` wrote of the other run.
-    """
-    passed = {
-        (case.get("classname"), case.get("name"))
-        for case in ElementTree.parse(run).iter("testcase")
-        if not len(case)
-    }
-    kept: list[pytest.Item] = []
-    left: list[pytest.Item] = []
-    for item in items:
-        path, _, rest = item.nodeid.partition("::")
-        *classes, name = re.split(r"::(?![^\[]*\])", rest)
-        case = (".".join([path.removesuffix(".py").replace("/", "."), *classes]), name)
-        (left if case in passed and not _does_more(item) else kept).append(item)
-    return kept, left
-
-
 def slow_first(items: Iterable[pytest.Item], processes: int = 1) -> list[pytest.Item]:
     """The same items, ordered so that each process begins with tests that take long.
 
@@ -119,13 +92,6 @@ def slow_first(items: Iterable[pytest.Item], processes: int = 1) -> list[pytest.
 def _is_quick(item: pytest.Item) -> bool:
     path = item.nodeid.removeprefix("tests/")
     return item.get_closest_marker("slow") is None and not path.startswith(LONG)
-
-
-def _does_more(item: pytest.Item) -> bool:
-    return bool(
-        getattr(getattr(item, "obj", None), "is_hypothesis_test", False)
-        or {"thorough", "pytestconfig", "seed", "totals"} & {*getattr(item, "fixturenames", ())}
-    )
 
 
 def spread_cases(metafunc: pytest.Metafunc) -> None:

@@ -6,11 +6,10 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from quick import CASES, beyond, divided, examples, slow_first, spread, spread_cases
+from quick import CASES, divided, examples, slow_first, spread, spread_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
 
 def items(
@@ -109,28 +108,3 @@ def test_properties_are_tried_with_all_or_a_few_of_their_examples(thorough: bool
     assert examples(300) == (300 if thorough else 30)
     assert examples(10) == (10 if thorough else 5)
     assert examples(2) == 2
-
-
-def test_what_passed_elsewhere_is_left_out_unless_it_does_more(tmp_path: Path) -> None:
-    run = tmp_path / "run.xml"
-    run.write_text(
-        """<testsuites><testsuite>
-        <testcase classname="tests.sim.test_a" name="test_a[x::y]"/>
-        <testcase classname="tests.sim.test_a" name="test_failed"><failure/></testcase>
-        <testcase classname="tests.sim.test_a.TestOf" name="test_b"/>
-        <testcase classname="tests.sim.test_a" name="test_more"/>
-        <testcase classname="tests.sim.test_a" name="test_property"/>
-        </testsuite></testsuites>""",
-    )
-
-    def item(name: str, **more: Any) -> pytest.Item:
-        return cast("pytest.Item", SimpleNamespace(nodeid=f"tests/sim/test_a.py::{name}", **more))
-
-    done = [item("test_a[x::y]"), item("TestOf::test_b")]
-    again = [
-        item("test_a[x::z]"),
-        item("test_failed"),
-        item("test_more", fixturenames=["seed"]),
-        item("test_property", obj=SimpleNamespace(is_hypothesis_test=True)),
-    ]
-    assert beyond([*done, *again], run) == (again, done)
