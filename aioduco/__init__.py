@@ -16,11 +16,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from aioduco import errors
-from aioduco._version import __version__
 from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lists them
 
 if TYPE_CHECKING:
-    from aioduco import events
     from aioduco._process.frozen import freeze_support
     from aioduco.models.enums import (
         FileKind,
@@ -58,12 +56,15 @@ if TYPE_CHECKING:
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
     from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.supervision import events
     from aioduco.supervision.command import HeldMotion, MotionCommand
     from aioduco.supervision.heartbeat import HeartbeatState
     from aioduco.supervision.motion_path import MotionPath
     from aioduco.supervision.settings import ExitLadder
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.task import OnCancel, Task
+
+__version__ = "0.1.0"
 
 __all__ = [  # noqa: RUF022  # grouped by purpose
     "__version__",
@@ -188,7 +189,7 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 def __getattr__(name: str) -> Any:
     """Load a name on first use: `import aioduco` alone loads neither numpy nor anyio."""
     if name == "events":
-        return importlib.import_module("aioduco.events")
+        return importlib.import_module("aioduco.supervision.events")
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME[name]), name)

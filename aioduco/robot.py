@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco._wire.endpoint import HOST_RULE, is_host
-from aioduco.controller_clock import WallClock
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
+from aioduco.models.controller_clock import WallClock
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.models.trace import ProcedureFinished, emit
 from aioduco.supervision.concurrency import DaemonThread
 from aioduco.supervision.settings import RobotSettings
-from aioduco.trace import ProcedureFinished, emit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -49,9 +49,10 @@ if TYPE_CHECKING:
     from aioduco.api.system import System
     from aioduco.api.track import Track
     from aioduco.api.version import Version
-    from aioduco.controller_clock import Clock
     from aioduco.envelope import Envelope
+    from aioduco.models.controller_clock import Clock
     from aioduco.models.state import RobotStates
+    from aioduco.models.trace import Trace
     from aioduco.recording.publication import Publication
     from aioduco.recording.recorder import Recording, RobotObserver
     from aioduco.streaming.endpoint import StreamEndpoint
@@ -63,7 +64,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel, Task
-    from aioduco.trace import Trace
 
 __all__ = ["Robot", "connect", "stop_all"]
 
@@ -182,7 +182,7 @@ def connect(
         state_rate: samples of the state per second, once `robot.feed` is used, up to 1000 [Hz].
         lag_limit: seconds for which the event loop may be blocked before a warning names the
             blocking line; None for no warnings.
-        trace: a hook that is called for each call and each connection, see `aioduco.trace`.
+        trace: a hook that is called for each call and each connection, see `aioduco.models.trace`.
         record: a file, such as "run.mcap", to which the robot is recorded from its opening to its
             closing; `Robot.recording` is that recording. An existing file is kept: a number is
             added to the name. None for no recording; `Robot.record` makes one at any time.

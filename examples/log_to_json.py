@@ -21,7 +21,7 @@ import anyio
 
 import aioduco
 from aioduco import Joints
-from aioduco.trace import CallFinished, TraceEvent
+from aioduco.models.trace import CallFinished, TraceEvent
 
 HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 

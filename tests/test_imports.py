@@ -64,8 +64,8 @@ def test_a_name_is_what_type_checkers_were_told(name: str) -> None:
     if name == "__version__":
         assert name not in told
     elif name == "events":
-        assert told[name] == "aioduco"
-        assert run("import aioduco; print(aioduco.events.__name__)") == "aioduco.events"
+        assert told[name] == "aioduco.supervision"
+        assert run("import aioduco; print(aioduco.events.__name__)") == f"{told[name]}.events"
     else:
         assert aioduco._HOME[name] == told[name]
         assert getattr(aioduco, name) is vars(sys.modules[told[name]])[name]
@@ -113,11 +113,11 @@ LIBRARIES = {"aioduco", "anyio", "exceptiongroup", "idna", "sniffio", "typing_ex
 NEEDLESS = {"email", "http", "multiprocessing", "pickle", "tempfile", "tomllib", "urllib.request"}
 #: of this package, what nobody waits for: a name stands for all that is below it, too
 FOR_ALL = {
-    *("aioduco.errors", "aioduco._process.reporting", "aioduco.trace", "aioduco._process.platform"),
-    *("aioduco._version", "aioduco._wire"),
+    *("aioduco._process.platform", "aioduco._process.reporting", "aioduco._wire"),
+    *("aioduco.errors", "aioduco.models.trace"),
 }
 TO_CONNECT = FOR_ALL | {
-    *("aioduco._process.spawn", "aioduco.controller_clock", "aioduco.envelope", "aioduco.models"),
+    *("aioduco._process.spawn", "aioduco.envelope", "aioduco.models"),
     *("aioduco.robot", "aioduco.supervision"),
 }
 TO_STOP = FOR_ALL | {

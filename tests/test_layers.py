@@ -15,16 +15,16 @@ import pytest
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 BASE = {
+    "__version__",
     "_process.linked_process",
     "_process.platform",
     "_process.spawn",
-    "_version",
-    "controller_clock",
+    "models.controller_clock",
     "errors",
     "_process.reporting",
     "_wire.rpc",
     "_process.scheduling",
-    "trace",
+    "models.trace",
 }
 CLIENT = BASE | {
     *("models", "kinematics", "envelope", "_wire", "supervision", "api", "streaming"),
@@ -33,24 +33,24 @@ CLIENT = BASE | {
 #: by part, the parts that it may import; itself always. A part is a folder or module with all that
 #: is below it, but for what is a part of its own.
 MAY_IMPORT: dict[str, set[str]] = {
+    "__version__": set(),
     "_process": set(),
     "_process.platform": set(),
     "_process.spawn": {"_process.platform"},
     "_process.linked_process": {"_process.platform", "_process.spawn"},
-    "_version": set(),
-    "controller_clock": set(),
+    "models.controller_clock": set(),
     "errors": set(),
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
     "_process.scheduling": set(),
     "_process.reporting": set(),
-    "trace": {"_process.reporting"},
+    "models.trace": {"_process.reporting"},
     "models": {"errors", "_wire.rpc"},
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
     # limits and their check: pure, and without numpy where the worker of a stream imports it
     "envelope": {"errors", "models", "kinematics"},
-    "_wire": {"_process.platform", "errors", "_process.reporting", "_wire.rpc", "trace"},
+    "_wire": {"_process.platform", "errors", "_process.reporting", "_wire.rpc", "models.trace"},
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
@@ -59,17 +59,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
-    "status_port": {"errors", "models"},
+    "api.status_port": {"errors", "models"},
     "recording": CLIENT,
     "robot": CLIENT | {"recording"},
     # moves a robot by its public interface
     "recording.playback": CLIENT | {"recording", "robot"},
     # lead a robot by its public interface
     "devices.teleoperation": CLIENT | {"robot"},
-    "events": {"supervision"},
     # the mains of all processes, each imported in its own process alone
     "_process.frozen": CLIENT | {"planning", "sim", "recording.tap"},
-    "__init__": CLIENT | {"robot", "events", "_process.frozen", "recording"},
+    "__init__": CLIENT | {"robot", "_process.frozen", "recording"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim", "kinematics", "recording"},
@@ -83,18 +82,18 @@ MAY_IMPORT: dict[str, set[str]] = {
     "testing.preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
     "integrations.panel": {
-        *("errors", "kinematics", "envelope", "events", "__init__", "planning"),
+        *("errors", "kinematics", "envelope", "__init__", "planning"),
         "recording.playback",
     },
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
-        *("errors", "kinematics", "descriptions", "events", "trace", "__init__", "models", "sim"),
+        *("errors", "kinematics", "descriptions", "models.trace", "__init__", "models", "sim"),
         "sync",
     },
     # gateways use robots as a program does
-    "integrations.fleet": {"errors", "events", "_process.reporting", "robot", "__init__"},
+    "integrations.fleet": {"errors", "_process.reporting", "robot", "__init__"},
     # where a camera is and what it sees; simulated ones draw by the simulator
-    "devices.cameras": {"errors", "models", "controller_clock", "sim"},
+    "devices.cameras": {"errors", "models", "models.controller_clock", "sim"},
     "testing.pytest_plugin": CLIENT
     | {"robot", "__init__", "sim", "sync", "testing", "testing.preflight"},
     "cli": CLIENT
@@ -333,7 +332,7 @@ def test_parts_import_only_what_is_below_them() -> None:
     assert wrong == []
 
 
-@pytest.mark.parametrize("name", sorted(BASE - {"_wire.rpc", "_version"}))
+@pytest.mark.parametrize("name", sorted(BASE - {"_wire.rpc", "__version__"}))
 def test_what_is_imported_of_the_base_is_in_its_list_of_names(name: str) -> None:
     module = importlib.import_module(f"aioduco.{name}")
     listed = {*module.__all__, "*"}

@@ -23,13 +23,13 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.pool import PoolThread, ThreadCalls
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
-from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit, tell
+from aioduco.models.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.endpoint import Address, Route
-    from aioduco.trace import Trace
+    from aioduco.models.trace import Trace
 
 _CLOSED: Final = "its lane was closed"
 

@@ -1,1 +1,1 @@
-"""The sections of the manual: the functions that a program calls."""
+"""The sections of the manual: the functions that a program calls; and the status port."""

@@ -16,24 +16,24 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 
+from aioduco import __version__
 from aioduco._process.reporting import BackgroundLogger
-from aioduco._version import __version__
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
 from aioduco.models.samples import pose
+from aioduco.models.trace import CallFinished
 from aioduco.recording.writer import MessageWriter, RecordingWriter
 from aioduco.streaming.session import Session
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
-from aioduco.trace import CallFinished
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
+    from aioduco.models.trace import TraceEvent
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task import Task
-    from aioduco.trace import TraceEvent
 
 __all__ = ["Recording", "RecordingStatistics", "RobotObserver"]
 

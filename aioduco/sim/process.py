@@ -10,7 +10,7 @@ import anyio.to_thread
 
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
-from aioduco.controller_clock import ScaledClock
+from aioduco.models.controller_clock import ScaledClock
 
 if TYPE_CHECKING:
     import subprocess

@@ -70,7 +70,7 @@ _NO_EFFORT_LIMIT: tuple[float, ...] = (math.inf,) * 6
 
 
 class SimulatedClock:
-    """Simulated time as `aioduco.controller_clock.Clock`: it can be held.
+    """Simulated time as `aioduco.models.controller_clock.Clock`: it can be held.
 
     Args:
         runtime: the simulation whose time it gives.

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.controller_clock import release_nothing
 from aioduco.envelope.checker import STOPPING, EnvelopeChecker
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import DucoError, EnvelopeViolated
+from aioduco.models.controller_clock import release_nothing
 from aioduco.models.samples import pose as pose_of
 from aioduco.supervision.events import EnvelopeLeft
 from aioduco.supervision.gate import PermitEnding

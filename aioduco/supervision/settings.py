@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
-from aioduco.controller_clock import Clock
 from aioduco.errors import ParameterError
+from aioduco.models.controller_clock import Clock
 from aioduco.models.ranges import STATE_RATE, TIMEOUT
 from aioduco.models.rules import Integer, Number
 from aioduco.supervision.task import OnCancel
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from os import PathLike
 
-    from aioduco.trace import Trace
+    from aioduco.models.trace import Trace
 
 __all__ = ["ExitLadder", "GuardKind", "RobotSettings"]
 

@@ -61,12 +61,12 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco._wire.lane import LaneStatistics
+    from aioduco.models.trace import Trace
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.guard.guarded import GuardClient
     from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
-    from aioduco.trace import Trace
 
 __all__ = ["Supervisor", "SupervisorStatistics"]
 

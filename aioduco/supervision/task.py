@@ -22,7 +22,7 @@ from aioduco.supervision.task_state import TaskLifecycle, added_entries
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Sequence
 
-    from aioduco.controller_clock import Clock
+    from aioduco.models.controller_clock import Clock
     from aioduco.supervision.task_command import Command
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
 

@@ -38,17 +38,17 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.models.trace import tell
 from aioduco.supervision.concurrency import GRID, Alarm, on_grid
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import STOOD, added_entries
-from aioduco.trace import tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco._wire.lane import WireLane
-    from aioduco.controller_clock import Clock
+    from aioduco.models.controller_clock import Clock
     from aioduco.supervision.concurrency import BackgroundTasks
 
 _log = BackgroundLogger(__name__)

@@ -46,13 +46,13 @@ if TYPE_CHECKING:
     from aioduco.api.system import System as AioSystem
     from aioduco.api.track import Track as AioTrack
     from aioduco.api.version import RobotType, Version as AioVersion
-    from aioduco.controller_clock import Clock
     from aioduco.devices.teleoperation.devices import InputDevice
     from aioduco.devices.teleoperation.reading import Reading
     from aioduco.devices.teleoperation.scale import TeleopScale
     from aioduco.devices.teleoperation.teleop_loop import TeleopReport
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
+    from aioduco.models.controller_clock import Clock
     from aioduco.models.enums import FileKind, OperationMode, Outcome, OutputMode, TaskState
     from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
     from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from aioduco.models.realtime import RealtimeMode, RealtimePoint
     from aioduco.models.rules import BytesLike, FlagsLike, Real, VectorLike, Whole, WholesLike
     from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
+    from aioduco.models.trace import Trace
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
     from aioduco.recording.playback.path_check import PathFinding
@@ -85,7 +86,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel
-    from aioduco.trace import Trace
 
 
 class _Section(ManualNames, Blocking):
@@ -6334,7 +6334,7 @@ def connect(
         lag_limit: seconds for which the robot's thread may be blocked before a warning names the
             blocking line; None for no warnings.
         trace: a hook that is called on the robot's threads for each call and each connection, see
-            `aioduco.trace`.
+            `aioduco.models.trace`.
         record: a file, such as "run.mcap", to which the robot is recorded from its opening to its
             closing; `Robot.recording` is that recording. An existing file is kept: a number is
             added to the name. None for no recording; `Robot.record` makes one at any time.

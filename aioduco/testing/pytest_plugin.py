@@ -47,7 +47,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Iterator, Mapping
 
-    from aioduco.controller_clock import Clock
+    from aioduco.models.controller_clock import Clock
     from aioduco.robot import Robot
     from aioduco.sim import Simulator
     from aioduco.supervision.state_feed import Snapshot

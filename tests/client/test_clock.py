@@ -10,7 +10,7 @@ import pytest
 import aioduco
 import aioduco.sync
 from aioduco import Jog, Outcome
-from aioduco.controller_clock import Clock, ScaledClock, WallClock
+from aioduco.models.controller_clock import Clock, ScaledClock, WallClock
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 

@@ -12,7 +12,7 @@ import pytest
 
 import aioduco
 import aioduco.sync
-from aioduco.controller_clock import WallClock
+from aioduco.models.controller_clock import WallClock
 from aioduco.supervision.settings import RobotSettings
 
 FIELDS: dict[str, Field[Any]] = {each.name: each for each in fields(RobotSettings)}

@@ -12,13 +12,13 @@ import pytest
 import aioduco
 import aioduco.sync
 from aioduco import ParameterError, Tolerances, WorkerOptions
+from aioduco.api.status_port import StatusPort
 from aioduco.compat import DucoCobot
 from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
 from aioduco.devices.teleoperation import JointTarget
 from aioduco.integrations.fleet import FleetClient, FleetSettings
 from aioduco.sim import Simulator
-from aioduco.status_port import StatusPort
 from aioduco.streaming.doctor import examine
 from aioduco.streaming.ticks import Ticks
 from aioduco.supervision.settings import ExitLadder

@@ -31,17 +31,17 @@ from aioduco.envelope import (
     ToolSpeed,
     Zone,
 )
+from aioduco.models.trace import CallFinished
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-from aioduco.trace import CallFinished
 
 from .trials import ARM, CYCLE, LAG, Seen, least, watched
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
+    from aioduco.models.trace import TraceEvent
     from aioduco.supervision.command import MotionCommand
-    from aioduco.trace import TraceEvent
 
 START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 #: the tool at START

@@ -21,9 +21,9 @@ from aioduco import (
     WorkerOptions,
 )
 from aioduco.envelope import Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
-from aioduco.events import EnvelopeLeft
 from aioduco.sim import Simulator
 from aioduco.streaming.shared.state import Reason
+from aioduco.supervision.events import EnvelopeLeft
 from aioduco.testing import eventually_async
 
 from .trials import ARM, LAG, Seen, least, watched
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
     from aioduco.envelope import Action
-    from aioduco.events import Event
     from aioduco.streaming.stream import Stream
+    from aioduco.supervision.events import Event
     from aioduco.supervision.state_feed import Subscription
 
 START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from aioduco.api.status_port import StatusPort
 from aioduco.errors import ConnectError, ConnectionLost, ProtocolError
 from aioduco.models import status_frame
 from aioduco.models.status_frame import FRAME_SIZE, StatusFrame
 from aioduco.sim import Simulator
 from aioduco.sim.server.status_server import StatusServer as Pusher
-from aioduco.status_port import StatusPort
 from aioduco.testing import eventually
 
 from .conftest import Program, Wire

@@ -67,7 +67,6 @@ USED = {
     "aioduco",
     "aioduco._process",
     "aioduco._process.platform",
-    "aioduco._version",
     "aioduco._wire",
     "aioduco.errors",
     "aioduco._process.scheduling",

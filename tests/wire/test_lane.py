@@ -20,8 +20,8 @@ from aioduco.errors import (
     OutcomeUnknown,
     ParameterError,
 )
+from aioduco.models.trace import CallFinished, ConnectionEnded, ConnectionOpened, TraceEvent
 from aioduco.testing import eventually_async, no_leaks
-from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, TraceEvent
 
 from .lanes import SHORT, Gate, opened
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from aioduco.cli.demo.session import Found
     from aioduco.cli.demo.stage import Look
-    from aioduco.controller_clock import Clock
     from aioduco.kinematics import Arm
+    from aioduco.models.controller_clock import Clock
 
 __all__ = ["run", "run_planned"]
 

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from aioduco.controller_clock import WallClock
 from aioduco.devices.cameras.camera import CameraFrame
 from aioduco.errors import CameraError
+from aioduco.models.controller_clock import WallClock
 
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from aioduco.controller_clock import Clock
     from aioduco.devices.cameras.camera import Intrinsics
+    from aioduco.models.controller_clock import Clock
 
 __all__ = ["OpenCvCamera"]
 

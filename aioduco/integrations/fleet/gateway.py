@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Final
 import anyio
 import anyio.abc
 
+from aioduco import events
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopsUnconfirmed
-from aioduco.events import ConnectionBack, ConnectionGone
 from aioduco.integrations.fleet.gateway_state import GatewayState
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.reports import ArmReport
@@ -141,11 +141,11 @@ class FleetGateway:
                     self._state.sampled(name, report, sample.received_at)
 
     async def _follow_events(self, name: str, robot: Robot) -> None:
-        with robot.events.subscribe() as events:
-            async for event in events:
-                if isinstance(event, ConnectionGone):
+        with robot.events.subscribe() as subscribed:
+            async for event in subscribed:
+                if isinstance(event, events.ConnectionGone):
                     self._state.connection_lost(name, event.reason)
-                elif isinstance(event, ConnectionBack):
+                elif isinstance(event, events.ConnectionBack):
                     self._state.connection_restored(name)
 
     async def _publish_reports(self) -> None:

@@ -12,9 +12,8 @@ import anyio
 from opentelemetry import metrics, trace
 from opentelemetry.trace import SpanKind, StatusCode
 
-from aioduco import RobotStateError, TaskState
-from aioduco.events import ConnectionBack, LoopBlocked
-from aioduco.trace import CallFinished, ConnectionOpened, ProcedureFinished
+from aioduco import RobotStateError, TaskState, events
+from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection, Iterable
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from opentelemetry.trace import Span, TracerProvider
 
     from aioduco import Robot, StreamStatistics
-    from aioduco.trace import TraceEvent
+    from aioduco.models.trace import TraceEvent
 
 __all__ = ["Telemetry"]
 
@@ -138,11 +137,11 @@ class Telemetry:
             self._settle(motion, time.monotonic(), "unknown")
 
     async def _follow(self, robot: Robot) -> None:
-        with contextlib.suppress(RobotStateError), robot.events.subscribe() as events:
-            async for event in events:
-                if isinstance(event, LoopBlocked):
+        with contextlib.suppress(RobotStateError), robot.events.subscribe() as subscribed:
+            async for event in subscribed:
+                if isinstance(event, events.LoopBlocked):
                     self._stalls.record(event.seconds, self._named())
-                elif isinstance(event, ConnectionBack):
+                elif isinstance(event, events.ConnectionBack):
                     self._reconnects.add(1, self._named())
 
     def _longest_gap(self, _: CallbackOptions) -> Iterable[Observation]:

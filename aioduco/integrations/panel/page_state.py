@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco import Snapshot
-    from aioduco.events import Event
 
 __all__ = ["alarm_text", "event_severity", "history_point", "page_sample"]
 
@@ -78,7 +77,7 @@ def alarm_text(sample: Snapshot | None, silent_after: float, age: float) -> str:
     return ""
 
 
-def event_severity(event: Event) -> str:
+def event_severity(event: events.Event) -> str:
     """Severity of an event: "alarm", "warning" or "info"."""
     if isinstance(event, _ALARMS):
         return "alarm"

@@ -16,16 +16,16 @@ from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanE
 from opentelemetry.trace import StatusCode
 
 import aioduco
-from aioduco.events import ConnectionBack, LoopBlocked
 from aioduco.integrations.otel import Telemetry
-from aioduco.testing import eventually_async
-from aioduco.trace import (
+from aioduco.models.trace import (
     CallFinished,
     ConnectionEnded,
     ConnectionOpened,
     ProcedureFinished,
     TraceEvent,
 )
+from aioduco.supervision.events import ConnectionBack, LoopBlocked
+from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
     from opentelemetry.sdk.trace import ReadableSpan
