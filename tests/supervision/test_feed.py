@@ -22,9 +22,10 @@ from aioduco.supervision.state_feed import Buffer, Policy
 from aioduco.testing import DropReply, FaultProxy, eventually_async
 
 if TYPE_CHECKING:
+    from client.bench import Bench
+
     from aioduco.supervision.events import Event
     from aioduco.supervision.state_feed import Subscription
-    from client.bench import Bench
 
 ACTIONS = st.lists(st.booleans(), max_size=60)
 

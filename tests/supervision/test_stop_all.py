@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from client.bench import HOME, Bench
 
 import aioduco
 from aioduco.testing import eventually
-from client.bench import HOME, Bench
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

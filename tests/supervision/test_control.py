@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
+from client.bench import HOME
 
 import aioduco
 from aioduco import Outcome
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco.supervision import stop_channel
 from aioduco.testing import Cut, DropReply, FaultProxy, HalfOpen, Place, eventually_async
-from client.bench import HOME
 
 if TYPE_CHECKING:
     from client.bench import Bench

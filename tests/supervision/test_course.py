@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hypothesis.strategies as st
 import pytest
+from client.bench import HOME, POSE, Bench
 from hypothesis import given
 
 import aioduco
@@ -11,7 +12,6 @@ from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
 from aioduco.supervision.task_state import JointEta
 from aioduco.testing import eventually_async
-from client.bench import HOME, POSE, Bench
 
 START = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 COURSE = JointEta((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 import pytest
+from client.bench import HOME
 
 import aioduco
 from aioduco import HeartbeatState
@@ -32,14 +33,14 @@ from aioduco.supervision.guard.messages import (
     unpack,
 )
 from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
-from client.bench import HOME
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from client.bench import Bench
+
     from aioduco.supervision.guard.client import GuardLink
     from aioduco.supervision.guard.guarded import GuardClient
-    from client.bench import Bench
 
 pytestmark = pytest.mark.linux("the guard's process")
 

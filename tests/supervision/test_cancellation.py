@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Literal
 
 import anyio
 import pytest
+from client.bench import HOME
 from moments import cancelled_once
 
 import aioduco
 from aioduco import Outcome
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 from aioduco.testing.cancel import cancel_at
-from client.bench import HOME
 
 if TYPE_CHECKING:
     from collections.abc import Callable

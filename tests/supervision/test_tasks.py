@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from client.bench import HOME, POSE
 
 import aioduco
 from aioduco import Outcome, TaskState
 from aioduco.supervision.task_state import added_entries
 from aioduco.testing import eventually_async
-from client.bench import HOME, POSE
 
 if TYPE_CHECKING:
     from client.bench import Bench

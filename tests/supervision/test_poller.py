@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from client.bench import HOME, POSE
 
 import aioduco
 from aioduco import Outcome
 from aioduco.supervision import task_follower as poller
 from aioduco.supervision.task_follower import FAST, STEADY
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
-from client.bench import HOME, POSE
 
 if TYPE_CHECKING:
     from collections.abc import Callable

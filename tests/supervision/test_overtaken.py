@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from client.bench import HOME
 
 from aioduco import RealtimeMode
 from aioduco.errors import TaskStopped
 from aioduco.testing import eventually_async
-from client.bench import HOME
 
 if TYPE_CHECKING:
-    import aioduco
     from client.bench import Bench
+
+    import aioduco
 
 
 class Mode:

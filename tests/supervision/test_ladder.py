@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from client.bench import HOME
 from moments import cancelled_once
 
 import aioduco
 from aioduco.errors import ParameterError
 from aioduco.testing import FaultProxy, eventually_async
 from aioduco.testing.cancel import cancel_at
-from client.bench import HOME
 
 if TYPE_CHECKING:
     from typing import Literal

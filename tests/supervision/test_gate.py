@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
+from client.bench import HOME, POSE, Bench
 
 import aioduco
 import aioduco.sync
@@ -15,7 +16,6 @@ from aioduco.envelope import Envelope, Zone
 from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
 from aioduco.supervision.gate import STANDING, Gate, PermitEnding
 from aioduco.testing import eventually_async
-from client.bench import HOME, POSE, Bench
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

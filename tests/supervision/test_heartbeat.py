@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from client.bench import HOME
 
 import aioduco
 from aioduco import HeartbeatState
@@ -20,7 +21,6 @@ from aioduco._wire.connection import Connection
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
-from client.bench import HOME
 
 if TYPE_CHECKING:
     from client.bench import Bench
