@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 
-from aioduco import __version__
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
@@ -283,6 +282,8 @@ class RobotObserver:
         return " ".join(filter(None, told[:3]))
 
     def _metadata(self) -> dict[str, str]:
+        from aioduco import __version__  # noqa: PLC0415  # the package imports this for types
+
         wall, monotonic = time.time_ns(), time.monotonic_ns()
         return {
             "library": f"aioduco {__version__}",
