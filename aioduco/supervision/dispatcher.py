@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from aioduco.supervision.task_command import Aim
 
 
-#: seconds between two checks whether the claim on the arm can be dropped
-_CLAIM_EVERY = 0.1
+#: seconds between two checks whether the program may still be moving the arm
+_REST_EVERY = 0.1
 
 
 class Dispatcher:
@@ -83,17 +83,17 @@ class Dispatcher:
             async with self._order:
                 return
 
-    async def drop_claim_at_rest(self) -> None:
-        """Drop the claim on the arm whenever it stands and nothing that was started still runs."""
+    async def note_rest(self) -> None:
+        """Note whenever the arm stands and nothing that the program started still runs."""
         coordinator = self._coordinator
-        async for _ in every(_CLAIM_EVERY):
-            # No await between the last check for commands on their way, and `drop`.
-            if not coordinator.claim.made or coordinator.busy:
+        async for _ in every(_REST_EVERY):
+            # No await between the last check for commands on their way, and `at_rest`.
+            if not coordinator.life.moves or coordinator.busy:
                 continue
             stands = await coordinator.stands()
             self._gate.seen(boot_time(), standing=stands)
             if stands and not coordinator.moving and not self._order.statistics().locked:
-                coordinator.claim.drop()
+                coordinator.life.at_rest()
 
     async def admit_stream(self, name: str) -> Permit:
         """Check that a stream of set-points may begin.
@@ -339,13 +339,13 @@ class Dispatcher:
         return self._permits.ask(command.name)
 
     def _admit(self, command: Command, permit: Permit) -> None:
-        """Check a command once more, after what was awaited; claim the arm for a motion."""
+        """Check a command once more, after what was awaited, and note that a motion is sent."""
         if not command.motion:
             self._gate.ask(command.name, boot_time(), moves=False)
             return
         self._refuse_beside_stream(command.name)
         self._permits.check(permit)
-        self._coordinator.claim.make(command.name)
+        self._coordinator.life.will_move(command.name)
 
     def _refuse_beside_stream(self, name: str) -> None:
         for stream in self._coordinator.streams:

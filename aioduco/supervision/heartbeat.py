@@ -31,7 +31,7 @@ import math
 import threading
 import time
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Heartbeat",
-    "HeartbeatLike",
     "HeartbeatMachine",
     "HeartbeatState",
     "HeartbeatStatistics",
@@ -186,53 +185,6 @@ class HeartbeatStatistics(NamedTuple):
     losses: int
     stalls: int
     longest_gap: float
-
-
-class HeartbeatLike(Protocol):
-    """Interface of a heartbeat that the supervisor uses: this program's, or its guard's."""
-
-    @property
-    def state(self) -> HeartbeatState:
-        """State of the heartbeat."""
-        ...
-
-    @property
-    def answered(self) -> bool:
-        """Whether a beat was answered, and no later one was lost."""
-        ...
-
-    @property
-    def lapsed(self) -> bool:
-        """Whether no beat was sent for so long that the controller has stopped the arm by itself.
-
-        Any movement of the arm after that is a new motion, not one from before.
-        """
-        ...
-
-    @property
-    def error(self) -> DucoError | None:
-        """Why the last beat was not answered; None if it was."""
-        ...
-
-    def start(self) -> None:
-        """Start to send beats."""
-        ...
-
-    def statistics(self) -> HeartbeatStatistics:
-        """Return statistics since the heartbeat began."""
-        ...
-
-    def rearm(self) -> None:
-        """Resume the beats after a stall of the event loop."""
-        ...
-
-    def end(self) -> None:
-        """Stop sending beats."""
-        ...
-
-    def join(self, timeout: float) -> bool:
-        """Wait until its thread has ended. Returns whether it ended."""
-        ...
 
 
 class Heartbeat:

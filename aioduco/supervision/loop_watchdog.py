@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
+from aioduco.errors import GuardLost
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,12 +34,20 @@ _DEPTH = 12
 class SignOfLife:
     """When the event loop last ran, and whether its program moves the arm.
 
-    Written by the loop, read by any thread.
+    Written by the loop, read by any thread. The heartbeat's thread, and the guard, stop the arm of
+    a program that hangs or has exited. If a program dies that only observed the arm, they must not
+    stop the motions of another program: so each program says so before it sends anything that may
+    move the arm, and when the arm was seen to stand and nothing that it started still runs.
+
+    Args:
+        passed_on: passes the stamp, and whether the program may be moving the arm, on to the guard.
+            It returns whether that was possible. None: no guard.
     """
 
-    __slots__ = ("longest_stall", "moves", "ran", "stamp")
+    __slots__ = ("_passed_on", "longest_stall", "moves", "ran", "stamp")
 
-    def __init__(self) -> None:
+    def __init__(self, passed_on: Callable[[float, bool], bool] | None = None) -> None:
+        self._passed_on = passed_on
         #: when the loop last ran [s of `time.monotonic`]
         self.ran: float = time.monotonic()
         #: the last sign of life that counts [s of `boot_time`]: after a hang, none does until the
@@ -60,11 +69,34 @@ class SignOfLife:
         if counts:
             self.stamp = boot_time()
         self.longest_stall = max(self.longest_stall, self.ran - due)
+        self._pass_on()
 
-    def set_moves(self, moves: bool) -> bool:
-        """Set whether the program may move the arm from now on. Returns whether that worked."""
-        self.moves = moves
-        return True
+    def will_move(self, name: str) -> None:
+        """Note that the program may move the arm, before a command is sent that may do so.
+
+        It is passed on each time, because the guard may be a new one.
+
+        Args:
+            name: name of the command.
+
+        Raises:
+            GuardLost: no guard would stop the arm for the program; the command must not be sent.
+        """
+        self.moves = True
+        if not self._pass_on():
+            raise GuardLost(
+                f"{name} was not sent: the guard is gone or does not read, and would not stop the "
+                "arm if this program died. If it is gone, another guard is being started: try "
+                "again, or connect without a guard"
+            )
+
+    def at_rest(self) -> None:
+        """Note that the arm stands, and that nothing that this program started still runs."""
+        self.moves = False
+        self._pass_on()
+
+    def _pass_on(self) -> bool:
+        return self._passed_on is None or self._passed_on(self.stamp, self.moves)
 
 
 class WatchedLoop:

@@ -1,4 +1,4 @@
-"""Modes and streams, which may move the arm besides its tasks, and the claim that the guard gets.
+"""Modes and streams, which may move the arm besides its tasks.
 
 There are two kinds of modes, and the function `stop` ends neither. In hand guiding and in realtime
 mode the arm yields or follows: these modes count as motion, and are left along with a stop. Force
@@ -8,11 +8,6 @@ robot is closed, while the arm stands (manual 1.3.10).
 A stop leaves points in the track pool, and the next motion through it would follow them first
 (manual 1.3.12). So points of this program are treated like a mode that a stop ends, by emptying the
 pool; they move nothing by themselves.
-
-The guard, and the heartbeat's thread, stop the arm of a program that has exited or hangs. If a
-program dies that only observed the arm, they must not stop the motions of another program. So a
-program makes a claim before it sends anything that may move the arm, and drops the claim when the
-arm was seen to stand and nothing that the program started still runs.
 
 Guarantees:
 - `Streams.halt` is synchronous and waits for nothing. After it, a stream sends at most the
@@ -30,7 +25,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import anyio
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import ControllerError, DucoError, GuardLost, Refused, RobotStateError
+from aioduco.errors import ControllerError, DucoError, Refused, RobotStateError
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
@@ -39,7 +34,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
-__all__ = ["TRACK_POOL", "Claim", "ModeEnding", "Modes", "OpenStream", "Streams"]
+__all__ = ["TRACK_POOL", "ModeEnding", "Modes", "OpenStream", "Streams"]
 
 _log = BackgroundLogger(__name__)
 
@@ -314,46 +309,3 @@ class Streams:
             if due > start + timeout:
                 return
             time.sleep(max(0.0, due - time.monotonic()))
-
-
-class Claim:
-    """Reports to the guard and the heartbeat whether this program may be moving the arm.
-
-    Args:
-        set_moves: sends whether the program may move the arm, before it returns; it returns whether
-            that was possible.
-
-    Attributes:
-        made: whether the program may be moving the arm.
-    """
-
-    def __init__(self, set_moves: Callable[[bool], bool]) -> None:
-        self._set_moves = set_moves
-        self.made: bool = False
-
-    def __repr__(self) -> str:
-        return f"<Claim {'made' if self.made else 'not made'}>"
-
-    def make(self, name: str) -> None:
-        """Claim the arm, before a command is sent that may move it.
-
-        The claim is sent each time, because the guard may be a new one.
-
-        Args:
-            name: name of the command.
-
-        Raises:
-            GuardLost: no guard would stop the arm for the program; the command must not be sent.
-        """
-        self.made = True
-        if not self._set_moves(True):
-            raise GuardLost(
-                f"{name} was not sent: the guard is gone or does not read, and would not stop the "
-                "arm if this program died. If it is gone, another guard is being started: try "
-                "again, or connect without a guard"
-            )
-
-    def drop(self) -> None:
-        """Drop the claim: the arm stands, and nothing that this program started still runs."""
-        self.made = False
-        self._set_moves(False)

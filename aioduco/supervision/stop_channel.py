@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
+    from aioduco.supervision.guard.guarded import GuardClient
 
 #: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
 FIRST_ATTEMPT = 0.25
@@ -71,6 +72,7 @@ class StopChannel:
         stop: lane for stops alone.
         others: lane for pause, resume and abort.
         watch: lane for polls whether the arm moves.
+        guard: sends each stop first; None: there is none.
 
     Attributes:
         others: lane for pause, resume and abort.
@@ -78,8 +80,11 @@ class StopChannel:
         attempts: number of stops that were sent, repeats included.
     """
 
-    def __init__(self, stop: WireLane, others: WireLane, watch: WireLane) -> None:
+    def __init__(
+        self, stop: WireLane, others: WireLane, watch: WireLane, guard: GuardClient | None = None
+    ) -> None:
         self._stop = stop
+        self._guard = guard
         self.others: WireLane = others
         self._watch = watch
         self.stops: int = 0
@@ -102,9 +107,10 @@ class StopChannel:
             WrongProcess: this is a forked child; nothing was sent.
         """
         self._stop.owner_loop.require("stop")
-        begun = _BegunStop(time.monotonic(), self._ask_guard(timeout))
+        at = time.monotonic()
+        begun = _BegunStop(at, None if self._guard is None else self._guard.begin_stop(timeout))
+        self.attempts += 1
         if begun.by_guard is None:
-            self.attempts += 1
             try:
                 begun.call = self._send(self._stop, min(FIRST_ATTEMPT, timeout))
             except (DucoError, MemoryError) as exc:
@@ -130,7 +136,7 @@ class StopChannel:
         self._begun = None
         until = begun.at + timeout
         if begun.by_guard is not None and await begun.by_guard():
-            self.stops += 1
+            self._accepted_by_guard(begun.at)
             return
         call, error = begun.call, begun.error
         budget = FIRST_ATTEMPT
@@ -174,10 +180,13 @@ class StopChannel:
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
-        until = time.monotonic() + timeout
-        if self._by_guard_now(timeout):
-            self.stops += 1
-            return
+        begin = time.monotonic()
+        until = begin + timeout
+        if self._guard is not None and (accepted := self._guard.stop_now(timeout)) is not None:
+            self.attempts += 1
+            if accepted:
+                self._accepted_by_guard(begin)
+                return
         error: BaseException | None = None
         while (left := until - time.monotonic()) > 0:
             self.attempts += 1
@@ -193,13 +202,10 @@ class StopChannel:
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
 
-    def _ask_guard(self, timeout: float) -> ByGuard | None:  # noqa: ARG002  # no guard here
-        """Send a stop by the guard, if there is a guard."""
-        return None
-
-    def _by_guard_now(self, timeout: float) -> bool:  # noqa: ARG002  # no guard here
-        """Send a stop by the guard, if there is one. Returns whether the controller accepted it."""
-        return False
+    def _accepted_by_guard(self, begin: float) -> None:
+        """Note a stop that the guard sent, and report it to the observers of the lane."""
+        self.stops += 1
+        self._stop.report("stop", (False,), None, None, begin)
 
     async def moving(self, timeout: float = _ASK_LIMIT) -> bool:
         """Whether the arm moves.

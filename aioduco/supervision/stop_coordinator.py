@@ -47,8 +47,8 @@ if TYPE_CHECKING:
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.gate import Gate, Permit
-    from aioduco.supervision.heartbeat import HeartbeatLike
-    from aioduco.supervision.motion_sources import Claim, ModeEnding
+    from aioduco.supervision.loop_watchdog import SignOfLife
+    from aioduco.supervision.motion_sources import ModeEnding
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_channel import StopChannel
@@ -84,8 +84,8 @@ class StopCoordinator:
         poll: lane on which tasks are polled.
         background: runs coroutines that no caller waits for.
         settings: times and limits.
-        claim: made before anything is sent that may move the arm.
-        heartbeat: without its beats, the controller stops the arm by itself; None for no heartbeat.
+        life: notes that the program may move the arm, before anything is sent that may do so.
+        beats_lapsed: whether the controller has stopped the arm by itself, for want of beats.
         permits: given by the gate, which is closed while the arm is brought to rest.
 
     Attributes:
@@ -106,17 +106,17 @@ class StopCoordinator:
         poll: WireLane,
         background: BackgroundTasks,
         settings: RobotSettings,
-        claim: Claim,
-        heartbeat: HeartbeatLike | None,
+        life: SignOfLife,
+        beats_lapsed: Callable[[], bool],
         permits: Permits,
     ) -> None:
         self.permits = permits
         self.gate: Gate = permits.gate
         self._channel = channel
-        self._heartbeat = heartbeat
+        self._beats_lapsed = beats_lapsed
         self._poll = poll
         self._settings = settings
-        self.claim = claim
+        self.life = life
         self.follower: TaskFollower = TaskFollower(poll, self, background, settings.clock)
         self.unfollowed_motion: bool = False
         self.modes: Modes = Modes(channel)
@@ -519,7 +519,7 @@ class StopCoordinator:
         permit = self.permits.ask("resume")
         await self.permits.after_stops(permit)
         self.permits.check(permit)
-        self.claim.make("resume")
+        self.life.will_move("resume")
         # Motions of other programs are resumed, too, and are this program's from now on.
         self.gate.resume()
         answer = await self._resumed(permit)
@@ -554,7 +554,7 @@ class StopCoordinator:
         """
         since: float | None = None
         async for due in every(_LAPSED_EVERY):
-            if self._heartbeat is None or not self._heartbeat.lapsed:
+            if not self._beats_lapsed():
                 since = None
             elif since is None:
                 since = due

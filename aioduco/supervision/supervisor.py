@@ -50,7 +50,6 @@ from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
-from aioduco.supervision.motion_sources import Claim
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import Backoff, RetryingReads
 from aioduco.supervision.state_feed import StateFeed
@@ -64,7 +63,6 @@ if TYPE_CHECKING:
     from aioduco.models.trace import Trace
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.guard.guarded import GuardClient
-    from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
 
@@ -159,35 +157,27 @@ class Supervisor:
         self._feed_lane = self._lane("feed")
         self._background = BackgroundTasks(self._crashed, self._stop_at_loop_end)
         self.guard: GuardClient | None = None
-        self.heartbeat: HeartbeatLike | None = None
-        self.stop_channel: StopChannel
-        if settings.guard is None:
-            self._life = SignOfLife()
-            self.stop_channel = StopChannel(self._stop_lane, self._control_lane, self.poll)
-            if settings.heartbeat is not None:
-                self.heartbeat = Heartbeat(
-                    partial(
-                        Connection,
-                        host,
-                        port,
-                        connect_timeout=settings.connect_timeout,
-                        route=self._route,
-                    ),
-                    settings.heartbeat,
-                    self._life,
-                    settings.loop_stall_limit,
-                    self._beaten,
-                )
-        else:
+        self.heartbeat: Heartbeat | GuardClient | None = None
+        if settings.guard is not None:
             from aioduco.supervision.guard import guarded  # noqa: PLC0415  # few robots have one
 
-            self.guard = guarded.GuardClient(host, port, settings)
-            self._life = guarded.GuardedSignOfLife(self.guard)
-            self.stop_channel = guarded.GuardedStopChannel(
-                self.guard, self._stop_lane, self._control_lane, self.poll
+            self.guard = guarded.GuardClient(host, port, settings, self._guard_lost, self._beaten)
+        self._life = SignOfLife(None if self.guard is None else self.guard.touch)
+        self.stop_channel: StopChannel = StopChannel(
+            self._stop_lane, self._control_lane, self.poll, self.guard
+        )
+        if settings.heartbeat is not None:
+            connect = partial(
+                Connection,
+                host,
+                port,
+                connect_timeout=settings.connect_timeout,
+                route=self._route,
             )
-            if settings.heartbeat is not None:
-                self.heartbeat = guarded.GuardedHeartbeat(self.guard)
+            self.heartbeat = self.guard or Heartbeat(
+                *(connect, settings.heartbeat, self._life),
+                *(settings.loop_stall_limit, self._beaten),
+            )
         self.gate: Gate = Gate(
             settings.heartbeat, settings.loop_stall_limit, boot_time(), self._permits_ended
         )
@@ -198,8 +188,8 @@ class Supervisor:
             self.poll,
             self._background,
             settings,
-            Claim(self._life.set_moves),
-            self.heartbeat,
+            self._life,
+            lambda: self.heartbeat is not None and self.heartbeat.lapsed,
             self.permits,
         )
         self.dispatcher: Dispatcher = Dispatcher(self._motion_lane, self.stop_coordinator, settings)
@@ -229,11 +219,9 @@ class Supervisor:
         """Tell the streams, and the tasks of a program that hung, that their permit has ended."""
         self.stop_coordinator.permits_ended(ending)
 
-    def _beaten(self, heartbeat: Heartbeat) -> None:
+    def _beaten(self, heartbeat: Heartbeat | GuardClient) -> None:
         """Pass a report of the heartbeat on to the gate; on the heartbeat's thread."""
-        self._take_beat(heartbeat.statistics().stalls, heartbeat.sent)
-
-    def _take_beat(self, stalls: int, sent: float) -> None:
+        stalls, sent = heartbeat.statistics().stalls, heartbeat.sent
         if stalls > self._stalls:
             self.gate.hang()
         self._stalls = stalls
@@ -392,7 +380,7 @@ class Supervisor:
         self.envelope.begin()
         self._exit_stop = ExitStop(self.stop_coordinator)
         self._background.start(self.stop_coordinator.follower.run(), "aioduco task follower")
-        self._background.start(self.dispatcher.drop_claim_at_rest(), "aioduco claim")
+        self._background.start(self.dispatcher.note_rest(), "aioduco rest")
         if self.guard is not None and not self.guard.alive:
             self._guard_lost()  # while the robot was being opened
 
@@ -541,9 +529,7 @@ class Supervisor:
         """Let the guard take over stop and heartbeat, if a guard is wanted."""
         if self.guard is not None:
             self._stalls = 0
-            await self.guard.acquire(
-                self._guard_lost, lambda beat: self._take_beat(beat.stalls, beat.sent)
-            )
+            await self.guard.acquire()
             self._life.touch(time.monotonic())
 
     def _guard_lost(self) -> None:
@@ -615,7 +601,7 @@ async def _version(lane: WireLane) -> str:
     return version
 
 
-async def _beats(heartbeat: HeartbeatLike, gate: Gate, timeout: float) -> bool:
+async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float) -> bool:
     """Wait until a beat was answered, and the gate knows. Returns whether it was in time.
 
     The heartbeat's thread tells the gate after it has noted the answer.

@@ -229,7 +229,7 @@ class LivingProgram(Program):
         return self.gate.lease if self.world.heartbeat else 1e9
 
     def drops_claim(self) -> Steps[None]:
-        """`Dispatcher.drop_claim_at_rest`."""
+        """`Dispatcher.note_rest`."""
         world = self.world
         while True:
             if world.claim and not self.busy:

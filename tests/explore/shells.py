@@ -40,7 +40,7 @@ from aioduco.supervision.concurrency import BackgroundTasks
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate
-from aioduco.supervision.motion_sources import Claim
+from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -551,12 +551,12 @@ class Robot:
         self.gate = Gate(None, 1e6, 0.0, self._permits_ended)
         self.permits = Permits(self.gate)
         self.coordinator: StopCoordinator = StopCoordinator(
-            StopChannel(*lanes[:3]),
+            StopChannel(lanes[0], lanes[1], lanes[2]),
             lanes[2],
             self.background,
             settings,
-            Claim(lambda _: True),
-            None,
+            SignOfLife(),
+            lambda: False,
             self.permits,
         )
         self.dispatcher = Dispatcher(lanes[3], self.coordinator, settings)

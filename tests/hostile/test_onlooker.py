@@ -13,7 +13,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco import HeartbeatState
 from aioduco.supervision.heartbeat import HeartbeatMachine
-from aioduco.supervision.motion_sources import Claim
+from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.testing import eventually, eventually_async
 
 from .programs import frozen, running, started
@@ -27,7 +27,7 @@ MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
 #: a motion that has ended, and of which nothing is left
 MOVED = (
     f"await robot.motion.movej2({HOME}, v=1.0, a=1.0)\n"
-    "        while robot._supervisor.stop_coordinator.claim.made: await anyio.sleep(0.001)"
+    "        while robot._supervisor.stop_coordinator.life.moves: await anyio.sleep(0.001)"
 )
 BEAT = 0.2
 
@@ -147,7 +147,7 @@ async def test_without_a_guard_that_knows_of_it_nothing_is_moved(bench: Bench) -
 @pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 async def test_another_guard_knows_what_moves(bench: Bench) -> None:
-    """A claim that is held while the guard is replaced is made to the new one, too."""
+    """A guard that replaces another while the program moves the arm is told so, too."""
     code = (
         f"{MOVE}\n"
         "        first = robot._supervisor.guard.pid\n"
@@ -165,20 +165,19 @@ async def test_another_guard_knows_what_moves(bench: Bench) -> None:
         assert not bench.moving()
 
 
-def test_a_claim_that_nobody_hears_is_an_error() -> None:
+def test_a_motion_is_refused_if_no_guard_hears_of_it() -> None:
     said: list[bool] = []
 
-    def deaf(moves: bool) -> bool:
+    def deaf(_stamp: float, moves: bool) -> bool:
         said.append(moves)
         return False
 
-    claim = Claim(deaf)
+    life = SignOfLife(deaf)
     with pytest.raises(aioduco.GuardLost, match="movel was not sent"):
-        claim.make("movel")
+        life.will_move("movel")
     # It may have been heard after all: it is taken back only when the arm was seen to stand.
-    assert claim.made
-    claim.drop()
-    assert repr(claim) == "<Claim not made>"
+    assert life.moves
+    life.at_rest()
     assert said == [True, False]
 
 

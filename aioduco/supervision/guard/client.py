@@ -65,14 +65,6 @@ class Answer:
         self._notify()
 
 
-class GuardListener:
-    """Callbacks of one robot; both are called on the link's thread."""
-
-    def __init__(self, beat: Callable[[Beat], None], lost: Callable[[], None]) -> None:
-        self.beat = beat
-        self.lost = lost
-
-
 class GuardLink:
     """A running guard.
 
@@ -84,7 +76,8 @@ class GuardLink:
         self._tokens = itertools.count(1)
         self._robots = itertools.count(1)
         self._answers: dict[int, Answer] = {}
-        self._listeners: dict[int, GuardListener] = {}
+        #: for each robot, what is called with a beat, and when the guard is lost
+        self._listeners: dict[int, tuple[Callable[[Beat], None], Callable[[], None]]] = {}
         self._collected: list[Stop] | None = None
         self.alive: bool = True
         self.users = 0
@@ -144,10 +137,10 @@ class GuardLink:
         """The last line of the guard's standard error, once it has exited."""
         return self._process.stderr_tail.rpartition("\n")[2]
 
-    def register(self, listener: GuardListener) -> int:
-        """Register a robot's callbacks. Returns the robot's number."""
+    def register(self, beaten: Callable[[Beat], None], lost: Callable[[], None]) -> int:
+        """Register a robot's callbacks, for the link's thread. Returns the robot's number."""
         robot = next(self._robots)
-        self._listeners[robot] = listener
+        self._listeners[robot] = beaten, lost
         return robot
 
     def unregister(self, robot: int) -> None:
@@ -227,9 +220,8 @@ class GuardLink:
                         if answer is not None:
                             answer.give(error)
                     case Beat() as beat:
-                        listener = self._listeners.get(beat.robot)
-                        if listener is not None:
-                            listener.beat(beat)
+                        if (listener := self._listeners.get(beat.robot)) is not None:
+                            listener[0](beat)
                     case LogMessage(level, text):
                         _log.log(level, "the guard says: %s", text)
                     case other:
@@ -248,8 +240,8 @@ class GuardLink:
             answer = self._answers.pop(token, None)
             if answer is not None:
                 answer.give("the guard's process is gone", lost=True)
-        for listener in list(self._listeners.values()):
-            listener.lost()
+        for _, lost in list(self._listeners.values()):
+            lost()
         try:
             self._popen.wait(_END_LIMIT)
         except subprocess.TimeoutExpired:
