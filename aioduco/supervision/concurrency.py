@@ -29,7 +29,7 @@ import asyncio
 import threading
 import time
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import anyio
 
@@ -190,33 +190,6 @@ async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseEx
     return results[0], cancelled
 
 
-class _Job(Generic[T]):
-    """A function that runs on the thread, and its result."""
-
-    def __init__(self, work: Callable[[], T]) -> None:
-        self._work = work
-        self._results: list[T] = []
-        self._error: BaseException | None = None
-        self._over = anyio.Event()
-        self._ring = loop_callback(self._over.set)
-
-    def run(self) -> None:
-        """Call the function; on the thread."""
-        try:
-            self._results.append(self._work())
-        except BaseException as exc:
-            # raised in the task that waits
-            self._error = exc
-        self._ring()
-
-    async def wait(self) -> T:
-        """Wait for the result; raise what the function raised."""
-        await self._over.wait()
-        if self._error is not None:
-            raise self._error
-        return self._results[0]
-
-
 class DaemonThread:
     """A daemon thread for blocking calls. It starts at once: later there may be no threads left.
 
@@ -244,9 +217,23 @@ class DaemonThread:
         Returns:
             Its result, and the last cancellation that came meanwhile: the caller must raise it.
         """
-        job = _Job(work)
-        self._inbox.put(job.run)
-        return await run_to_completion(job.wait)
+        over = anyio.Event()
+        ring = loop_callback(over.set)
+        results: list[T] = []
+        errors: list[BaseException] = []
+
+        def job() -> None:
+            try:
+                results.append(work())
+            except BaseException as exc:
+                errors.append(exc)  # raised in the task that waits
+            ring()
+
+        self._inbox.put(job)
+        _, cancelled = await run_to_completion(over.wait)
+        if errors:
+            raise errors[0]
+        return results[0], cancelled
 
     def end(self) -> None:
         """End the thread after the calls that are queued; no call may follow."""

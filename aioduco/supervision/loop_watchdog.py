@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
 
-__all__ = ["LoopWatchdog", "SignOfLife", "WatchedLoop", "blocking_stack", "watchdogs"]
+__all__ = ["LoopWatchdog", "SignOfLife", "blocking_stack", "watchdogs"]
 
 _log = BackgroundLogger(__name__)
 
@@ -99,24 +99,6 @@ class SignOfLife:
         return self._passed_on is None or self._passed_on(self.stamp, self.moves)
 
 
-class WatchedLoop:
-    """An event loop's sign of life from one robot, and a callback for blocks of the loop.
-
-    Args:
-        life: the sign of life.
-        limit: seconds without a sign of life after which the loop counts as blocked.
-        blocked: called on the watchdog's thread when the loop runs again, with the duration of
-            the block [s] and the call stack that blocked.
-    """
-
-    def __init__(
-        self, life: SignOfLife, limit: float, blocked: Callable[[float, str], None]
-    ) -> None:
-        self.life = life
-        self.limit = limit
-        self.blocked = blocked
-
-
 class LoopWatchdog:
     """Watches the loop of one thread for all robots on it: a block affects all of them.
 
@@ -126,24 +108,25 @@ class LoopWatchdog:
 
     def __init__(self, loop_thread: int) -> None:
         self._loop_thread = loop_thread
-        self._watched: tuple[WatchedLoop, ...] = ()
+        #: signs of life of the robots, each with its limit and its callback; replaced as a whole
+        self._watched: dict[SignOfLife, tuple[float, Callable[[float, str], None]]] = {}
         self._changed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="aioduco-loop-watchdog", daemon=True)
 
-    def add(self, watched: WatchedLoop) -> None:
-        """Add a robot."""
+    def add(self, life: SignOfLife, limit: float, blocked: Callable[[float, str], None]) -> None:
+        """Add a robot; `_Watchdogs.watch` describes it."""
         first = not self._watched
-        self._watched += (watched,)
+        self._watched = {**self._watched, life: (limit, blocked)}
         if first:
             try:
                 self._thread.start()
             except BaseException:
-                self._watched = ()
+                self._watched = {}
                 raise
 
-    def remove(self, watched: WatchedLoop) -> bool:
+    def remove(self, life: SignOfLife) -> bool:
         """Remove a robot. Returns whether none is left, so that the thread ends."""
-        self._watched = tuple(other for other in self._watched if other is not watched)
+        self._watched = {one: how for one, how in self._watched.items() if one is not life}
         if self._watched:
             return False
         self._changed.set()
@@ -156,8 +139,8 @@ class LoopWatchdog:
 
     def _run(self) -> None:
         while watched := self._watched:
-            stamp = max(one.life.ran for one in watched)
-            limit = min(one.limit for one in watched)
+            stamp = max(life.ran for life in watched)
+            limit = min(limit for limit, _ in watched.values())
             if self._changed.wait(max(0.0, stamp + limit - time.monotonic())):
                 return
             if self._latest() != stamp:
@@ -167,15 +150,15 @@ class LoopWatchdog:
             while self._latest() == stamp:
                 if self._changed.wait(limit / 4):
                     return
-            self._report(watched, self._latest() - stamp, where)
+            self._report(self._latest() - stamp, where)
 
     def _latest(self) -> float:
-        return max((one.life.ran for one in self._watched), default=0.0)
+        return max((life.ran for life in self._watched), default=0.0)
 
-    def _report(self, watched: tuple[WatchedLoop, ...], seconds: float, where: str) -> None:
-        for one in watched:
-            if seconds > one.limit:
-                one.blocked(seconds, where)
+    def _report(self, seconds: float, where: str) -> None:
+        for limit, blocked in self._watched.values():
+            if seconds > limit:
+                blocked(seconds, where)
         if where:
             _log.warning("the event loop was blocked for %.2f s by:\n%s", seconds, where)
         else:
@@ -195,24 +178,35 @@ class _Watchdogs:
         self._lock = threading.Lock()
         self._by_thread = {}
 
-    def watch(self, watched: WatchedLoop) -> LoopWatchdog:
-        """Watch the loop of the calling thread."""
+    def watch(
+        self, life: SignOfLife, limit: float, blocked: Callable[[float, str], None]
+    ) -> Callable[[float], None]:
+        """Watch the loop of the calling thread for a robot.
+
+        Args:
+            life: the loop's sign of life.
+            limit: seconds without a sign of life after which the loop counts as blocked.
+            blocked: called on the watchdog's thread when the loop runs again, with the duration of
+                the block [s] and the call stack that blocked.
+
+        Returns:
+            Ends that; waits so many seconds for the thread's end if no robot is left.
+        """
         thread = threading.get_ident()
         with self._lock:
             watchdog = self._by_thread.get(thread) or LoopWatchdog(thread)
-            watchdog.add(watched)
+            watchdog.add(life, limit, blocked)
             self._by_thread[thread] = watchdog
-        return watchdog
 
-    def leave(self, watchdog: LoopWatchdog, watched: WatchedLoop, timeout: float) -> None:
-        """Stop watching for a robot, and wait for the thread's end if none is left."""
-        with self._lock:
-            if not watchdog.remove(watched):
-                return
-            for thread, other in list(self._by_thread.items()):
-                if other is watchdog:
+        def leave(timeout: float) -> None:
+            with self._lock:
+                if not watchdog.remove(life):
+                    return
+                if self._by_thread.get(thread) is watchdog:
                     del self._by_thread[thread]
-        watchdog.join(timeout)
+            watchdog.join(timeout)
+
+        return leave
 
 
 #: one per process: a loop's thread is inspected once for all robots on it

@@ -15,27 +15,17 @@ from aioduco.supervision.unanswered import LOOK_EVERY, NextStep, UnansweredMotio
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-__all__ = ["Delivery", "bring_to_rest"]
+__all__ = ["bring_to_rest"]
 
 _log = BackgroundLogger(__name__)
-
-
-class Delivery:
-    """What is known of the delivery of a motion to the controller: here, nothing more."""
-
-    def report(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to report
-        """Report it to `motion`. Returns whether the controller can still be polled."""
-        return True
-
-    def dissolve(self) -> None:
-        """Stop waiting for its answer: close its connection."""
 
 
 async def bring_to_rest(
     motion: UnansweredMotion,
     stop: Callable[[], Awaitable[object]],
     moves: Callable[[], Awaitable[bool]],
-    delivery: Delivery | None = None,
+    report: Callable[[], bool] = lambda: True,
+    dissolve: Callable[[], object] = lambda: None,
 ) -> bool:
     """Return when the arm stands and the motion cannot move it any more.
 
@@ -43,14 +33,15 @@ async def bring_to_rest(
         motion: decides on the next step.
         stop: sends a stop until one is accepted, and raises `StopUnconfirmed` if none is.
         moves: polls whether the arm moves, and raises a `DucoError` if no answer comes.
-        delivery: reports the delivery of the motion; None if there is nothing to report.
+        report: tells `motion` what is known of its delivery; returns whether the controller can
+            still be polled.
+        dissolve: waits for its answer no longer: closes its connection.
 
     Returns:
         Whether that is certain; if not, the time is over, or the controller cannot be polled.
     """
-    delivery = delivery or Delivery()
     ticker = every(LOOK_EVERY)
-    while delivery.report(motion):
+    while report():
         now = time.monotonic()
         match motion.step(now):
             case NextStep.DONE:
@@ -58,7 +49,7 @@ async def bring_to_rest(
             case NextStep.GIVE_UP:
                 return False
             case NextStep.DISSOLVE:
-                delivery.dissolve()
+                dissolve()
                 await anyio.lowlevel.checkpoint()
             case NextStep.STOP:
                 try:

@@ -19,32 +19,30 @@ from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import ConnectError, ConnectionLost, ProtocolError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from aioduco._wire.lane import WireLane
 
-__all__ = ["Backoff", "RetryingReads"]
+__all__ = ["RetryingReads", "pauses"]
 
 #: first and longest pause before another attempt [s]
 FIRST: Final = 0.02
 LONGEST: Final = 1.0
 
 
-class Backoff:
-    """Pauses between attempts: each up to twice as long as the one before, drawn at random.
+def pauses(draw: random.Random) -> Iterator[float]:
+    """Yield pauses between attempts [s]: each up to twice as long as the one before, at random.
 
-    Many programs that lose the same controller must not reconnect all at once.
+    Many programs that lose the same controller must not reconnect all at once: a pause has at least
+    half of its limit, at most all of it.
 
     Args:
         draw: the random number generator.
     """
-
-    def __init__(self, draw: random.Random) -> None:
-        self._draw = draw
-        self._limit = FIRST
-
-    def next(self) -> float:
-        """Return the next pause [s]: at least half of its limit, at most all of it."""
-        limit, self._limit = self._limit, min(self._limit * 2, LONGEST)
-        return limit * (0.5 + 0.5 * self._draw.random())
+    limit = FIRST
+    while True:
+        yield limit * (0.5 + 0.5 * draw.random())
+        limit = min(limit * 2, LONGEST)
 
 
 class RetryingReads:
@@ -83,11 +81,9 @@ class RetryingReads:
             return await self._again(name, args, begin + limit, exc)
 
     async def _again(self, name: str, args: tuple[Any, ...], until: float, error: Exception) -> Any:
-        backoff = Backoff(self._draw)
-        while True:
-            pause = backoff.next()
+        for pause in pauses(self._draw):
             if time.monotonic() + pause >= until:
-                raise error
+                break
             await anyio.sleep(pause)
             self.retries += 1
             try:
@@ -96,3 +92,4 @@ class RetryingReads:
                 if isinstance(exc, ProtocolError):
                     raise
                 error = exc
+        raise error

@@ -41,28 +41,9 @@ _LAST_LIMIT = 0.25
 
 
 #: awaits the guard's answer, once; returns whether the controller accepted the guard's stop
-ByGuard: TypeAlias = "Callable[[], Coroutine[Any, Any, bool]]"
-
-
-class _BegunStop:
-    """A stop that was sent, by the guard or on the lane for stops.
-
-    Args:
-        at: when it was sent [s of `time.monotonic`].
-        by_guard: awaits the guard's answer; None if the guard did not send it.
-
-    Attributes:
-        call: the stop on the lane; None if none was sent there.
-        error: why nothing was sent.
-    """
-
-    __slots__ = ("at", "by_guard", "call", "error")
-
-    def __init__(self, at: float, by_guard: ByGuard | None) -> None:
-        self.at: float = at
-        self.by_guard: ByGuard | None = by_guard
-        self.call: LaneCall | None = None
-        self.error: Exception | None = None
+_ByGuard: TypeAlias = "Callable[[], Coroutine[Any, Any, bool]]"
+#: a stop that was begun: when [s of `time.monotonic`], and by what; or why not
+_Begun: TypeAlias = "tuple[float, _ByGuard | LaneCall | Exception]"
 
 
 class StopChannel:
@@ -89,9 +70,9 @@ class StopChannel:
         self._watch = watch
         self.stops: int = 0
         self.attempts: int = 0
-        self._begun: _BegunStop | None = None
+        self._begun: _Begun | None = None
 
-    def begin(self, timeout: float) -> _BegunStop:
+    def begin(self, timeout: float) -> _Begun:
         """Send a stop before anything else runs on the event loop.
 
         `stop` must be awaited next: it waits until the controller accepts it, or sends it again.
@@ -100,23 +81,24 @@ class StopChannel:
             timeout: seconds within which the controller must accept it.
 
         Returns:
-            The stop that was begun.
+            When it was sent, and how; or why not.
 
         Raises:
             WrongLoop: this is not the robot's event loop; nothing was sent.
             WrongProcess: this is a forked child; nothing was sent.
         """
         self._stop.owner_loop.require("stop")
-        at = time.monotonic()
-        begun = _BegunStop(at, None if self._guard is None else self._guard.begin_stop(timeout))
+        at, sent = time.monotonic(), None
         self.attempts += 1
-        if begun.by_guard is None:
-            try:
-                begun.call = self._send(self._stop, min(FIRST_ATTEMPT, timeout))
-            except (DucoError, MemoryError) as exc:
-                begun.error = exc
-        self._begun = begun
-        return begun
+        if self._guard is not None:
+            sent = self._guard.begin_stop(timeout)
+        try:
+            first = sent or self._send(self._stop, min(FIRST_ATTEMPT, timeout))
+        except (DucoError, MemoryError) as exc:
+            self._begun = at, exc
+        else:
+            self._begun = at, first
+        return self._begun
 
     async def stop(self, timeout: float) -> None:
         """Send a stop until the controller accepts one.
@@ -131,14 +113,20 @@ class StopChannel:
         """
         begun = self._begun
         # A stop that was begun and never awaited says nothing about the arm's present state.
-        if begun is None or time.monotonic() - begun.at > FIRST_ATTEMPT:
+        if begun is None or time.monotonic() - begun[0] > FIRST_ATTEMPT:
             begun = self.begin(timeout)
         self._begun = None
-        until = begun.at + timeout
-        if begun.by_guard is not None and await begun.by_guard():
-            self._accepted_by_guard(begun.at)
+        at, first = begun
+        until = at + timeout
+        call: LaneCall | None = None
+        error: Exception | None = None
+        if isinstance(first, Exception):
+            error = first
+        elif not callable(first):
+            call = first
+        elif await first():
+            self._accepted_by_guard(at)
             return
-        call, error = begun.call, begun.error
         budget = FIRST_ATTEMPT
         lanes = (self._stop, self.others)
         attempt, left = 0, until - time.monotonic()

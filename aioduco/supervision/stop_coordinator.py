@@ -35,12 +35,12 @@ from aioduco.errors import (
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
-from aioduco.supervision.rest import Delivery, bring_to_rest
+from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
     from typing import Any
 
     from aioduco._wire.channel import LaneCall
@@ -417,8 +417,16 @@ class StopCoordinator:
             self._enter_again(commands)
             await self.send_stop(settings.stop_timeout)
 
-        motion, delivery = UnansweredMotion(now, answer_by, until), _CommandDelivery(self, commands)
-        certain = await bring_to_rest(motion, stop, self._channel.moving, delivery)
+        def dissolve() -> None:
+            for call in commands:
+                _give_up(call)
+
+        motion = UnansweredMotion(now, answer_by, until)
+        certain = await bring_to_rest(
+            *(motion, stop, self._channel.moving),
+            report=lambda: self._report_delivery(motion, commands),
+            dissolve=dissolve,
+        )
         if self.closed:
             return  # the code that closed the robot has already done what was possible
         if not certain:
@@ -430,6 +438,28 @@ class StopCoordinator:
         if self._enter_again(commands):
             await self.modes.leave()
         self.unfollowed_motion = self.worker_died = False
+
+    def _report_delivery(self, motion: UnansweredMotion, commands: Collection[LaneCall]) -> bool:
+        """Tell `motion` what became of commands; discard the unsent bytes of one that is stuck.
+
+        Returns:
+            Whether the controller can still be polled.
+        """
+        if self.closed:
+            return False
+        now = time.monotonic()
+        for call in commands:
+            if now - call.begun > _ACKNOWLEDGED and call.undelivered > 0:
+                _give_up(call)
+        ended = [call.ended_at for call in commands if call.ended_at is not None]
+        if len(ended) < len(commands):
+            return True
+        if self.worker_died or not all(call.answered for call in commands):
+            # Since then, and not since it is noticed: the stop that was sent meanwhile took longer.
+            motion.dissolved(max(ended, default=now))
+        else:
+            motion.answered(now)
+        return True
 
     def _enter_again(self, commands: Mapping[LaneCall, ModeEnding | None]) -> bool:
         """Note the modes of commands on their way, which may be entered after they were left.
@@ -608,42 +638,6 @@ def _may_move(error: BaseException | None) -> bool:
         return True
     # An application error says that something failed, perhaps after the motion was queued.
     return isinstance(error, ControllerError) and not isinstance(error, UnknownFunction)
-
-
-class _CommandDelivery(Delivery):
-    """The delivery of commands on their way.
-
-    Args:
-        coordinator: coordinator whose connections and streams sent them.
-        commands: the commands.
-    """
-
-    def __init__(self, coordinator: StopCoordinator, commands: Iterable[LaneCall]) -> None:
-        self._coordinator = coordinator
-        self._commands = tuple(commands)
-
-    def report(self, motion: UnansweredMotion) -> bool:
-        """Report the delivery of each; discard the unsent bytes of a command that is stuck."""
-        if self._coordinator.closed:
-            return False
-        now = time.monotonic()
-        for call in self._commands:
-            if now - call.begun > _ACKNOWLEDGED and call.undelivered > 0:
-                _give_up(call)
-        ended = [call.ended_at for call in self._commands if call.ended_at is not None]
-        if len(ended) < len(self._commands):
-            return True
-        if self._coordinator.worker_died or not all(call.answered for call in self._commands):
-            # Since then, and not since it is noticed: the stop that was sent meanwhile took longer.
-            motion.dissolved(max(ended, default=now))
-        else:
-            motion.answered(now)
-        return True
-
-    def dissolve(self) -> None:
-        """Stop waiting for answers."""
-        for call in self._commands:
-            _give_up(call)
 
 
 #: seconds within which the stop must be accepted: after it, the interpreter exits

@@ -15,7 +15,7 @@ import random
 import time
 from collections import deque
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import anyio
 
@@ -49,15 +49,15 @@ from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
-from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
+from aioduco.supervision.loop_watchdog import SignOfLife, watchdogs
 from aioduco.supervision.permits import Permits
-from aioduco.supervision.retry import Backoff, RetryingReads
+from aioduco.supervision.retry import RetryingReads, pauses
 from aioduco.supervision.state_feed import StateFeed
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import ExitStop, StopCoordinator
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Iterator
 
     from aioduco._wire.lane import LaneStatistics
     from aioduco.models.trace import Trace
@@ -82,6 +82,10 @@ _LOOK_EVERY = 0.002
 _GUARD_GONE = "the guard's process is gone; another is being started"
 #: closing is never skipped; each of its parts has a limit of its own
 _NO_LIMIT = math.inf
+
+
+#: a step when a robot is left: its name, its limit [s] (None: it is left out), and what it does
+_ExitStep: TypeAlias = "tuple[str, float | None, Callable[[float], Awaitable[object]]]"
 
 
 class SupervisorStatistics(NamedTuple):
@@ -210,8 +214,8 @@ class Supervisor:
         self.dispatcher.check = self.envelope.check
         self._replacing_guard = False
         self._exit_stop: ExitStop | None = None
-        self._watchdog: LoopWatchdog | None = None
-        self._watched: WatchedLoop | None = None
+        #: ends the watch over the event loop; waits so many seconds for the end of its thread
+        self._unwatch: Callable[[float], None] = lambda _: None
         self._opened = False
         self._closed = False
 
@@ -447,8 +451,8 @@ class Supervisor:
         if self.settings.lag_limit is not None:
             # The time that opening took does not count: the loop is watched from now on.
             self._life.touch(time.monotonic())
-            self._watched = WatchedLoop(self._life, self.settings.lag_limit, self._loop_blocked())
-            self._watchdog = watchdogs.watch(self._watched)
+            limit = self.settings.lag_limit
+            self._unwatch = watchdogs.watch(self._life, limit, self._loop_blocked())
 
     def forget(self) -> None:
         """Stop what moves, and end the heartbeat, after the program dropped an open robot."""
@@ -488,22 +492,29 @@ class Supervisor:
         self.owner_loop.require("aclose")
         self._closed = True
         self.gate.close("the robot is closed, or is being closed")
+        failed: Exception | None = None
+        cancelled: BaseException | None = None
+        for name, limit, step in self._exit_steps():
+            error, again = await _carry_out(name, limit, step)
+            failed, cancelled = failed or error, again or cancelled
+        _, again = await run_to_completion(_written)
+        if failed is not None:
+            raise failed
+        if (cancelled := again or cancelled) is not None:
+            raise cancelled
+
+    def _exit_steps(self) -> Iterator[_ExitStep]:
+        """Yield the steps of the exit ladder; each depends on what the ones before it have done."""
         ladder, coordinator = self.settings.ladder, self.stop_coordinator
-        down = _LadderRun()
-        await down.rung("settle", ladder.settle, self.dispatcher.quiet)
+        yield "settle", ladder.settle, self.dispatcher.quiet
         if coordinator.moving:
-            again = ladder.stop
-            await down.rung("stop", ladder.stop, coordinator.send_stop)
-            await down.rung(
-                "standstill", ladder.standstill, lambda limit: coordinator.rest(again, limit)
-            )
+            yield "stop", ladder.stop, coordinator.send_stop
+            yield "standstill", ladder.standstill, partial(coordinator.rest, ladder.stop)
         if coordinator.modes.any:
-            await down.rung("modes", ladder.modes, coordinator.leave_modes)
+            yield "modes", ladder.modes, coordinator.leave_modes
         if self.heartbeat is not None:
             self.heartbeat.end()
-        await down.rung("close", _NO_LIMIT, lambda _: self._close_lanes())
-        await down.report()
-        down.finish()
+        yield "close", _NO_LIMIT, lambda _: self._close_lanes()
 
     async def _close_lanes(self) -> None:
         """End everything that runs for the robot, and close its connections."""
@@ -515,9 +526,7 @@ class Supervisor:
         self.feed.close()
         self.events.close()
         await self._background.aclose()
-        if self._watchdog is not None and self._watched is not None:
-            watchdogs.leave(self._watchdog, self._watched, _GRACE)
-            self._watchdog = None
+        self._unwatch(_GRACE)
         if self.guard is not None:
             await self.guard.release()
         for lane in self.lanes:
@@ -548,7 +557,7 @@ class Supervisor:
         )
 
     async def _new_guard(self, guard: GuardClient) -> None:
-        backoff = Backoff(random.Random())
+        backoff = pauses(random.Random())
         failed = ""
         while not guard.alive:
             why = f" (the last attempt failed: {failed})" if failed else ""
@@ -564,7 +573,7 @@ class Supervisor:
             except (DucoError, MemoryError) as exc:
                 if failed != (failed := str(exc) or type(exc).__name__):
                     _log.critical("no other guard could be started yet: %s", failed)
-                await anyio.sleep(backoff.next())
+                await anyio.sleep(next(backoff))
         self._replacing_guard = False
         _log.warning("another guard supervises %s:%d", self.host, self.port)
 
@@ -621,50 +630,35 @@ async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float)
 
 
 async def _written() -> None:
+    """Wait until the log messages are written, but not long if the program's handlers hang."""
     done = anyio.Event()
     if reporter.written(loop_callback(done.set)):
         with anyio.move_on_after(FLUSH_LIMIT):
             await done.wait()
 
 
-class _LadderRun:
-    """Carries out steps of the exit ladder, and keeps the error to raise at the end."""
+async def _carry_out(
+    name: str, limit: float | None, step: Callable[[float], Awaitable[object]]
+) -> tuple[Exception | None, BaseException | None]:
+    """Carry out a step when a robot is left, to its end, even if it is cancelled.
 
-    def __init__(self) -> None:
-        self._failed: Exception | None = None
-        self._cancelled: BaseException | None = None
-
-    async def rung(
-        self, name: str, limit: float | None, step: Callable[[float], Awaitable[object]]
-    ) -> None:
-        """Carry out a step to its end, even if it is cancelled."""
-        if limit is None:
-            _log.info("leaving the robot: %s is left out", name)
-            return
-        begin = time.monotonic()
-        try:
-            _, cancelled = await run_to_completion(lambda: step(limit))
-        except Exception as exc:
-            took = time.monotonic() - begin
-            known = isinstance(exc, DucoError)
-            _log.warning(
-                "leaving the robot: %s failed after %.3f s: %s",
-                *(name, took, exc),
-                exc_info=None if known else exc,
-            )
-            self._failed = self._failed or exc
-        else:
-            _log.debug("leaving the robot: %s took %.3f s", name, time.monotonic() - begin)
-            self._cancelled = cancelled or self._cancelled
-
-    async def report(self) -> None:
-        """Wait until the log messages are written, but not long if the program's handlers hang."""
-        _, cancelled = await run_to_completion(_written)
-        self._cancelled = cancelled or self._cancelled
-
-    def finish(self) -> None:
-        """Raise the first failure, or the cancellation that came meanwhile."""
-        if self._failed is not None:
-            raise self._failed
-        if self._cancelled is not None:
-            raise self._cancelled
+    Returns:
+        Why it failed, and the last cancellation that came meanwhile.
+    """
+    if limit is None:
+        _log.info("leaving the robot: %s is left out", name)
+        return None, None
+    begin = time.monotonic()
+    try:
+        _, cancelled = await run_to_completion(lambda: step(limit))
+    except Exception as exc:
+        took = time.monotonic() - begin
+        known = isinstance(exc, DucoError)
+        _log.warning(
+            "leaving the robot: %s failed after %.3f s: %s",
+            *(name, took, exc),
+            exc_info=None if known else exc,
+        )
+        return exc, None
+    _log.debug("leaving the robot: %s took %.3f s", name, time.monotonic() - begin)
+    return None, cancelled

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import anyio
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import aioduco
-from aioduco.supervision.retry import FIRST, LONGEST, Backoff
+from aioduco.supervision.retry import FIRST, LONGEST, pauses
 from aioduco.testing import Cut, FaultProxy, Place
 
 if TYPE_CHECKING:
@@ -20,10 +21,9 @@ if TYPE_CHECKING:
 
 @given(seed=st.integers(), count=st.integers(1, 20))
 def test_pauses_grow_and_are_scattered(seed: int, count: int) -> None:
-    backoff = Backoff(random.Random(seed))
     limit = FIRST
-    for _ in range(count):
-        assert limit / 2 <= backoff.next() <= limit
+    for pause in islice(pauses(random.Random(seed)), count):
+        assert limit / 2 <= pause <= limit
         limit = min(2 * limit, LONGEST)
 
 

@@ -21,7 +21,7 @@ import aioduco
 from aioduco import HeartbeatState
 from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import BackgroundTasks
-from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop
+from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 if TYPE_CHECKING:
@@ -224,10 +224,9 @@ async def test_the_guards_death_stops_the_arm_although_the_report_raises(bench: 
 def test_the_watch_over_the_loop_goes_on_when_its_report_raises(error: type[BaseException]) -> None:
     life = SignOfLife()
     told: list[float] = []
-    watched = WatchedLoop(life, 0.02, lambda seconds, where: told.append(seconds))
     watchdog = LoopWatchdog(threading.get_ident())
     with installed(Raising(error)):
-        watchdog.add(watched)
+        watchdog.add(life, 0.02, lambda seconds, where: told.append(seconds))
         try:
             for stalls in (1, 2):
 
@@ -239,7 +238,7 @@ def test_the_watch_over_the_loop_goes_on_when_its_report_raises(error: type[Base
 
                 eventually(stalled_again)
         finally:
-            assert watchdog.remove(watched)
+            assert watchdog.remove(life)
             assert watchdog.join(5.0)
 
 

@@ -100,7 +100,8 @@ async def test_a_stop_that_nobody_awaited_is_no_later_one(fleet: Fleet) -> None:
     """What was begun long ago says nothing of a motion that began since."""
     async with aioduco.connect(fleet[0].host, fleet[0].port) as robot:
         channel = robot._supervisor.stop_channel
-        channel.begin(5.0).at -= 1.0
+        at, by = channel.begin(5.0)
+        channel._begun = at - 1.0, by
         eventually(lambda: fleet[0].received("stop"))
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         await channel.stop(5.0)

@@ -108,6 +108,9 @@ class GuardedRobot:
         self.heartbeat: Heartbeat | None = None
         #: stops on their way: cancelled when the robot is released
         self.stopping: set[anyio.CancelScope] = set()
+        #: opens the connections: cancelled if the robot is released before they are open
+        self.opening: anyio.CancelScope = anyio.CancelScope()
+        self.opened: anyio.Event = anyio.Event()
 
     async def open(self) -> None:
         """Open the connections, and start the heartbeat.
@@ -197,14 +200,6 @@ class GuardedRobot:
             self.heartbeat.join(_GRACE)
 
 
-class _PendingWatch:
-    """A robot whose connections are being opened: it may be released before they are open."""
-
-    def __init__(self) -> None:
-        self.scope = anyio.CancelScope()
-        self.over = anyio.Event()
-
-
 class Guard:
     """Supervises the robots of one program.
 
@@ -215,7 +210,8 @@ class Guard:
     def __init__(self, program: socket.socket) -> None:
         self._program = program
         self._guarded: dict[int, GuardedRobot] = {}
-        self._pending: dict[int, _PendingWatch] = {}
+        #: robots whose connections are being opened
+        self._pending: dict[int, GuardedRobot] = {}
 
     def tell(self, message: Message) -> bool:
         """Send a message to the program; it is lost if the program does not read or has exited.
@@ -274,33 +270,31 @@ class Guard:
                     self._guarded[robot].life.moves = moves
             case Stop():
                 self._stop(message, tasks)
-            case Watch(robot):
+            case Watch(robot, token):
                 # Added here and not in the task: a release that follows at once must find it.
-                self._pending[robot] = pending = _PendingWatch()
-                tasks.start_soon(self._watch, message, pending)
+                self._pending[robot] = guarded = GuardedRobot(message, self)
+                tasks.start_soon(self._watch, guarded, token)
             case Rearm(robot):
-                guarded = self._guarded.get(robot)
-                if guarded is not None and guarded.heartbeat is not None:
-                    guarded.heartbeat.rearm()
+                if robot in self._guarded and (beats := self._guarded[robot].heartbeat) is not None:
+                    beats.rearm()
             case Release():
                 tasks.start_soon(self._release, message)
             case Done() | Beat() | LogMessage():
                 raise ValueError(f"a program sent {message!r} to its guard")
 
-    async def _watch(self, request: Watch, pending: _PendingWatch) -> None:
-        guarded = GuardedRobot(request, self)
+    async def _watch(self, guarded: GuardedRobot, token: int) -> None:
         error = _RELEASED
-        with pending.scope:
+        with guarded.opening:
             try:
                 await guarded.open()
             except DucoError as exc:
                 error = shortened(str(exc))
             else:
                 error = ""
-                self._guarded[request.robot] = guarded
-        self._pending.pop(request.robot, None)
-        pending.over.set()
-        self.tell(Done(request.token, error))
+                self._guarded[guarded.robot] = guarded
+        self._pending.pop(guarded.robot, None)
+        guarded.opened.set()
+        self.tell(Done(token, error))
 
     def _stop(self, request: Stop, tasks: TaskGroup) -> None:
         """Stop arms: all stops are sent before anything else runs on the event loop."""
@@ -332,8 +326,8 @@ class Guard:
 
     async def _release(self, request: Release) -> None:
         if (pending := self._pending.get(request.robot)) is not None:
-            pending.scope.cancel()
-            await pending.over.wait()
+            pending.opening.cancel()
+            await pending.opened.wait()
         guarded = self._guarded.pop(request.robot, None)
         if guarded is not None:
             await guarded.aclose()
