@@ -103,6 +103,7 @@ class Section(ManualNames):
         superseded: bool = False,
         eta: JointEta | None = None,
         aim: Aim | None = None,
+        frame: str = "",
     ) -> MotionCommand:
         """Make a motion as a value.
 
@@ -112,9 +113,11 @@ class Section(ManualNames):
             superseded: whether the next motion may replace it before its end.
             eta: target of the motion, if it is known in joint angles.
             aim: converts the motion into the wire's frame when it is sent.
+            frame: the frame in which it is given, if there is an `aim`.
         """
-        command = Command(call.name, call.args, blends=superseded or r > 0.0, eta=eta)
-        return MotionCommand(self._supervisor.dispatcher, command, aim)
+        blends = superseded or r > 0.0
+        command = Command(call.name, call.args, blends=blends, eta=eta, frame=frame, aim=aim)
+        return MotionCommand(self._supervisor.dispatcher, command)
 
     def _held(
         self,
@@ -125,6 +128,7 @@ class Section(ManualNames):
         timed_by_program: bool = False,
         until_commanded: bool = False,
         aim: Aim | None = None,
+        frame: str = "",
     ) -> HeldMotion:
         """Make a motion that runs until something ends it, as a value.
 
@@ -135,12 +139,19 @@ class Section(ManualNames):
             timed_by_program: whether this program, not the controller, ends it after `time`.
             until_commanded: whether it continues while the arm stands, until a command ends it.
             aim: converts the motion into the wire's frame when it is sent.
+            frame: the frame in which it is given, if there is an `aim`.
         """
         continuous = ContinuousMotion(
             ending, None if time is None else float(time), timed_by_program, until_commanded
         )
-        command = Command(call.name, call.args, blends=not until_commanded, continuous=continuous)
-        return HeldMotion(self._supervisor.dispatcher, command, aim)
+        command = Command(
+            *(call.name, call.args),
+            blends=not until_commanded,
+            continuous=continuous,
+            frame=frame,
+            aim=aim,
+        )
+        return HeldMotion(self._supervisor.dispatcher, command)
 
     async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
         """End a motion or a mode that runs until a command ends it.

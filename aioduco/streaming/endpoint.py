@@ -6,14 +6,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.config import EnvelopeSettings
-from aioduco.supervision.motion_sources import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.streaming.shared.config import StreamSpec
     from aioduco.supervision.gate import Gate, Permit
-    from aioduco.supervision.motion_sources import Modes
+    from aioduco.supervision.motion_sources import Modes, OpenStream
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["StreamEndpoint"]
@@ -28,7 +27,7 @@ class StreamEndpoint:
         port: its TCP port.
         stop: stops the robot on another connection, for a worker that cannot do it any more; its
             argument is the function of the wire that ends the stream's mode, or "".
-        streams: the open streams of the robot.
+        streams: the open streams of the robot, at most one.
         admit: returns the permit of a stream, or raises if the robot cannot accept one now; its
             argument is the stream's name.
         gate: decides until when the permit is valid; None: there is no robot that ends it.
@@ -45,7 +44,7 @@ class StreamEndpoint:
     host: str
     port: int
     stop: Callable[[str], Awaitable[object]] | None = None
-    streams: Streams = field(default_factory=Streams)
+    streams: list[OpenStream] = field(default_factory=list)
     admit: Callable[[str], Awaitable[Permit]] | None = None
     gate: Gate | None = None
     modes: Modes | None = None

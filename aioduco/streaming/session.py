@@ -32,7 +32,7 @@ from aioduco._process.spawn import Process, Unstartable
 from aioduco._wire.failures import resource_error
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop
-from aioduco.errors import DucoError, StreamClosed, WorkerFailed
+from aioduco.errors import DucoError, RobotStateError, StreamClosed, WorkerFailed
 from aioduco.streaming.ends import failure
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.block import Block
@@ -41,6 +41,7 @@ from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamComman
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
 from aioduco.supervision.gate import PermitEnding
+from aioduco.supervision.motion_sources import OpenStream
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -63,7 +64,7 @@ _FOR_EVER = 2**64 - 1  # ns
 _REASONS = {PermitEnding.LAPSED: Reason.LAPSED, PermitEnding.HUNG: Reason.HUNG}
 
 
-class Session:
+class Session(OpenStream):
     """The life cycle of one stream and of its worker.
 
     Args:
@@ -242,7 +243,12 @@ class Session:
         if self._endpoint.admit is not None:
             self._permit = await self._endpoint.admit(self.name)
         # Nothing may be awaited here; otherwise a motion could be sent in between.
-        self._endpoint.streams.add(self)
+        for other in self._endpoint.streams:
+            raise RobotStateError(
+                f"{other!r} is open on this robot; close it before you open another one. "
+                "Nothing was sent"
+            )
+        self._endpoint.streams.append(self)
         if self._endpoint.modes is not None and self._config.sent.ending:
             self._mode_was_on = self._endpoint.modes.enter(self._config.sent.ending)
         try:
@@ -354,7 +360,8 @@ class Session:
         await self._rescue.aclose()
         await self._background.aclose()
         self._note_mode()
-        self._endpoint.streams.remove(self)
+        if self in self._endpoint.streams:
+            self._endpoint.streams.remove(self)
 
     def _note_mode(self) -> None:
         """Note that the mode of the stream is over, or may be on although its worker has ended."""

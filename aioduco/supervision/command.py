@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from aioduco.models.enums import TaskState
     from aioduco.supervision.dispatcher import Dispatcher
     from aioduco.supervision.task import Task
-    from aioduco.supervision.task_command import Aim, Command
+    from aioduco.supervision.task_command import Command
 
 __all__ = ["HeldMotion", "MotionCommand", "check_motions"]
 
@@ -38,14 +38,13 @@ class MotionCommand:
     warning, as a coroutine does.
     """
 
-    __slots__ = ("__weakref__", "_aim", "_dispatcher", "_open", "_used", "command")
+    __slots__ = ("__weakref__", "_dispatcher", "_open", "_used", "command")
 
     #: how to send a motion that was not sent
     _HINT = "await it, or `task = await motion.start()` to go on beside it"
 
-    def __init__(self, dispatcher: Dispatcher, command: Command, aim: Aim | None = None) -> None:
+    def __init__(self, dispatcher: Dispatcher, command: Command) -> None:
         self._dispatcher = dispatcher
-        self._aim = aim
         self._used = False
         self._open: Task | None = None
         self.command: Command = command
@@ -53,7 +52,7 @@ class MotionCommand:
     def __repr__(self) -> str:
         # asyncio puts this into its TypeError when `create_task` is given a motion
         hint = "" if self._used else f": not sent; {self._HINT}"
-        frame = "" if self._aim is None else f" frame={self._aim.frame!r}"
+        frame = f" frame={self.command.frame!r}" if self.aimed else ""
         return f"<{shown(self.command)}{frame}{hint}>"
 
     def __del__(self) -> None:
@@ -69,7 +68,7 @@ class MotionCommand:
     @property
     def aimed(self) -> bool:
         """Whether it depends on the tool's pose when it is sent, so that it is not sent ahead."""
-        return self._aim is not None
+        return self.command.aim is not None
 
     def hand_over(self) -> None:
         """Mark this motion as used, so that it does not warn that it was never used."""
@@ -100,9 +99,7 @@ class MotionCommand:
             deadline = SECONDS("deadline", deadline)
         if on_cancel is not None and on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
-        return await self._dispatcher.launch(
-            self.command, aim=self._aim, deadline=deadline, on_cancel=on_cancel
-        )
+        return await self._dispatcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
 
     async def block(self, lane: WireLane) -> TaskState:
         """Send the motion by the manual's blocking call, and return its state at its end.
@@ -110,7 +107,7 @@ class MotionCommand:
         Args:
             lane: lane on which it is sent.
         """
-        return await self._dispatcher.block(blocking(self.command), lane, self._aim)
+        return await self._dispatcher.block(blocking(self.command), lane)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
         # Here and not in the coroutine: a coroutine that is never awaited gives its own warning.
@@ -118,7 +115,7 @@ class MotionCommand:
         return self._run().__await__()
 
     async def _run(self) -> Outcome:
-        return await (await self._dispatcher.launch(self.command, aim=self._aim))
+        return await (await self._dispatcher.launch(self.command))
 
     async def __aenter__(self) -> Task:
         if self._open is not None:

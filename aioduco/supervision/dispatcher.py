@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import OnCancel
-    from aioduco.supervision.task_command import Aim
 
 
 #: seconds between two checks whether the program may still be moving the arm
@@ -141,7 +140,6 @@ class Dispatcher:
         self,
         command: Command,
         *,
-        aim: Aim | None = None,
         deadline: float | None = None,
         on_cancel: OnCancel | None = None,
     ) -> Task:
@@ -151,18 +149,18 @@ class Dispatcher:
         # stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
             if command.motion:
-                command = await self._prepared(command, permit, aim)
+                command = await self._prepared(command, permit)
             errors = await self._coordinator.follower.error_list()
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
             return await self._launch(command, permit, errors, deadline, on_cancel)
 
-    async def _prepared(self, command: Command, permit: Permit, aim: Aim | None = None) -> Command:
+    async def _prepared(self, command: Command, permit: Permit) -> Command:
         """Wait for stops, then convert a motion into the wire's frame, and check it."""
         await self._permits.after_stops(permit)
         await self._coordinator.modes.settle(command.name)
-        if aim is not None:
-            command = replace(command, args=await aim.arguments(command))
+        if command.aim is not None:
+            command = replace(command, args=await command.aim(command))
         return command if self.check is None else await self.check(command)
 
     @contextlib.contextmanager
@@ -239,7 +237,6 @@ class Dispatcher:
         lane: WireLane,
         timeout: float | None,
         mode: ModeEnding | None = None,
-        aim: Aim | None = None,
     ) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
@@ -250,14 +247,13 @@ class Dispatcher:
             lane: lane on which it is sent; it is in use until the answer comes.
             timeout: seconds for the answer; None for no limit.
             mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
-            aim: converts it into the frame of the wire when it is sent.
 
         Returns:
             The answer.
         """
         permit = self._asked(command)
         async with self._order:
-            command = await self._prepared(command, permit, aim)
+            command = await self._prepared(command, permit)
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
         call, cancelled = await self._coordinator.answered(
@@ -270,19 +266,18 @@ class Dispatcher:
         answer: int = call.value
         return answer
 
-    async def block(self, command: Command, lane: WireLane, aim: Aim | None) -> TaskState:
+    async def block(self, command: Command, lane: WireLane) -> TaskState:
         """Send a motion by the manual's blocking call, and return the state of its task at its end.
 
         Args:
             command: the motion, with block true.
             lane: lane on which it is sent; it is in use until the answer comes.
-            aim: converts it into the frame of the wire when it is sent.
         """
         before, state = self._last, TaskState.IDLE
         if before is not None:
             before.life.successor_sent()
         try:
-            state = TaskState(await self.conduct(command, lane, None, aim=aim))
+            state = TaskState(await self.conduct(command, lane, None))
         finally:
             # What blended into this one is known now, and not when this one was accepted.
             if before is not None and state in (TaskState.FINISHED, TaskState.INTERRUPT):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
-from aioduco.supervision.state_feed import Buffer, Policy, Subscription
+from aioduco.supervision.state_feed import Policy, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -279,7 +279,7 @@ class Events:
             self._running = True
             self._background.start(self._watch_feed(), "aioduco events of the state")
             self._background.start(self._watch_lines(), "aioduco events of the lines")
-        subscription = Subscription[Event](Buffer(policy, size), self._lane.owner_loop)
+        subscription = Subscription[Event](policy, size, self._lane.owner_loop)
         self._subscriptions.append(subscription)
         try:
             yield subscription

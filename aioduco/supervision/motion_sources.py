@@ -10,17 +10,17 @@ A stop leaves points in the track pool, and the next motion through it would fol
 pool; they move nothing by themselves.
 
 Guarantees:
-- `Streams.halt` is synchronous and waits for nothing. After it, a stream sends at most the
+- `OpenStream.halt` is synchronous and waits for nothing. After it, a stream sends at most the
   set-point that is on its way.
-- That set-point may reach the controller after a stop, and make the arm move again. So the caller
-  that stops the arm calls `halt`, sends the stop, waits for `settled` or `quiet`, and sends the
+- That set-point may reach the controller after a stop, and make the arm move again. So who stops
+  the arm calls `halt`, sends the stop, waits until the stream is quiet or has ended, and sends the
   stop once more.
 """
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
@@ -29,12 +29,12 @@ from aioduco.errors import ControllerError, DucoError, Refused, RobotStateError
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
+    from collections.abc import Awaitable, Callable
 
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
-__all__ = ["TRACK_POOL", "ModeEnding", "Modes", "OpenStream", "Streams"]
+__all__ = ["TRACK_POOL", "ModeEnding", "Modes", "OpenStream"]
 
 _log = BackgroundLogger(__name__)
 
@@ -180,132 +180,43 @@ class Modes:
                 _log.warning("%s was not carried out: the mode may still be on: %r", name, exc)
 
 
-_LOOK = 0.001  # seconds between two checks whether a worker is quiet
-
-
-class OpenStream(Protocol):
-    """Interface of a stream that the supervision uses."""
+class OpenStream(ABC):
+    """A stream as the supervision uses it."""
 
     @property
+    @abstractmethod
     def quiet(self) -> bool:
         """Whether its worker can send nothing any more; from any thread."""
-        ...
 
     @property
+    @abstractmethod
     def unanswered(self) -> bool:
         """Whether its worker is stopping the arm until an unanswered set-point cannot move it."""
-        ...
 
+    @abstractmethod
     def halt(self) -> None:
         """Stop sending at once: the arm is being stopped; from any thread or signal handler."""
 
+    @abstractmethod
     def withdraw(self, ending: PermitEnding) -> None:
-        """Stop sending at once, and stop the arm; from any thread or signal handler."""
-
-    def renew(self, lease: float) -> None:
-        """Note until when the controller does not stop the arm by itself; from any thread."""
-
-    def kill(self) -> None:
-        """End a worker that does not end by itself."""
-
-    async def ended(self) -> None:
-        """Wait until its worker has ended."""
-
-
-class Streams:
-    """The open streams of one robot: at most one, since the arm can follow only one."""
-
-    def __init__(self) -> None:
-        self._open: list[OpenStream] = []
-
-    def __len__(self) -> int:
-        return len(self._open)
-
-    def __iter__(self) -> Iterator[OpenStream]:
-        return iter(tuple(self._open))
-
-    def __repr__(self) -> str:
-        return f"<Streams {self._open}>"
-
-    def add(self, stream: OpenStream) -> None:
-        """Add a stream that is being opened.
-
-        Raises:
-            RobotStateError: another one is open.
-        """
-        for other in self:
-            raise RobotStateError(
-                f"{other!r} is open on this robot; close it before you open another one. "
-                "Nothing was sent"
-            )
-        self._open.append(stream)
-
-    def remove(self, stream: OpenStream) -> None:
-        """Remove a stream that has ended."""
-        if stream in self._open:
-            self._open.remove(stream)
-
-    def halt(self) -> bool:
-        """Stop all streams from sending; from any thread or signal handler.
-
-        Returns:
-            Whether there was a stream.
-        """
-        streams = tuple(self._open)
-        for stream in streams:
-            stream.halt()
-        return bool(streams)
-
-    def withdraw(self, ending: PermitEnding) -> None:
-        """Stop all streams from sending; each stops the arm. From any thread or signal handler.
+        """Stop sending at once, and stop the arm; from any thread or signal handler.
 
         Args:
-            ending: why their permits have ended.
+            ending: why its permit has ended.
         """
-        for stream in tuple(self._open):
-            stream.withdraw(ending)
 
+    @abstractmethod
     def renew(self, lease: float) -> None:
-        """Tell all streams until when the controller does not stop the arm; from any thread.
+        """Note until when the controller does not stop the arm by itself; from any thread.
 
         Args:
             lease: that time [s of `boot_time`]; inf: for ever.
         """
-        for stream in tuple(self._open):
-            stream.renew(lease)
 
-    async def settled(self, timeout: float) -> bool:
-        """Wait until no worker can send anything more; a worker that takes longer is killed.
+    @abstractmethod
+    def kill(self) -> None:
+        """End a worker that does not end by itself."""
 
-        Args:
-            timeout: seconds for that. A worker that handles an unanswered set-point may take
-                longer: it ends by itself.
-
-        Returns:
-            Whether each ended by itself; a killed worker may have sent a last set-point.
-        """
-        by_itself = True
-        for stream in self:
-            with anyio.move_on_after(timeout) as scope:
-                await stream.ended()
-            if scope.cancelled_caught and stream.unanswered:
-                await stream.ended()
-            elif scope.cancelled_caught:
-                stream.kill()
-                by_itself = False
-        return by_itself
-
-    def quiet(self, timeout: float) -> None:
-        """As `settled`, from any thread, without killing a worker.
-
-        Args:
-            timeout: seconds to wait.
-        """
-        start = time.monotonic()
-        looks = 0
-        while not all(stream.quiet for stream in self):
-            looks += 1
-            due = start + looks * _LOOK
-            if due > start + timeout:
-                return
-            time.sleep(max(0.0, due - time.monotonic()))
+    @abstractmethod
+    async def ended(self) -> None:
+        """Wait until its worker has ended."""

@@ -28,7 +28,7 @@ from aioduco.errors import (
 from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
-from aioduco.supervision.concurrency import every, on_grid
+from aioduco.supervision.concurrency import Alarm, every, on_grid
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -39,15 +39,15 @@ if TYPE_CHECKING:
     from aioduco.models.samples import Samples
     from aioduco.supervision.concurrency import BackgroundTasks
 
-__all__ = ["Buffer", "FeedStatistics", "Policy", "Snapshot", "StateFeed", "Subscription"]
+__all__ = ["FeedStatistics", "Policy", "Snapshot", "StateFeed", "Subscription"]
 
 T = TypeVar("T")
 
 Policy: TypeAlias = Literal["latest", "drop_oldest", "every"]
 
 
-class Buffer(Generic[T]):
-    """Items that wait between a producer and a consumer.
+class Subscription(Generic[T]):
+    """Items for one reader: `async for item in subscription`.
 
     Args:
         policy: what happens to items that are not taken in time. "latest": a new item replaces
@@ -55,35 +55,46 @@ class Buffer(Generic[T]):
             "every": no waiting item is dropped; when `size` are waiting, new items are dropped, and
             `take` raises `FeedOverflow` after the last waiting one, so that no gap is hidden.
         size: maximum number of waiting items; 1 with "latest".
+        owner_loop: the event loop to which the robot belongs.
 
     Attributes:
-        dropped: number of items that were dropped.
+        dropped: number of items that were dropped because they were not taken in time.
     """
 
-    def __init__(self, policy: Policy, size: int) -> None:
+    def __init__(self, policy: Policy, size: int, owner_loop: OwnerLoop) -> None:
         if policy not in ("latest", "drop_oldest", "every"):
             raise ParameterError("policy", policy, '"latest", "drop_oldest" or "every"')
         if type(size) is not int or size < 1:
             raise ParameterError("size", size, "a whole number from 1")
-        self.policy = policy
-        self.size: int = 1 if policy == "latest" else size
-        self.dropped: int = 0
+        self._policy = policy
+        self._size = 1 if policy == "latest" else size
+        self._owner_loop = owner_loop
         self._items: deque[T] = deque()
         self._overflown = False
+        self._there = Alarm()
+        self._over: DucoError | None = None
+        self.dropped: int = 0
 
-    def __len__(self) -> int:
-        return len(self._items)
+    def __repr__(self) -> str:
+        return (
+            f"<Subscription {self._policy}, {len(self._items)} of {self._size} waiting, "
+            f"{self.dropped} dropped>"
+        )
 
     @property
     def ready(self) -> bool:
-        """Whether `take` returns an item, or raises `FeedOverflow`."""
-        return bool(self._items) or self._overflown
+        """Whether the next item is there already, or an error instead of it."""
+        return bool(self._items) or self._overflown or self._over is not None
 
-    def put(self, item: T) -> None:
-        """Add an item."""
-        if len(self._items) == self.size:
+    def give(self, item: T) -> None:
+        """Add an item; on the event loop."""
+        self._add(item)
+        self._there.ring()
+
+    def _add(self, item: T) -> None:
+        if len(self._items) == self._size:
             self.dropped += 1
-            if self.policy == "every":
+            if self._policy == "every":
                 self._overflown = True
                 return
             self._items.popleft()
@@ -105,10 +116,33 @@ class Buffer(Generic[T]):
         if self._overflown:
             self._overflown = False
             raise FeedOverflow(
-                f"more than {self.size} items waited, and {self.dropped} were dropped: take them "
+                f"more than {self._size} items waited, and {self.dropped} were dropped: take them "
                 "faster, ask for a larger size, or choose another policy"
             )
         raise IndexError("nothing waits")
+
+    def end(self, error: DucoError) -> None:
+        """End the subscription: the reader gets the error after the waiting items."""
+        self._over = error
+        try:
+            self._there.ring()
+        except RuntimeError:
+            # the reader's event loop was closed: no reader waits any more
+            return
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> T:
+        self._owner_loop.require("the next item")
+        if self._items or self._overflown:
+            # else the wait below is a checkpoint
+            await anyio.lowlevel.checkpoint()
+        while not (self._items or self._overflown):
+            if self._over is not None:
+                raise self._over
+            await self._there.wait()
+        return self.take()
 
 
 #: weight of a new interval in the measured rate
@@ -172,67 +206,6 @@ class FeedStatistics(NamedTuple):
     failures: int
     subscribers: int
     dropped: int
-
-
-class Subscription(Generic[T]):
-    """Items for one reader: `async for item in subscription`.
-
-    Args:
-        buffer: holds the waiting items.
-        owner_loop: the event loop to which the robot belongs.
-    """
-
-    def __init__(self, buffer: Buffer[T], owner_loop: OwnerLoop) -> None:
-        self._buffer = buffer
-        self._owner_loop = owner_loop
-        self._there = anyio.Event()
-        self._over: DucoError | None = None
-
-    def __repr__(self) -> str:
-        buffer = self._buffer
-        return (
-            f"<Subscription {buffer.policy}, {len(buffer)} of {buffer.size} waiting, "
-            f"{buffer.dropped} dropped>"
-        )
-
-    @property
-    def dropped(self) -> int:
-        """Number of items that were dropped because they were not taken in time."""
-        return self._buffer.dropped
-
-    @property
-    def ready(self) -> bool:
-        """Whether the next item is there already, or an error instead of it."""
-        return self._buffer.ready or self._over is not None
-
-    def give(self, item: T) -> None:
-        """Add an item; on the event loop."""
-        self._buffer.put(item)
-        self._there.set()
-
-    def end(self, error: DucoError) -> None:
-        """End the subscription: the reader gets the error after the waiting items."""
-        self._over = error
-        try:
-            self._there.set()
-        except RuntimeError:
-            # the reader's event loop was closed: no reader waits any more
-            return
-
-    def __aiter__(self) -> Self:
-        return self
-
-    async def __anext__(self) -> T:
-        self._owner_loop.require("the next item")
-        if self._buffer.ready:
-            # else the wait below is a checkpoint
-            await anyio.lowlevel.checkpoint()
-        while not self._buffer.ready:
-            if self._over is not None:
-                raise self._over
-            self._there = anyio.Event()
-            await self._there.wait()
-        return self._buffer.take()
 
 
 class StateFeed:
@@ -361,7 +334,7 @@ class StateFeed:
             The subscription, for `async for`. It raises `RobotStateError` when the robot closes.
         """
         self._begin()
-        subscription = Subscription[Snapshot](Buffer(policy, size), self._lane.owner_loop)
+        subscription = Subscription[Snapshot](policy, size, self._lane.owner_loop)
         self._subscriptions.append(subscription)
         try:
             yield subscription

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
-    from aioduco.supervision.guard.guarded import GuardClient
 
 #: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
 FIRST_ATTEMPT = 0.25
@@ -53,7 +52,9 @@ class StopChannel:
         stop: lane for stops alone.
         others: lane for pause, resume and abort.
         watch: lane for polls whether the arm moves.
-        guard: sends each stop first; None: there is none.
+        begin_by_guard: lets the guard send a stop, within a number of seconds; it returns what
+            awaits, once, whether the controller accepted it, or None if there is no guard.
+        stop_by_guard: the same from any thread; it returns whether the controller accepted it.
 
     Attributes:
         others: lane for pause, resume and abort.
@@ -62,10 +63,16 @@ class StopChannel:
     """
 
     def __init__(
-        self, stop: WireLane, others: WireLane, watch: WireLane, guard: GuardClient | None = None
+        self,
+        stop: WireLane,
+        others: WireLane,
+        watch: WireLane,
+        begin_by_guard: Callable[[float], _ByGuard | None] = lambda _: None,
+        stop_by_guard: Callable[[float], bool | None] = lambda _: None,
     ) -> None:
         self._stop = stop
-        self._guard = guard
+        self._begin_by_guard = begin_by_guard
+        self._stop_by_guard = stop_by_guard
         self.others: WireLane = others
         self._watch = watch
         self.stops: int = 0
@@ -88,12 +95,12 @@ class StopChannel:
             WrongProcess: this is a forked child; nothing was sent.
         """
         self._stop.owner_loop.require("stop")
-        at, sent = time.monotonic(), None
+        at = time.monotonic()
         self.attempts += 1
-        if self._guard is not None:
-            sent = self._guard.begin_stop(timeout)
         try:
-            first = sent or self._send(self._stop, min(FIRST_ATTEMPT, timeout))
+            first = self._begin_by_guard(timeout) or self._send(
+                self._stop, min(FIRST_ATTEMPT, timeout)
+            )
         except (DucoError, MemoryError) as exc:
             self._begun = at, exc
         else:
@@ -170,11 +177,11 @@ class StopChannel:
         """
         begin = time.monotonic()
         until = begin + timeout
-        if self._guard is not None and (accepted := self._guard.stop_now(timeout)) is not None:
-            self.attempts += 1
-            if accepted:
-                self._accepted_by_guard(begin)
-                return
+        accepted = self._stop_by_guard(timeout)
+        self.attempts += accepted is not None
+        if accepted:
+            self._accepted_by_guard(begin)
+            return
         error: BaseException | None = None
         while (left := until - time.monotonic()) > 0:
             self.attempts += 1

@@ -8,20 +8,16 @@ Guarantees:
   that the arm stands while a command may arrive that makes it move again.
 - The controller may serve a stop before a command that was sent before it. Whoever sent that
   command stops the arm once more, and ends the mode that it has entered.
-- If a program exits without closing its robot, because it forgot to or because repeated interrupts
-  broke its event loop, the arm is stopped when the interpreter exits.
 """
 
 from __future__ import annotations
 
-import atexit
-import os
 import time
 from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._process.reporting import BackgroundLogger, reporter
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     ControllerError,
     DucoError,
@@ -34,7 +30,7 @@ from aioduco.errors import (
 )
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
-from aioduco.supervision.motion_sources import TRACK_POOL, Modes, Streams
+from aioduco.supervision.motion_sources import TRACK_POOL, Modes
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -48,13 +44,13 @@ if TYPE_CHECKING:
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.gate import Gate, Permit
     from aioduco.supervision.loop_watchdog import SignOfLife
-    from aioduco.supervision.motion_sources import ModeEnding
+    from aioduco.supervision.motion_sources import ModeEnding, OpenStream
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_channel import StopChannel
     from aioduco.supervision.task import Task
 
-__all__ = ["ExitStop", "StopCoordinator"]
+__all__ = ["StopCoordinator"]
 
 _log = BackgroundLogger(__name__)
 
@@ -72,8 +68,8 @@ _ACKNOWLEDGED = 0.25
 _BRAKED = 1.0
 #: seconds for the lane of a stream to stop sending: longer than it waits for an answer
 _SILENCE = 2.0
-#: the same in a thread that is blocked meanwhile
-_SILENCE_NOW = 0.1
+#: the same in a thread that is blocked meanwhile, and seconds between two checks
+_SILENCE_NOW, _QUIET_EVERY = 0.1, 0.001
 
 
 class StopCoordinator:
@@ -95,7 +91,8 @@ class StopCoordinator:
         pending: commands on their way that may move the arm, each with the mode that it enters, as
             for `Modes.enter`, or None. A command stays here until its sender has its result:
             meanwhile it is neither on its way nor known to move the arm otherwise.
-        streams: the open streams; they are ended before the arm is brought to rest.
+        streams: the open streams, at most one, since the arm can follow only one; they are ended
+            before the arm is brought to rest.
         closed: whether the connections are closed, so that nothing can be sent any more.
         worker_died: whether a stream's worker has died, perhaps with a set-point on its way.
     """
@@ -121,7 +118,7 @@ class StopCoordinator:
         self.unfollowed_motion: bool = False
         self.modes: Modes = Modes(channel)
         self.pending: dict[LaneCall, ModeEnding | None] = {}
-        self.streams: Streams = Streams()
+        self.streams: list[OpenStream] = []
         self.closed: bool = False
         self.worker_died: bool = False
 
@@ -151,9 +148,10 @@ class StopCoordinator:
         if ending is not PermitEnding.PAUSED:
             self.modes.overdue(TRACK_POOL)
         if ending.stops:
-            self.streams.halt()
+            self._halt_streams()
             return
-        self.streams.withdraw(ending)
+        for stream in tuple(self.streams):
+            stream.withdraw(ending)
         why = HeartbeatLost(ending.value)
         if ending is PermitEnding.HUNG:
             why = HeartbeatLost(
@@ -195,7 +193,7 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
-        streaming = self.streams.halt()
+        streaming = self._halt_streams()
         if self.modes.stoppable or streaming:
             try:
                 await self._channel.stop(timeout)
@@ -205,10 +203,37 @@ class StopCoordinator:
                 await self.modes.leave()
         await self._channel.stop(timeout)
 
+    def _halt_streams(self) -> bool:
+        """Stop all streams from sending. Returns whether there was one."""
+        streams = tuple(self.streams)
+        for stream in streams:
+            stream.halt()
+        return bool(streams)
+
     async def _silence_streams(self) -> None:
-        """Wait until no stream can send anything more."""
-        if not await self.streams.settled(_SILENCE):
-            self.worker_died = True
+        """Wait until no stream can send anything more; a worker that takes too long is killed.
+
+        A worker that handles an unanswered set-point may take longer: it ends by itself. One that
+        was killed may have sent a last set-point.
+        """
+        for stream in tuple(self.streams):
+            with anyio.move_on_after(_SILENCE) as scope:
+                await stream.ended()
+            if scope.cancelled_caught and stream.unanswered:
+                await stream.ended()
+            elif scope.cancelled_caught:
+                stream.kill()
+                self.worker_died = True
+
+    def _wait_until_quiet(self) -> None:
+        """As `_silence_streams`, in any thread, for a short time and without killing a worker."""
+        due = time.monotonic()
+        until = due + _SILENCE_NOW
+        while not all(stream.quiet for stream in tuple(self.streams)):
+            due += _QUIET_EVERY
+            if due > until:
+                return
+            time.sleep(max(0.0, due - time.monotonic()))
 
     async def rest(
         self,
@@ -246,10 +271,10 @@ class StopCoordinator:
             StopUnconfirmed: it accepted none in time.
         """
         with self.gate.stop():
-            streaming = self.streams.halt()
+            streaming = self._halt_streams()
             self._channel.stop_now(timeout)
             if streaming:
-                self.streams.quiet(_SILENCE_NOW)
+                self._wait_until_quiet()
                 self._channel.stop_now(timeout)
 
     def check_loop(self, what: str) -> None:
@@ -534,7 +559,7 @@ class StopCoordinator:
             await self._pause()
 
     async def _pause(self) -> None:
-        if self.streams.halt():
+        if self._halt_streams():
             # A stream follows a clock, so it cannot continue later where it was.
             await self._silence_streams()
         # A paused motion whose task has ended looks as if it were over, but continues when resumed.
@@ -559,7 +584,7 @@ class StopCoordinator:
         """End the running motion and those read ahead, and wait until the arm stands."""
         with self.gate.stop():
             overtaken = dict(self.pending)
-            if self.streams.halt():
+            if self._halt_streams():
                 await self._silence_streams()
             await self._controlled("abort")
             await self.standstill()
@@ -638,49 +663,3 @@ def _may_move(error: BaseException | None) -> bool:
         return True
     # An application error says that something failed, perhaps after the motion was queued.
     return isinstance(error, ControllerError) and not isinstance(error, UnknownFunction)
-
-
-#: seconds within which the stop must be accepted: after it, the interpreter exits
-_LIMIT = 2.0
-
-
-class ExitStop:
-    """Stops the arm at the interpreter's exit, if it may be moving by then.
-
-    It keeps the objects alive that the stop needs, until it is cancelled.
-
-    Args:
-        coordinator: stops the arm.
-    """
-
-    def __init__(self, coordinator: StopCoordinator) -> None:
-        self._coordinator = coordinator
-        self._process = os.getpid()
-        self._stopped = False
-        atexit.register(self._at_exit)
-
-    def stop(self) -> None:
-        """Stop the arm now: the program will not close the robot properly."""
-        self.cancel()
-        # In a forked child the connections are the parent's.
-        if self._stopped or not self._coordinator.moving or os.getpid() != self._process:
-            return
-        try:
-            self._coordinator.stop_now(_LIMIT)
-        except DucoError as exc:
-            _log.critical(
-                "the program ends without having left the robot, and it could not be stopped: %s",
-                exc,
-            )
-        else:
-            self._stopped = True
-            _log.critical("the program ends without having left the robot: the arm was stopped")
-
-    def cancel(self) -> None:
-        """Do nothing at exit: the robot is being closed properly."""
-        atexit.unregister(self._at_exit)
-
-    def _at_exit(self) -> None:
-        self.stop()
-        # Last, the messages of this program are written; the stop does not wait for that.
-        reporter.flush()

@@ -6,11 +6,15 @@ Guarantees:
 - A step that fails is logged, and the next one follows. The first failure is raised at the end.
 - Closing waits for log handlers only after the connections are closed, and for a limited time.
 - The heartbeat beats until the arm was seen to stand, or until that has failed.
+- If a program exits without closing its robot, because it forgot to or because repeated interrupts
+  broke its event loop, the arm is stopped when the interpreter exits.
 """
 
 from __future__ import annotations
 
+import atexit
 import math
+import os
 import random
 import time
 from collections import deque
@@ -54,7 +58,7 @@ from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import RetryingReads, pauses
 from aioduco.supervision.state_feed import StateFeed
 from aioduco.supervision.stop_channel import StopChannel
-from aioduco.supervision.stop_coordinator import ExitStop, StopCoordinator
+from aioduco.supervision.stop_coordinator import StopCoordinator
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
@@ -74,6 +78,8 @@ _log = BackgroundLogger(__name__)
 _SIGNS = 10
 #: maximum seconds between two signs of life
 _SIGN_EVERY = 0.1
+#: seconds within which a stop must be accepted at the interpreter's exit
+_EXIT_LIMIT = 2.0
 #: seconds for a thread to end
 _GRACE = 1.0
 #: seconds between two checks whether a heartbeat was answered
@@ -167,8 +173,11 @@ class Supervisor:
 
             self.guard = guarded.GuardClient(host, port, settings, self._guard_lost, self._beaten)
         self._life = SignOfLife(None if self.guard is None else self.guard.touch)
-        self.stop_channel: StopChannel = StopChannel(
-            self._stop_lane, self._control_lane, self.poll, self.guard
+        lanes = self._stop_lane, self._control_lane, self.poll
+        self.stop_channel: StopChannel = (
+            StopChannel(*lanes)
+            if self.guard is None
+            else StopChannel(*lanes, self.guard.begin_stop, self.guard.stop_now)
         )
         if settings.heartbeat is not None:
             connect = partial(
@@ -213,11 +222,12 @@ class Supervisor:
         )
         self.dispatcher.check = self.envelope.check
         self._replacing_guard = False
-        self._exit_stop: ExitStop | None = None
+        self._process = os.getpid()
         #: ends the watch over the event loop; waits so many seconds for the end of its thread
         self._unwatch: Callable[[float], None] = lambda _: None
         self._opened = False
         self._closed = False
+        self._stopped_at_exit = False
 
     def _permits_ended(self, ending: PermitEnding) -> None:
         """Tell the streams, and the tasks of a program that hung, that their permit has ended."""
@@ -231,7 +241,8 @@ class Supervisor:
         self._stalls = stalls
         if sent:
             self.gate.beaten(sent)
-            self.stop_coordinator.streams.renew(self.gate.lease)
+            for stream in tuple(self.stop_coordinator.streams):
+                stream.renew(self.gate.lease)
 
     def _heartbeat_state(self) -> HeartbeatState:
         return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
@@ -382,7 +393,7 @@ class Supervisor:
             lane.version = self.version.text
         self._opened = True
         self.envelope.begin()
-        self._exit_stop = ExitStop(self.stop_coordinator)
+        atexit.register(self._at_exit)  # this also keeps alive what the stop needs
         self._background.start(self.stop_coordinator.follower.run(), "aioduco task follower")
         self._background.start(self.dispatcher.note_rest(), "aioduco rest")
         if self.guard is not None and not self.guard.alive:
@@ -458,10 +469,33 @@ class Supervisor:
         """Stop what moves, and end the heartbeat, after the program dropped an open robot."""
         if self.owner_loop.in_forked_child:
             return
-        if self._exit_stop is not None:
-            self._exit_stop.stop()
+        self._stop_at_exit()
         if self.heartbeat is not None:
             self.heartbeat.end()
+
+    def _at_exit(self) -> None:
+        self._stop_at_exit()
+        # Last, the messages of this program are written; the stop does not wait for that.
+        reporter.flush()
+
+    def _stop_at_exit(self) -> None:
+        """Stop the arm if it may be moving: the program will not close the robot properly."""
+        atexit.unregister(self._at_exit)
+        # In a forked child the connections are the parent's.
+        if not self._opened or self._stopped_at_exit or os.getpid() != self._process:
+            return
+        if not self.stop_coordinator.moving:
+            return
+        try:
+            self.stop_coordinator.stop_now(_EXIT_LIMIT)
+        except DucoError as exc:
+            _log.critical(
+                "the program ends without having left the robot, and it could not be stopped: %s",
+                exc,
+            )
+        else:
+            self._stopped_at_exit = True
+            _log.critical("the program ends without having left the robot: the arm was stopped")
 
     def _loop_blocked(self) -> Callable[[float, str], None]:
         """Return the callback that the loop's watchdog calls on its thread."""
@@ -519,8 +553,7 @@ class Supervisor:
     async def _close_lanes(self) -> None:
         """End everything that runs for the robot, and close its connections."""
         self.stop_coordinator.closed = True
-        if self._exit_stop is not None:
-            self._exit_stop.cancel()
+        atexit.unregister(self._at_exit)
         if self.heartbeat is not None:
             self.heartbeat.end()
         self.feed.close()

@@ -22,6 +22,7 @@ from aioduco.supervision.task_state import TaskLifecycle, added_entries
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Sequence
 
+    from aioduco.errors import HeartbeatLost
     from aioduco.models.controller_clock import Clock
     from aioduco.supervision.task_command import Command
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
@@ -33,14 +34,25 @@ OnCancel = Literal["stop", "pause", "detach"]
 
 
 class TaskControl(Protocol):
-    """Interface of the supervision that a task uses."""
+    """Interface of the stop coordinator that a task and its follower use.
+
+    It is an interface because the coordinator has the follower, which has the tasks.
+    """
+
+    #: whether a motion may be running that is not followed
+    unfollowed_motion: bool
+
+    @property
+    def stops(self) -> int:
+        """Number of requested stops; rises before a stop is sent."""
+        ...
 
     def check_loop(self, what: str) -> None:
         """Check that this is the robot's event loop, before `what` is done on it."""
         ...
 
     async def stop(self) -> None:
-        """Stop the arm, and wait until it stands."""
+        """As `halt`, to its end even if cancelled; then wait until the motions have ended."""
         ...
 
     async def pause(self) -> None:
@@ -53,6 +65,18 @@ class TaskControl(Protocol):
 
     async def end(self, name: str) -> None:
         """End continuous motions by the function `name` of the wire; wait until the arm stands."""
+        ...
+
+    async def halt(self) -> None:
+        """Stop the arm, and wait until it stands."""
+        ...
+
+    async def standstill(self) -> None:
+        """Wait until the arm stands, without a stop."""
+        ...
+
+    async def lapsed(self) -> HeartbeatLost:
+        """Wait until the controller has stopped the arm by itself, because no heartbeat came."""
         ...
 
     async def joints(self) -> Sequence[float]:

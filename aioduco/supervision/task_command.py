@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
+
+#: makes the arguments of a command in the frame of the wire
+Aim: TypeAlias = "Callable[[Command], Awaitable[tuple[Any, ...]]]"
 
 __all__ = ["Aim", "Command", "blocking", "shown"]
 
@@ -26,6 +29,8 @@ class Command:
         continuous: how it ends, if it is a continuous motion.
         eta: its target and speed, if they are known for the joints.
         sense: direction of a jog, 1 or -1, whose number on the wire depends on the controller.
+        frame: the frame in which it is given, if that is not the wire's.
+        aim: returns its arguments in the frame of the wire, by the tool's pose when it is sent.
     """
 
     name: str
@@ -35,19 +40,8 @@ class Command:
     continuous: ContinuousMotion | None = None
     eta: JointEta | None = None
     sense: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Aim:
-    """Converts a motion into the frame of the wire, by the tool's pose when it is sent.
-
-    Attributes:
-        frame: the frame in which the motion is given.
-        arguments: reads the tool's pose, and returns the arguments in the frame of the wire.
-    """
-
-    frame: str
-    arguments: Callable[[Command], Awaitable[tuple[Any, ...]]]
+    frame: str = ""
+    aim: Aim | None = None
 
 
 def shown(command: Command) -> str:

@@ -25,7 +25,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Hashable
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import anyio
 
@@ -33,7 +33,6 @@ from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     ControllerError,
     DucoError,
-    HeartbeatLost,
     StopUnconfirmed,
     TaskUnknown,
 )
@@ -138,30 +137,6 @@ LOST_AFTER = 2.0
 _WITH_ERRORS = {Outcome.FAILED, Outcome.ILLEGAL, Outcome.PARAMETER_MISMATCH}
 
 
-class ArmStopper(TaskControl, Protocol):
-    """Interface of the stop coordinator that the follower uses."""
-
-    #: whether a motion may be running that is not followed
-    unfollowed_motion: bool
-
-    @property
-    def stops(self) -> int:
-        """Number of requested stops; rises before a stop is sent."""
-        ...
-
-    async def halt(self) -> None:
-        """Stop the arm, and wait until it stands."""
-        ...
-
-    async def standstill(self) -> None:
-        """Wait until the arm stands, without a stop."""
-        ...
-
-    async def lapsed(self) -> HeartbeatLost:
-        """Wait until the controller has stopped the arm by itself, because no heartbeat came."""
-        ...
-
-
 class TaskFollower:
     """Follows tasks to their ends.
 
@@ -178,7 +153,7 @@ class TaskFollower:
     """
 
     def __init__(
-        self, lane: WireLane, arm: ArmStopper, background: BackgroundTasks, clock: Clock
+        self, lane: WireLane, arm: TaskControl, background: BackgroundTasks, clock: Clock
     ) -> None:
         self._lane = lane
         self._clock = clock

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import threading
 from contextlib import contextmanager
+from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco._process.platform import missing_guard_features
-from aioduco.supervision.guard.client import Answer, shared
+from aioduco.supervision.guard.client import shared
 from aioduco.supervision.guard.messages import Release
 
 if TYPE_CHECKING:
@@ -30,10 +30,10 @@ def one_guard() -> Iterator[None]:
         return
     link = shared.acquire()
     try:
-        there = threading.Event()
+        answers: SimpleQueue[str | None] = SimpleQueue()
         # it answers to what it does not know, too, as soon as it runs
-        assert link.ask(lambda token: Release(0, token), Answer(there.set))
-        assert there.wait(30.0)
+        assert link.ask(lambda token: Release(0, token), answers.put)
+        assert answers.get(timeout=30.0) is not None
         yield
     finally:
         shared.release(link)

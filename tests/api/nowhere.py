@@ -29,7 +29,7 @@ class _Launcher:
     ) -> Any:
         return await self._answer(command.name, command.args)
 
-    async def block(self, command: Any, _lane: Any, _aim: Any) -> TaskState:
+    async def block(self, command: Any, _lane: Any) -> TaskState:
         return TaskState(await self._answer(command.name, command.args))
 
     async def feed(self, command: Any, _lane: Any) -> Any:

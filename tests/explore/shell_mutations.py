@@ -51,13 +51,12 @@ async def _asks_at_lock(
     self: Dispatcher,
     command: Any,
     *,
-    aim: Any = None,
     deadline: float | None = None,
     on_cancel: Any = None,
 ) -> Any:
     async with self._order:
         permit = self._asked(command)
-        command = await self._prepared(command, permit, aim)
+        command = await self._prepared(command, permit)
         errors = await self._coordinator.follower.error_list()
         self._admit(command, permit)
         return await self._launch(command, permit, errors, deadline, on_cancel)

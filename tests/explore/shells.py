@@ -603,7 +603,7 @@ class Robot:
         command = self.run[name]
         self.run.ask(command)
         async with self._told(command):
-            state = await self.dispatcher.block(WireCommand(_BLOCKS, (name,)), self.blocking, None)
+            state = await self.dispatcher.block(WireCommand(_BLOCKS, (name,)), self.blocking)
             if state is TaskState.FINISHED and command.cut:
                 raise Violation(f"the call of {name} returns {state.name}, although it stopped")
 

@@ -16,44 +16,44 @@ from hypothesis import strategies as st
 
 import aioduco
 from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
+from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
-from aioduco.supervision.state_feed import Buffer, Policy
+from aioduco.supervision.state_feed import Policy, Subscription
 from aioduco.testing import DropReply, FaultProxy, eventually_async
 
 if TYPE_CHECKING:
     from client.bench import Bench
 
     from aioduco.supervision.events import Event
-    from aioduco.supervision.state_feed import Subscription
 
 ACTIONS = st.lists(st.booleans(), max_size=60)
 
 
 @given(size=st.integers(1, 8), actions=ACTIONS)
 def test_drop_oldest_keeps_the_newest_in_order(size: int, actions: list[bool]) -> None:
-    buffer = Buffer[int]("drop_oldest", size)
+    buffer = Subscription[int]("drop_oldest", size, OwnerLoop())
     model: deque[int] = deque(maxlen=size)
     given_, taken = 0, 0
     for put in actions:
         if put:
-            buffer.put(given_)
+            buffer.give(given_)
             model.append(given_)
             given_ += 1
         elif buffer.ready:
             assert buffer.take() == model.popleft()
             taken += 1
-        assert len(buffer) == len(model)
-        assert given_ == taken + len(buffer) + buffer.dropped  # none is lost uncounted
+        assert len(buffer._items) == len(model)
+        assert given_ == taken + len(buffer._items) + buffer.dropped  # none is lost uncounted
 
 
 @given(size=st.integers(1, 4), actions=ACTIONS)
 def test_every_one_comes_or_the_gap_is_told(size: int, actions: list[bool]) -> None:
-    buffer = Buffer[int]("every", size)
+    buffer = Subscription[int]("every", size, OwnerLoop())
     given_, expected, told = 0, 0, 0
     for put in actions:
         if put:
-            buffer.put(given_)
+            buffer.give(given_)
             given_ += 1
         elif buffer.ready:
             try:
@@ -69,9 +69,9 @@ def test_every_one_comes_or_the_gap_is_told(size: int, actions: list[bool]) -> N
 
 @given(values=st.lists(st.integers(), min_size=1))
 def test_latest_is_the_newest(values: list[int]) -> None:
-    buffer = Buffer[int]("latest", 5)
+    buffer = Subscription[int]("latest", 5, OwnerLoop())
     for value in values:
-        buffer.put(value)
+        buffer.give(value)
     assert buffer.take() == values[-1]
     assert buffer.dropped == len(values) - 1
     with pytest.raises(IndexError):
@@ -81,7 +81,7 @@ def test_latest_is_the_newest(values: list[int]) -> None:
 @pytest.mark.parametrize(("policy", "size"), [("newest", 4), ("every", 0), ("every", 1.5)])
 def test_bad_buffers_are_refused(policy: Policy, size: int) -> None:
     with pytest.raises(aioduco.ParameterError):
-        Buffer[int](policy, size)
+        Subscription[int](policy, size, OwnerLoop())
 
 
 async def test_it_begins_when_it_is_used(bench: Bench, robot: aioduco.Robot) -> None:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import ControllerError, StaleState
 from aioduco.streaming.shared.turning import place_of
-from aioduco.supervision.task_command import Aim
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -14,14 +13,13 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.config import FrameRotation
     from aioduco.streaming.shared.space import Config
     from aioduco.supervision.supervisor import Supervisor
-    from aioduco.supervision.task_command import Command
+    from aioduco.supervision.task_command import Aim, Command
 
 __all__ = ["tool_aim"]
 
 
 def tool_aim(
     supervisor: Supervisor,
-    frame: str,
     rotation: FrameRotation,
     turn: Callable[[Sequence[float], Config], tuple[float, ...]],
 ) -> Aim:
@@ -29,7 +27,6 @@ def tool_aim(
 
     Args:
         supervisor: the robot.
-        frame: frame in which the motion is given.
         rotation: the reads that give the tool's pose in that frame.
         turn: function that rotates six numbers by the tool's pose.
 
@@ -49,4 +46,4 @@ def tool_aim(
             raise StaleState(f"{command.name} was not sent: {exc}") from exc
         return (list(turn(given, place)), *others)
 
-    return Aim(frame, arguments)
+    return arguments

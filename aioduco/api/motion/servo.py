@@ -171,10 +171,9 @@ class ServoMotions(Section):
         turning = into_tool(frame, wobj, tool_)
         aim = None
         if turning is not None:
-            aim = tool_aim(self._supervisor, frame, turning, in_tool)
-        return self._motion(
-            calls.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True, aim=aim
-        )
+            aim = tool_aim(self._supervisor, turning, in_tool)
+        call = calls.servo_tcp(p, v_, a_, tool_, False, *tuning)
+        return self._motion(call, superseded=True, aim=aim, frame=frame)
 
     def servol(
         self,

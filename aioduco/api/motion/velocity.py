@@ -126,8 +126,9 @@ class Velocity(Section):
                     f"along or about one direction with frame={frame!r}: as the tool turns, this "
                     "velocity would have to change; robot.speed.linear does that",
                 )
-            aim = tool_aim(self._supervisor, frame, turning, partial(turned, back=turning.back))
-        return self._held(calls.speedl(twist_, a_, time_, False), _ENDING, time=time, aim=aim)
+            aim = tool_aim(self._supervisor, turning, partial(turned, back=turning.back))
+        call = calls.speedl(twist_, a_, time_, False)
+        return self._held(call, _ENDING, time=time, aim=aim, frame=frame)
 
     async def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.

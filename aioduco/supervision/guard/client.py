@@ -15,7 +15,7 @@ import itertools
 import socket
 import subprocess
 import threading
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from aioduco._process.platform import missing_guard_features
 from aioduco._process.reporting import BackgroundLogger
@@ -42,27 +42,12 @@ if TYPE_CHECKING:
 
 _log = BackgroundLogger(__name__)
 
+#: called on the link's thread with the answer to a request: its error, "" if it went well, and None
+#: if the guard has died
+Answered: TypeAlias = "Callable[[str | None], object]"
+
 #: seconds for a guard without robots to exit
 _END_LIMIT: Final = 2.0
-
-
-class Answer:
-    """The answer to a request, which may not have come yet.
-
-    Args:
-        notify: called on the link's thread when the answer is there.
-    """
-
-    def __init__(self, notify: Callable[[], None]) -> None:
-        self._notify = notify
-        self.given: bool = False
-        self.error: str = ""
-        self.lost: bool = False
-
-    def give(self, error: str, *, lost: bool = False) -> None:
-        """Set the result of the request."""
-        self.error, self.lost, self.given = error, lost, True
-        self._notify()
 
 
 class GuardLink:
@@ -75,7 +60,7 @@ class GuardLink:
     def __init__(self) -> None:
         self._tokens = itertools.count(1)
         self._robots = itertools.count(1)
-        self._answers: dict[int, Answer] = {}
+        self._answers: dict[int, Answered] = {}
         #: for each robot, what is called with a beat, and when the guard is lost
         self._listeners: dict[int, tuple[Callable[[Beat], None], Callable[[], None]]] = {}
         self._collected: list[Stop] | None = None
@@ -153,20 +138,20 @@ class GuardLink:
         return self.alive and send_at_once(self._socket.fileno(), packet) == len(packet)
 
     def ask(
-        self, request: Callable[[int], Message], answer: Answer, *, at_once: bool = True
+        self, request: Callable[[int], Message], answered: Answered, *, at_once: bool = True
     ) -> bool:
         """Send a request that is answered by `Done`.
 
         Args:
             request: makes the message, given the token.
-            answer: gets the result; also when the guard dies.
+            answered: gets the answer.
             at_once: whether to send a stop now, even while stops are collected.
 
         Returns:
-            Whether it was sent, or will be; if not, `answer` never gets a result.
+            Whether it was sent, or will be; if not, `answered` is never called.
         """
         token = next(self._tokens)
-        self._answers[token] = answer
+        self._answers[token] = answered
         message = request(token)
         if not at_once and self._collected is not None and isinstance(message, Stop):
             self._collected.append(message)
@@ -190,8 +175,8 @@ class GuardLink:
                 tokens = [token for each in part for token in each.tokens]
                 if not self.tell(Stop(robots, tokens, min(each.until for each in part))):
                     for token in tokens:
-                        if (answer := self._answers.pop(token, None)) is not None:
-                            answer.give("the guard does not read")
+                        if (answered := self._answers.pop(token, None)) is not None:
+                            answered("the guard does not read")
 
     def end(self) -> None:
         """Close the link: a guard without robots exits, one with robots stops their arms first."""
@@ -216,9 +201,8 @@ class GuardLink:
             while packet := self._socket.recv(MAX_PACKET):
                 match unpack(packet):
                     case Done(token, error):
-                        answer = self._answers.pop(token, None)
-                        if answer is not None:
-                            answer.give(error)
+                        if (answered := self._answers.pop(token, None)) is not None:
+                            answered(error)
                     case Beat() as beat:
                         if (listener := self._listeners.get(beat.robot)) is not None:
                             listener[0](beat)
@@ -237,9 +221,8 @@ class GuardLink:
         # Not closed: a thread that is sending must not find another file under its number.
         self.end()
         for token in list(self._answers):
-            answer = self._answers.pop(token, None)
-            if answer is not None:
-                answer.give("the guard's process is gone", lost=True)
+            if (answered := self._answers.pop(token, None)) is not None:
+                answered(None)
         for _, lost in list(self._listeners.values()):
             lost()
         try:

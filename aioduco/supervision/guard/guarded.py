@@ -19,7 +19,7 @@ from aioduco._process.platform import boot_time
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion
-from aioduco.supervision.guard.client import Answer, GuardLink, shared
+from aioduco.supervision.guard.client import GuardLink, shared
 from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
 from aioduco.supervision.heartbeat import HeartbeatState, HeartbeatStatistics
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
     from typing import Any
 
+    from aioduco.supervision.guard.client import Answered
     from aioduco.supervision.settings import RobotSettings
 
 #: seconds after which a stop that the guard has not confirmed is also sent over the local lanes
@@ -250,16 +251,19 @@ class GuardClient:
         """
         until = time.monotonic() + min(CONFIRM_LIMIT, timeout)
         done = anyio.Event()
-        answer = self._send_stop(until, loop_callback(done.set), at_once=False)
-        if answer is None:
-            return None
+        ring = loop_callback(done.set)
+        answers: list[str | None] = []
+
+        def answered(error: str | None) -> None:
+            answers.append(error)
+            ring()
 
         async def accepted() -> bool:
             with anyio.move_on_after(until - time.monotonic()):
                 await done.wait()
-            return answer.given and not answer.error
+            return answers == [""]
 
-        return accepted
+        return accepted if self._send_stop(until, answered, at_once=False) else None
 
     def stop_now(self, timeout: float) -> bool | None:
         """Send a stop from any thread or signal handler, even while stops are collected.
@@ -271,25 +275,19 @@ class GuardClient:
             Whether the controller accepted it in time; None if there is no guard.
         """
         limit = min(CONFIRM_LIMIT, timeout)
-        done: SimpleQueue[None] = SimpleQueue()
-        answer = self._send_stop(time.monotonic() + limit, lambda: done.put(None), at_once=True)
-        if answer is None:
+        answers: SimpleQueue[str | None] = SimpleQueue()
+        if not self._send_stop(time.monotonic() + limit, answers.put, at_once=True):
             return None
         try:
-            done.get(timeout=limit)
+            return answers.get(timeout=limit) == ""
         except Empty:
             return False
-        return not answer.error
 
-    def _send_stop(
-        self, until: float, notify: Callable[[], None], *, at_once: bool
-    ) -> Answer | None:
+    def _send_stop(self, until: float, answered: Answered, *, at_once: bool) -> bool:
         link, robot = self._link, self._robot
         if link is None or not robot:
-            return None
-        answer = Answer(notify)
-        sent = link.ask(lambda token: Stop([robot], [token], until), answer, at_once=at_once)
-        return answer if sent else None
+            return False
+        return link.ask(lambda token: Stop([robot], [token], until), answered, at_once=at_once)
 
     # -- what the guard says -------------------------------------------------------------------
 
@@ -298,12 +296,17 @@ class GuardClient:
     ) -> str | None:
         """Send a request. Returns its error, "" if it went well, None if no answer came."""
         done = anyio.Event()
-        answer = Answer(loop_callback(done.set))
-        if not link.ask(request, answer):
-            return None
-        with anyio.move_on_after(limit):
-            await done.wait()
-        return answer.error if answer.given and not answer.lost else None
+        ring = loop_callback(done.set)
+        answers: list[str | None] = []
+
+        def answered(error: str | None) -> None:
+            answers.append(error)
+            ring()
+
+        if link.ask(request, answered):
+            with anyio.move_on_after(limit):
+                await done.wait()
+        return answers[0] if answers else None
 
     def _heard(self, beat: Beat) -> None:
         self._heard_at = boot_time()
