@@ -142,7 +142,7 @@ class Modes:
                 if args is None:
                     continue  # it was left meanwhile
                 try:
-                    await self._channel.leave(name, args, _LEAVE_LIMIT)
+                    await self._channel.control(name, args, _LEAVE_LIMIT)
                 except (DucoError, MemoryError) as exc:
                     _log.warning("%s after a stop was not carried out: %r", name, exc)
                     if not isinstance(exc, Refused | ControllerError):
@@ -171,7 +171,7 @@ class Modes:
         for name in sorted(self.left_at_standstill):
             self.left_at_standstill.discard(name)
             try:
-                answer = await self._channel.leave(name, (), timeout)
+                answer = await self._channel.control(name, (), timeout)
                 if answer > max(TaskState):
                     await follow(name, answer, timeout)
                 elif answer != TaskState.FINISHED:

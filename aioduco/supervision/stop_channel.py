@@ -272,34 +272,26 @@ class StopChannel:
             ) from error
         raise _unconfirmed(f"the arm still moves after {seconds:.3g} s", None)
 
-    async def leave(self, name: str, args: tuple[bool, ...], timeout: float) -> int:
-        """Call once a function that ends a mode.
+    async def control(
+        self, name: str, args: tuple[bool, ...] = (False,), timeout: float | None = None
+    ) -> int:
+        """Call once a function that pauses or aborts tasks, or ends a mode.
 
         Args:
             name: the function of the wire.
             args: its arguments.
-            timeout: seconds for its answer.
+            timeout: seconds for its answer; None for the lane's limit.
 
         Returns:
-            Its answer: the id of a task, or how it ended.
-
-        Raises:
-            DucoError: it was not carried out, or it is not known whether it was.
-        """
-        answer: int = await self.others.call(name, args, timeout)
-        if answer < 0:
-            raise Refused(name, answer, "no reason is given")
-        return answer
-
-    async def send(self, name: str) -> int:
-        """Send pause, resume or abort once. Returns the id of the task that it became.
+            Its answer: the id of the task that it became, or how it ended.
 
         Raises:
             Refused: the controller refused it.
             OutcomeUnknown: it was sent, but not answered.
             ConnectionLost: it was not sent.
         """
-        answer: int = await self.others.call(name, (False,))
+        limit = self.others.call_timeout if timeout is None else timeout
+        answer: int = await self.others.call(name, args, limit)
         if answer < 0:
             raise Refused(name, answer, "no reason is given")
         return answer

@@ -622,7 +622,7 @@ class StopCoordinator:
 
     async def _controlled(self, name: str) -> None:
         stops = self.stops
-        answer = await self._channel.send(name)
+        answer = await self._channel.control(name)
         for task in self.follower.tasks:
             task.release_clock()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)

@@ -44,7 +44,7 @@ from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import STOOD, added_entries
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.controller_clock import Clock
@@ -381,7 +381,7 @@ class TaskFollower:
         told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
             self._background.start(
-                self._see_standing(task),
+                self._see(task, self._arm.standstill, "%r was stopped, but %s"),
                 "aioduco standstill",
                 lambda: self._mark_ended(task, (), now),
             )
@@ -417,23 +417,28 @@ class TaskFollower:
         `mark_ended` is called when the arm stands, or when no stop could be confirmed.
         """
         self._arm.unfollowed_motion = True
-        self._background.start(self._see_stopped(task), "aioduco stop of a lost task", mark_ended)
+        see_stopped = self._see(task, self._arm.halt, "%r was lost sight of: %s")
+        self._background.start(see_stopped, "aioduco stop of a lost task", mark_ended)
         self._background.start(self._see_lapsed(task, mark_ended), "aioduco lost heartbeat")
 
-    async def _see_standing(self, task: Task) -> None:
-        try:
-            await self._arm.standstill()
-        except StopUnconfirmed as exc:
-            task.fault = exc
-            _log.critical("%r was stopped, but %s", task, exc)
+    async def _see(
+        self, task: Task, step: Callable[[], Awaitable[None]], failed: str
+    ) -> StopUnconfirmed | None:
+        """Carry out a step that brings the arm to rest. If that is not known in the end, say so.
 
-    async def _see_stopped(self, task: Task) -> None:
+        Args:
+            task: the task that cannot end before.
+            step: the step.
+            failed: message for the log, with places for the task and the error.
+        """
         try:
-            await self._arm.halt()
+            await step()
         except StopUnconfirmed as exc:
             if not task.done:
                 task.fault = exc
-            _log.critical("%r was lost sight of: %s", task, exc)
+            _log.critical(failed, task, exc)
+            return exc
+        return None
 
     async def _see_lapsed(self, task: Task, mark_ended: Callable[[], None]) -> None:
         """End a lost task as soon as the controller has stopped the arm by itself.
@@ -467,9 +472,5 @@ class TaskFollower:
             )
 
     async def _stop_overdue(self, task: Task) -> None:
-        try:
-            await self._arm.halt()
-        except StopUnconfirmed as exc:
-            task.fault = exc
+        if await self._see(task, self._arm.halt, "%r is overdue: %s"):
             task.life.mark_lost()
-            _log.critical("%r is overdue: %s", task, exc)

@@ -167,6 +167,7 @@ class Lane:
         self._run = run
         self.name = name
         self.owner_loop = _OwnerLoop()
+        self.call_timeout = 2.0
         self._busy: _Call | None = None
         self._waiting: deque[_Call] = deque()
         self._timers: dict[LaneCall, asyncio.TimerHandle] = {}

@@ -250,18 +250,10 @@ class GuardClient:
             Awaits, once, whether the controller accepted it in time; None if there is no guard.
         """
         until = time.monotonic() + min(CONFIRM_LIMIT, timeout)
-        done = anyio.Event()
-        ring = loop_callback(done.set)
-        answers: list[str | None] = []
-
-        def answered(error: str | None) -> None:
-            answers.append(error)
-            ring()
+        answered, answer = _answer()
 
         async def accepted() -> bool:
-            with anyio.move_on_after(until - time.monotonic()):
-                await done.wait()
-            return answers == [""]
+            return await answer(until - time.monotonic()) == ""
 
         return accepted if self._send_stop(until, answered, at_once=False) else None
 
@@ -295,18 +287,8 @@ class GuardClient:
         self, link: GuardLink, request: Callable[[int], Watch | Release], limit: float
     ) -> str | None:
         """Send a request. Returns its error, "" if it went well, None if no answer came."""
-        done = anyio.Event()
-        ring = loop_callback(done.set)
-        answers: list[str | None] = []
-
-        def answered(error: str | None) -> None:
-            answers.append(error)
-            ring()
-
-        if link.ask(request, answered):
-            with anyio.move_on_after(limit):
-                await done.wait()
-        return answers[0] if answers else None
+        answered, answer = _answer()
+        return await answer(limit) if link.ask(request, answered) else None
 
     def _heard(self, beat: Beat) -> None:
         self._heard_at = boot_time()
@@ -317,6 +299,27 @@ class GuardClient:
         self._robot = 0
         self.losses += 1
         self._lost()
+
+
+def _answer() -> tuple[Answered, Callable[[float], Coroutine[Any, Any, str | None]]]:
+    """Make what takes an answer, on any thread, and what awaits it for a number of seconds.
+
+    The latter returns the error, "" if it went well, and None if no answer came.
+    """
+    done = anyio.Event()
+    ring = loop_callback(done.set)
+    answers: list[str | None] = []
+
+    def answered(error: str | None) -> None:
+        answers.append(error)
+        ring()
+
+    async def answer(limit: float) -> str | None:
+        with anyio.move_on_after(limit):
+            await done.wait()
+        return answers[0] if answers else None
+
+    return answered, answer
 
 
 def _ignore() -> None:
