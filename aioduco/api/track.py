@@ -204,7 +204,7 @@ class Track(Section, TrackStreams):
         self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]]
     ) -> None:
         """Put points into the pool, by a call of the wire, after a check against the envelope."""
-        await self._modes.settle(call.name)
+        await self._modes.leave_overdue(call.name)
         held = self._kind
         if kind is not None and held is not None and held is not kind:
             raise RobotStateError(

@@ -112,7 +112,7 @@ class Dispatcher:
         async with self._order:
             coordinator = self._coordinator
             await self._permits.after_stops(permit)
-            await coordinator.modes.settle(name)
+            await coordinator.modes.leave_overdue(name)
             self._admit(command, permit)
             tasks = [task for task in coordinator.follower.tasks if task.motion]
             if tasks or coordinator.modes.moving or coordinator.pending:
@@ -158,7 +158,7 @@ class Dispatcher:
     async def _prepared(self, command: Command, permit: Permit) -> Command:
         """Wait for stops, then convert a motion into the wire's frame, and check it."""
         await self._permits.after_stops(permit)
-        await self._coordinator.modes.settle(command.name)
+        await self._coordinator.modes.leave_overdue(command.name)
         if command.aim is not None:
             command = replace(command, args=await command.aim(command))
         return command if self.check is None else await self.check(command)
@@ -297,7 +297,7 @@ class Dispatcher:
         """
         permit = self._asked(command)
         await self._permits.after_stops(permit)
-        await self._coordinator.modes.settle(command.name)
+        await self._coordinator.modes.leave_overdue(command.name)
         self._admit(command, permit)
         self._gate.resume()
         answer: int = await lane.call(

@@ -107,7 +107,7 @@ class Modes:
         self._overdue.discard(ending)
 
     def overdue(self, ending: str) -> None:
-        """Note that a mode should be off, and may be on: `settle` leaves it. From any thread."""
+        """Note that a mode should be off, and may be on: `leave_overdue` leaves it. From any thread."""
         if ending in self._on:
             self._overdue.add(ending)
 
@@ -118,7 +118,7 @@ class Modes:
         """
         await self._leave(tuple(self._on))
 
-    async def settle(self, name: str) -> None:
+    async def leave_overdue(self, name: str) -> None:
         """Leave the modes that should be off by now, before something that moves the arm is sent.
 
         Args:

@@ -388,7 +388,7 @@ class Task:
             self._wake()
         return changed
 
-    def _settle(self, errors: Sequence[str], now: float) -> None:
+    def _finish(self, errors: Sequence[str], now: float) -> None:
         """Note that the task has ended for good, and wake its waiters."""
         if not self.done:
             self._errors = added_entries(self._errors_before, errors)

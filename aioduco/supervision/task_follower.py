@@ -183,10 +183,10 @@ class TaskFollower:
             now = time.monotonic()
             task.life.mark_lost()
             if task.motion:
-                # it was sent, and is not followed: it is stopped before it settles
-                self._stop_lost(task, lambda: task._settle((), now))
+                # it was sent, and is not followed: it is stopped before it ends
+                self._stop_lost(task, lambda: task._finish((), now))
             else:
-                task._settle((), now)
+                task._finish((), now)
             return
         self._seen[task] = task.accepted_at
         self._schedule.add(task, task.accepted_at)
@@ -394,7 +394,7 @@ class TaskFollower:
     def _mark_ended(self, task: Task, errors: Sequence[str], now: float) -> None:
         self._seen.pop(task, None)
         was_done = task.done
-        task._settle(errors, now)
+        task._finish(errors, now)
         if not self._seen and not self._closed:
             self._list_due = True
             self._alarm.ring()

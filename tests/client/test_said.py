@@ -204,7 +204,7 @@ def test_help_of_a_task_shows_what_programs_use() -> None:
     for task in (aioduco.Task, aioduco.sync.Task):
         text = helped(task)
         assert " wait(" in text
-        for internal in ("on_wait_cancelled", "settle", "observed", "begins_at"):
+        for internal in ("on_wait_cancelled", "_finish", "observed", "begins_at"):
             assert internal not in text
 
 

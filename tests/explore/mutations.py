@@ -248,7 +248,7 @@ MUTATIONS = (
     Mutation(
         "6: a mode that may be on is not left before a motion",
         Program,
-        "settle",
+        "leave_overdue",
         _settles_nothing,
         scenarios.StreamLost,
     ),

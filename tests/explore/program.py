@@ -216,7 +216,7 @@ class Program:
         yield from self.acquire()
         try:
             yield from self.after_stops(permit)
-            yield from self.settle()
+            yield from self.leave_overdue()
             if reads:
                 yield from self.up()
             self.admit(permit)
@@ -272,7 +272,7 @@ class Program:
         self.note_mode(command)
         try:
             yield from self.after_stops(permit)
-            yield from self.settle()
+            yield from self.leave_overdue()
             self.admit(permit)
             pending, cancelled = yield from self.answered(permit, command, followed=False)
             if cancelled is not None:
@@ -467,8 +467,8 @@ class Program:
         if mode not in self.modes:
             self.modes.append(mode)
 
-    def settle(self) -> Steps[None]:
-        """`Modes.settle`."""
+    def leave_overdue(self) -> Steps[None]:
+        """`Modes.leave_overdue`."""
         for mode in tuple(self.overdue):
             yield from self.leave_mode(mode)
         if self.overdue:

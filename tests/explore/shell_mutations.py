@@ -117,7 +117,7 @@ SHELL_MUTATIONS = (
     ShellMutation(
         "6: a mode that may be on is not left before a motion",
         Modes,
-        "settle",
+        "leave_overdue",
         _awaits_nothing,
         programs.Overdue,
     ),
