@@ -87,12 +87,12 @@ class Dispatcher:
         coordinator = self._coordinator
         async for _ in every(_REST_EVERY):
             # No await between the last check for commands on their way, and `at_rest`.
-            if not coordinator.life.moves or coordinator.busy:
+            if not coordinator.liveness.moves or coordinator.busy:
                 continue
             stands = await coordinator.stands()
             self._gate.seen(boot_time(), standing=stands)
             if stands and not coordinator.moving and not self._order.statistics().locked:
-                coordinator.life.at_rest()
+                coordinator.liveness.at_rest()
 
     async def admit_stream(self, name: str) -> Permit:
         """Check that a stream of set-points may begin.
@@ -340,7 +340,7 @@ class Dispatcher:
             return
         self._refuse_beside_stream(command.name)
         self._permits.check(permit)
-        self._coordinator.life.will_move(command.name)
+        self._coordinator.liveness.will_move(command.name)
 
     def _refuse_beside_stream(self, name: str) -> None:
         for stream in self._coordinator.streams:

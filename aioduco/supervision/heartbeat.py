@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
-    from aioduco.supervision.loop_watchdog import SignOfLife
+    from aioduco.supervision.loop_watchdog import Liveness
 
 __all__ = [
     "Heartbeat",
@@ -193,7 +193,7 @@ class Heartbeat:
     Args:
         connect: makes a connection that is not open yet.
         seconds: seconds without a beat after which the controller stops the arm.
-        life: the event loop's sign of life.
+        liveness: the event loop's sign of life.
         stall_limit: seconds without a sign of life after which no beat is sent.
         changed: called on the thread after each beat, answered or not, and each change of state.
         remote: whether the signs of life come from another process. If this process was suspended,
@@ -204,7 +204,7 @@ class Heartbeat:
         self,
         connect: Callable[[], Connection],
         seconds: float,
-        life: SignOfLife,
+        liveness: Liveness,
         stall_limit: float,
         changed: Callable[[Heartbeat], None] | None = None,
         *,
@@ -212,7 +212,7 @@ class Heartbeat:
     ) -> None:
         self._connect = connect
         self._seconds = seconds
-        self._life = life
+        self._liveness = liveness
         self._stall_limit = stall_limit
         self._changed = changed
         self._remote = remote
@@ -258,7 +258,7 @@ class Heartbeat:
 
     def start(self) -> None:
         """Start to send beats."""
-        self._life.touch(time.monotonic())
+        self._liveness.touch(time.monotonic())
         self._thread.start()
 
     @property
@@ -273,7 +273,7 @@ class Heartbeat:
 
     def rearm(self) -> None:
         """Resume the beats after a stall of the event loop: the next beat is sent at once."""
-        self._life.touch(time.monotonic())
+        self._liveness.touch(time.monotonic())
         self._machine.rearm()
         self._nudge.set()
 
@@ -305,7 +305,7 @@ class Heartbeat:
                 before = self._machine.state
                 if self._remote and now - planned > self._seconds:
                     self._machine.suspended(now)
-                may = self._machine.may_beat(now, self._life.stamp)
+                may = self._machine.may_beat(now, self._liveness.stamp)
                 if (
                     self._machine.state is HeartbeatState.STALLED
                     and before is not self._machine.state
@@ -333,12 +333,12 @@ class Heartbeat:
         """Return when to wake up: for the next beat, or because a sign of life is overdue."""
         if self._machine.state is HeartbeatState.STALLED:
             return due
-        since = max(self._life.stamp, self._machine.suspended_at)
+        since = max(self._liveness.stamp, self._machine.suspended_at)
         return min(due, since + self._stall_limit + _LATER)
 
     def _stop_stalled(self, deadline: float) -> None:
         """Stop the arm at once if the event loop hangs; the missing beats would stop it later."""
-        if not self._life.moves or self.lapsed:
+        if not self._liveness.moves or self.lapsed:
             return
         try:
             if self._line is None:
@@ -384,11 +384,11 @@ class Heartbeat:
     def _report(self, before: HeartbeatState) -> None:
         match self._machine.state:
             case HeartbeatState.STALLED:
-                stall = boot_time() - self._life.stamp
+                stall = boot_time() - self._liveness.stamp
                 _log.error(
                     "the event loop has not run for %.2f s: %sthe heartbeat is withheld. "
                     "Call robot.rearm_heartbeat() to go on",
-                    *(stall, "the arm is stopped, and " if self._life.moves else ""),
+                    *(stall, "the arm is stopped, and " if self._liveness.moves else ""),
                 )
             case HeartbeatState.LOST:
                 _log.error(

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
 
-__all__ = ["LoopWatchdog", "SignOfLife", "blocking_stack", "watchdogs"]
+__all__ = ["Liveness", "LoopWatchdog", "blocking_stack", "watchdogs"]
 
 _log = BackgroundLogger(__name__)
 
@@ -31,7 +31,7 @@ _log = BackgroundLogger(__name__)
 _DEPTH = 12
 
 
-class SignOfLife:
+class Liveness:
     """When the event loop last ran, and whether its program moves the arm.
 
     Written by the loop, read by any thread. The heartbeat's thread, and the guard, stop the arm of
@@ -109,11 +109,11 @@ class LoopWatchdog:
     def __init__(self, loop_thread: int) -> None:
         self._loop_thread = loop_thread
         #: signs of life of the robots, each with its limit and its callback; replaced as a whole
-        self._watched: dict[SignOfLife, tuple[float, Callable[[float, str], None]]] = {}
+        self._watched: dict[Liveness, tuple[float, Callable[[float, str], None]]] = {}
         self._changed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="aioduco-loop-watchdog", daemon=True)
 
-    def add(self, life: SignOfLife, limit: float, blocked: Callable[[float, str], None]) -> None:
+    def add(self, life: Liveness, limit: float, blocked: Callable[[float, str], None]) -> None:
         """Add a robot; `_Watchdogs.watch` describes it."""
         first = not self._watched
         self._watched = {**self._watched, life: (limit, blocked)}
@@ -124,7 +124,7 @@ class LoopWatchdog:
                 self._watched = {}
                 raise
 
-    def remove(self, life: SignOfLife) -> bool:
+    def remove(self, life: Liveness) -> bool:
         """Remove a robot. Returns whether none is left, so that the thread ends."""
         self._watched = {one: how for one, how in self._watched.items() if one is not life}
         if self._watched:
@@ -179,7 +179,7 @@ class _Watchdogs:
         self._by_thread = {}
 
     def watch(
-        self, life: SignOfLife, limit: float, blocked: Callable[[float, str], None]
+        self, life: Liveness, limit: float, blocked: Callable[[float, str], None]
     ) -> Callable[[float], None]:
         """Watch the loop of the calling thread for a robot.
 

@@ -107,7 +107,7 @@ class Modes:
         self._overdue.discard(ending)
 
     def overdue(self, ending: str) -> None:
-        """Note that a mode should be off, and may be on: `leave_overdue` leaves it. From any thread."""
+        """Note that a mode should be off, and may be on; `leave_overdue` ends it. Any thread."""
         if ending in self._on:
             self._overdue.add(ending)
 

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.gate import Gate, Permit
-    from aioduco.supervision.loop_watchdog import SignOfLife
+    from aioduco.supervision.loop_watchdog import Liveness
     from aioduco.supervision.motion_sources import ModeEnding, OpenStream
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
@@ -80,7 +80,7 @@ class StopCoordinator:
         poll: lane on which tasks are polled.
         background: runs coroutines that no caller waits for.
         settings: times and limits.
-        life: notes that the program may move the arm, before anything is sent that may do so.
+        liveness: notes that the program may move the arm, before anything is sent that may do so.
         beats_lapsed: whether the controller has stopped the arm by itself, for want of beats.
         permits: given by the gate, which is closed while the arm is brought to rest.
 
@@ -103,7 +103,7 @@ class StopCoordinator:
         poll: WireLane,
         background: BackgroundTasks,
         settings: RobotSettings,
-        life: SignOfLife,
+        liveness: Liveness,
         beats_lapsed: Callable[[], bool],
         permits: Permits,
     ) -> None:
@@ -113,7 +113,7 @@ class StopCoordinator:
         self._beats_lapsed = beats_lapsed
         self._poll = poll
         self._settings = settings
-        self.life = life
+        self.liveness = liveness
         self.follower: TaskFollower = TaskFollower(poll, self, background, settings.clock)
         self.unfollowed_motion: bool = False
         self.modes: Modes = Modes(channel)
@@ -574,7 +574,7 @@ class StopCoordinator:
         permit = self.permits.ask("resume")
         await self.permits.after_stops(permit)
         self.permits.check(permit)
-        self.life.will_move("resume")
+        self.liveness.will_move("resume")
         # Motions of other programs are resumed, too, and are this program's from now on.
         self.gate.resume()
         answer = await self._resumed(permit)

@@ -53,7 +53,7 @@ from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
-from aioduco.supervision.loop_watchdog import SignOfLife, watchdogs
+from aioduco.supervision.loop_watchdog import Liveness, watchdogs
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import RetryingReads, pauses
 from aioduco.supervision.state_feed import StateFeed
@@ -172,7 +172,7 @@ class Supervisor:
             from aioduco.supervision.guard import guarded  # noqa: PLC0415  # few robots have one
 
             self.guard = guarded.GuardClient(host, port, settings, self._guard_lost, self._beaten)
-        self._life = SignOfLife(None if self.guard is None else self.guard.touch)
+        self._liveness = Liveness(None if self.guard is None else self.guard.touch)
         lanes = self._stop_lane, self._control_lane, self.poll
         self.stop_channel: StopChannel = (
             StopChannel(*lanes)
@@ -188,7 +188,7 @@ class Supervisor:
                 route=self._route,
             )
             self.heartbeat = self.guard or Heartbeat(
-                *(connect, settings.heartbeat, self._life),
+                *(connect, settings.heartbeat, self._liveness),
                 *(settings.loop_stall_limit, self._beaten),
             )
         self.gate: Gate = Gate(
@@ -201,7 +201,7 @@ class Supervisor:
             self.poll,
             self._background,
             settings,
-            self._life,
+            self._liveness,
             lambda: self.heartbeat is not None and self.heartbeat.lapsed,
             self.permits,
         )
@@ -357,7 +357,7 @@ class Supervisor:
             polls=self.stop_coordinator.follower.polls,
             stops=self.stop_channel.stops,
             stop_attempts=self.stop_channel.attempts,
-            longest_stall=self._life.longest_stall,
+            longest_stall=self._liveness.longest_stall,
         )
 
     async def open(self) -> None:
@@ -461,9 +461,9 @@ class Supervisor:
     def _watch_loop(self) -> None:
         if self.settings.lag_limit is not None:
             # The time that opening took does not count: the loop is watched from now on.
-            self._life.touch(time.monotonic())
+            self._liveness.touch(time.monotonic())
             limit = self.settings.lag_limit
-            self._unwatch = watchdogs.watch(self._life, limit, self._loop_blocked())
+            self._unwatch = watchdogs.watch(self._liveness, limit, self._loop_blocked())
 
     def forget(self) -> None:
         """Stop what moves, and end the heartbeat, after the program dropped an open robot."""
@@ -572,7 +572,7 @@ class Supervisor:
         if self.guard is not None:
             self._stalls = 0
             await self.guard.acquire()
-            self._life.touch(time.monotonic())
+            self._liveness.touch(time.monotonic())
 
     def _guard_lost(self) -> None:
         """Stop the arm, and start another guard, since the guard and its heartbeat have ended."""
@@ -614,7 +614,7 @@ class Supervisor:
         """Give signs of life of the event loop, first at `due`."""
         period = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
         async for turn in every(period, due):
-            self._life.touch(turn, counts=self.gate.alive(boot_time()))
+            self._liveness.touch(turn, counts=self.gate.alive(boot_time()))
 
     def _crashed(self, error: BaseException) -> None:
         """End the heartbeat after a failure of the supervision: the controller stops the arm."""

@@ -40,7 +40,7 @@ from aioduco.supervision.concurrency import BackgroundTasks
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate
-from aioduco.supervision.loop_watchdog import SignOfLife
+from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -556,7 +556,7 @@ class Robot:
             lanes[2],
             self.background,
             settings,
-            SignOfLife(),
+            Liveness(),
             lambda: False,
             self.permits,
         )

@@ -339,7 +339,7 @@ async def test_a_guard_makes_nothing_that_needs_memory(
     program, _ = pair = socket.socketpair()
     guarded = GuardedRobot(Watch(1, 1, bench.host, bench.port, None, 1.0, 3.0, 2.0), Guard(program))
     await guarded.open()
-    guarded.life.moves = True
+    guarded.liveness.moves = True
     with no_memory_to_make_anything(monkeypatch):
         await guarded.halt(gone=True)
     assert bench.received("stop")

@@ -13,7 +13,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco import HeartbeatState
 from aioduco.supervision.heartbeat import HeartbeatMachine
-from aioduco.supervision.loop_watchdog import SignOfLife
+from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.testing import eventually, eventually_async
 
 from .programs import frozen, running, started
@@ -27,7 +27,7 @@ MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
 #: a motion that has ended, and of which nothing is left
 MOVED = (
     f"await robot.motion.movej2({HOME}, v=1.0, a=1.0)\n"
-    "        while robot._supervisor.stop_coordinator.life.moves: await anyio.sleep(0.001)"
+    "        while robot._supervisor.stop_coordinator.liveness.moves: await anyio.sleep(0.001)"
 )
 BEAT = 0.2
 
@@ -172,7 +172,7 @@ def test_a_motion_is_refused_if_no_guard_hears_of_it() -> None:
         said.append(moves)
         return False
 
-    life = SignOfLife(deaf)
+    life = Liveness(deaf)
     with pytest.raises(aioduco.GuardLost, match="movel was not sent"):
         life.will_move("movel")
     # It may have been heard after all: it is taken back only when the arm was seen to stand.

@@ -21,7 +21,7 @@ import aioduco
 from aioduco import HeartbeatState
 from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import BackgroundTasks
-from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife
+from aioduco.supervision.loop_watchdog import Liveness, LoopWatchdog
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ async def test_the_guards_death_stops_the_arm_although_the_report_raises(bench: 
 
 @pytest.mark.parametrize("error", ERRORS)
 def test_the_watch_over_the_loop_goes_on_when_its_report_raises(error: type[BaseException]) -> None:
-    life = SignOfLife()
+    life = Liveness()
     told: list[float] = []
     watchdog = LoopWatchdog(threading.get_ident())
     with installed(Raising(error)):

@@ -282,7 +282,7 @@ async def test_the_time_until_a_robot_is_open_is_not_taken_for_a_blocked_loop(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
     robot = aioduco.connect(bench.host, bench.port, heartbeat=None, lag_limit=0.15)
-    robot._supervisor._life.stamp -= 60.0  # as if it had been named a minute ago
+    robot._supervisor._liveness.stamp -= 60.0  # as if it had been named a minute ago
     async with robot:
         with robot.events.subscribe() as events:
             await robot.feed.latest()

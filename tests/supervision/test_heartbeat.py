@@ -19,7 +19,7 @@ import aioduco
 from aioduco import HeartbeatState
 from aioduco._wire.connection import Connection
 from aioduco.supervision.heartbeat import Heartbeat
-from aioduco.supervision.loop_watchdog import SignOfLife
+from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class Line(Connection):
 def test_a_hung_loop_is_reported_before_the_arm_is_stopped() -> None:
     """A program that sees its arm stand would otherwise move it, and not be told why it stood."""
     noted: list[object] = []
-    life = SignOfLife()
+    life = Liveness()
     life.moves = True
     heartbeat = Heartbeat(lambda: Line(noted), 30.0, life, 0.05, lambda h: noted.append(h.state))
     heartbeat.start()

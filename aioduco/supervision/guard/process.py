@@ -52,7 +52,7 @@ from aioduco.supervision.guard.messages import (
     unpack,
 )
 from aioduco.supervision.heartbeat import Heartbeat
-from aioduco.supervision.loop_watchdog import SignOfLife
+from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -104,7 +104,7 @@ class GuardedRobot:
         ]
         self._lanes = lanes
         self.stop_channel: StopChannel = StopChannel(lanes[0], lanes[1], lanes[1])
-        self.life: SignOfLife = SignOfLife()
+        self.liveness: Liveness = Liveness()
         self.heartbeat: Heartbeat | None = None
         #: stops on their way: cancelled when the robot is released
         self.stopping: set[anyio.CancelScope] = set()
@@ -135,7 +135,7 @@ class GuardedRobot:
                     route=self._route,
                 ),
                 self._watch.heartbeat,
-                self.life,
+                self.liveness,
                 self._watch.stall_limit,
                 changed=self._beaten,
                 remote=True,
@@ -158,7 +158,7 @@ class GuardedRobot:
             gone: whether the program has exited: its last motion may still be on its way.
         """
         begin = time.monotonic()
-        if not self.life.moves or (self.heartbeat is not None and self.heartbeat.lapsed):
+        if not self.liveness.moves or (self.heartbeat is not None and self.heartbeat.lapsed):
             return
         with anyio.CancelScope() as scope:
             self.stopping.add(scope)
@@ -266,8 +266,8 @@ class Guard:
         match message:
             case Alive(robot, stamp, moves):
                 if robot in self._guarded:
-                    self._guarded[robot].life.stamp = stamp
-                    self._guarded[robot].life.moves = moves
+                    self._guarded[robot].liveness.stamp = stamp
+                    self._guarded[robot].liveness.moves = moves
             case Stop():
                 self._stop(message, tasks)
             case Watch(robot, token):
