@@ -2,8 +2,8 @@
 
     python benchmarks/envelope.py [--quick] [--save]
 
-A stream of 500 set-points a second goes about between random zones, as `CheckedFollower` carries
-it out in the worker: with 20 zones, of boxes, spheres and planes, each for tool, elbow and flange,
+A stream of 500 set-points a second goes about between random zones, as `Follower` carries it
+out in the worker: with 20 zones, of boxes, spheres and planes, each for tool, elbow and flange,
 in two settings. "about the arm": zones of a cell, at random places. "close": all 20 within 5 cm
 of the tool at some time, so that most have to be looked at again and again. Of both, "all looked
 at" is the same check without what leaves zones out that cannot be reached: it sends the same
@@ -28,7 +28,8 @@ from aioduco.envelope import Envelope, Zone
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics import arm
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
-from aioduco.streaming.worker.follower import CheckedFollower, Follower
+from aioduco.streaming.worker.checked import EnvelopeCheck
+from aioduco.streaming.worker.follower import Follower
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -171,16 +172,16 @@ def main() -> None:
         plain: list[list[float]] = []
         spent: dict[str, list[list[float]]] = {}
         for _ in range(passes):
-            follower: Follower = Follower("none", JOINT_SPACE, LIMITS, PERIOD, start)
+            follower = Follower("none", JOINT_SPACE, LIMITS, PERIOD, start)
             plain.append(ticks(follower, way, ()))
             for name, kind in kinds:
                 crossed = list[object]()
                 place = Joints(zones_of[name], kind)
-                follower = CheckedFollower(
-                    *("none", JOINT_SPACE, LIMITS, PERIOD, start),
-                    *(place.checker, place.seen, crossed.append),
+                check = EnvelopeCheck(
+                    *(place.checker, place.seen, JOINT_SPACE, PERIOD, start, crossed.append)
                 )
-                assert follower.begin() is None
+                assert check.begin() is None
+                follower = Follower("none", JOINT_SPACE, LIMITS, PERIOD, start, check=check)
                 title = f"{name}, all looked at" if kind is AllLookedAt else name
                 spent.setdefault(title, []).append(ticks(follower, way, crossed))
                 ended += bool(crossed) and len(plain) == 1 and kind is EnvelopeChecker

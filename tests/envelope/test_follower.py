@@ -15,7 +15,8 @@ from aioduco.envelope import Envelope, JointMargin, SingularityMargin, ToolSpeed
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics.forward import frames
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
-from aioduco.streaming.worker.follower import CheckedFollower, Follower
+from aioduco.streaming.worker.checked import EnvelopeCheck
+from aioduco.streaming.worker.follower import Follower
 
 from .trials import ARM, ROUNDING, START, TOOL, least, places, random_zones
 
@@ -49,16 +50,15 @@ def stream(way: str, targets: np.ndarray, *limits: Any) -> tuple[np.ndarray, lis
     """
     start = tuple(targets[0].tolist())
     crossed: list[Crossing] = []
-    follower: Follower
+    check = None
     if limits:
         joints = Joints(*limits)
-        follower = CheckedFollower(
-            *(way, JOINT_SPACE, LIMITS, PERIOD, start),
-            *(joints.checker, joints.seen, crossed.append),
+        check = EnvelopeCheck(
+            *(joints.checker, joints.seen, JOINT_SPACE, PERIOD, start, crossed.append),
+            curved=way == "ruckig",
         )
-        assert follower.begin() is None
-    else:
-        follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, start)
+        assert check.begin() is None
+    follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, start, check=check)
     sent = [start]
     for target in targets[1:]:
         follower.aim(tuple(target.tolist()), PERIOD, PERIOD)

@@ -13,9 +13,9 @@ from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.ring import SetPoint
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits
 from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.worker.chunks import ActionTimeline, ChunkCounts
+from aioduco.streaming.worker.chunks import ActionTimeline
 from aioduco.streaming.worker.follower import Follower
-from aioduco.streaming.worker.setpoints import ChunkSource
+from aioduco.streaming.worker.setpoints import SetpointSource
 
 from .motion import peaks
 
@@ -40,10 +40,12 @@ class Bench:
     ) -> None:
         self.now = 100.0
         self.timeline = ActionTimeline(space, PERIOD, INTERVAL, BLEND)
-        self.source = ChunkSource(
+        self.source = SetpointSource(
             space,
             PERIOD,
             hold=hold,
+            interval=PERIOD,
+            paced=True,
             reach=(0.1,) * len(space.groups),
             timeline=self.timeline,
             clock=lambda: round(self.now * 1e9),
@@ -61,6 +63,12 @@ class Bench:
         for index, action in enumerate(actions):
             tag = ActionTag(self._chunks, begin, index, len(actions))
             self._ring.append(SetPoint(len(self._ring) + 1, 0, tuple(action), tag.pack()))
+
+    @property
+    def counts(self) -> tuple[int, int, int, int, int]:
+        """Chunks taken, late and dropped; actions late; how often they ran out."""
+        found = self.timeline
+        return found.taken, found.late, found.dropped, found.late_actions, found.exhausted
 
     def take(self) -> SetPoint | None:
         return self._ring.pop(0) if self._ring else None
@@ -136,13 +144,13 @@ def test_random_chunks_with_random_lateness_never_make_the_arm_jump(seed: int) -
         actions += passed
         bench.tick(draw.randint(1, 30))
         assert bench.source.state in (StreamState.FOLLOWING, StreamState.HOLDING)
-    found = bench.timeline.counts
+    found = bench.counts
     assert found[:4] == (taken, late, dropped, actions)
     assert 0 < dropped < late < taken
     bench.source.close()
     bench.tick(1000)
     assert (bench.source.state, bench.source.reason) == (StreamState.ENDED, Reason.CLOSED)
-    assert bench.timeline.counts == found
+    assert bench.counts == found
     most = peaks(space, bench.given, PERIOD)
     noise = 1e-12 / PERIOD**3
     for group, (velocity, acceleration, jerk) in enumerate(zip(*limits, strict=True)):
@@ -160,7 +168,7 @@ def test_a_chunk_within_the_limits_is_met_action_by_action() -> None:
     bench.until(begin + 1.0)
     wanted = 0.2 * (1 - math.cos(2 * (bench.now - begin)))
     assert bench.given[-1] == pytest.approx((wanted,) * 6, abs=1e-3)
-    assert bench.timeline.counts == ChunkCounts(taken=2, exhausted=0)
+    assert bench.counts == (2, 0, 0, 0, 0)
 
 
 def test_the_newer_chunk_replaces_the_older_one_from_its_time_on() -> None:
@@ -207,8 +215,7 @@ def test_a_chunk_that_is_wholly_late_leaves_the_older_one_to_go_on() -> None:
     bench.send([(0.05,) * 6] * 5, bench.now - 1.0)
     bench.tick(20)
     assert bench.given[-1] == pytest.approx((0.2 * (bench.now - 100 - PERIOD),) * 6, abs=1e-3)
-    counts = bench.timeline.counts
-    assert counts == ChunkCounts(taken=2, late=1, dropped=1, late_actions=5)
+    assert bench.counts == (2, 1, 1, 5, 0)
 
 
 def test_a_late_chunk_is_followed_from_where_it_is_by_now() -> None:
@@ -220,7 +227,7 @@ def test_a_late_chunk_is_followed_from_where_it_is_by_now() -> None:
     bench.tick(60)
     assert bench.given[-1] == pytest.approx((0.1 + 0.2 * (bench.now - begin),) * 6, abs=1e-3)
     # Those of 0, 33, ... 200 ms before its coming; the tick itself took 10 ms.
-    assert bench.timeline.counts == ChunkCounts(taken=2, late=1, late_actions=7)
+    assert bench.counts == (2, 1, 0, 7, 0)
 
 
 def test_without_a_new_chunk_the_arm_stands_at_the_last_action_and_the_stream_ends() -> None:
@@ -229,7 +236,7 @@ def test_without_a_new_chunk_the_arm_stands_at_the_last_action_and_the_stream_en
     assert bench.tick(20) is StreamState.FOLLOWING
     assert bench.tick(40) is StreamState.HOLDING
     assert bench.given[-1] == pytest.approx((0.2 * 9 * INTERVAL,) * 6, abs=1e-9)
-    assert bench.timeline.counts.exhausted == 1
+    assert bench.timeline.exhausted == 1
     bench.tick(30)
     assert (bench.source.state, bench.source.reason) == (StreamState.ENDED, Reason.STARVED)
 
@@ -246,7 +253,7 @@ def test_a_first_chunk_that_is_wholly_late_leaves_the_arm_standing() -> None:
     bench.send(ramp(2.0, 0.0, 10), bench.now - 5)
     assert bench.tick(10) is StreamState.HOLDING
     assert set(bench.given) == {ZERO}
-    assert bench.timeline.counts.dropped == 1
+    assert bench.timeline.dropped == 1
 
 
 def test_ticks_that_were_missed_are_made_up_for_little_by_little() -> None:

@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
+    from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.config import PoolDrive, QueueDrive
     from aioduco.streaming.shared.ring import SetPoint
-    from aioduco.streaming.worker.checked import CheckedPath
+    from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.permit import WorkerPermit
 
 __all__ = ["Depth", "PoolAction", "PoolStates", "RealtimeQueueDriver", "TrackPoolDriver"]
@@ -328,7 +329,7 @@ class TrackPoolDriver(Driver):
         self._depths = block.histograms["depth"].record
         self._age = block.histograms["age"].record
         self._task = 0
-        self._checked: CheckedPath | None = None
+        self._checked: EnvelopeCheck | None = None
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the pool compensates lateness
         """Do the work of one tick; returns whether there is another one."""
@@ -359,9 +360,11 @@ class TrackPoolDriver(Driver):
             return self._finish(Reason.TOO_FAR)
         if self._block.config.envelope is not None:
             # imported here: only a stream with an envelope needs it
-            from aioduco.streaming.worker.checked import CheckedPath  # noqa: PLC0415
+            from aioduco.streaming.worker.checked import envelope_check  # noqa: PLC0415
 
-            self._checked = CheckedPath(self._block.config, self._connection, actual)
+            self._checked = envelope_check(
+                self._block.config, self._connection, space.decode(actual), self._crossed
+            )
         self._permit.begin()
         if refused(self._connection.call("trackClearQueue", (), self._timeout)):
             return self._finish(Reason.REFUSED, "trackClearQueue was refused")
@@ -424,8 +427,10 @@ class TrackPoolDriver(Driver):
             point = point or self._block.ring.take()
             if point is None:
                 break
-            if self._checked is not None and (found := self._checked.add(point.values)):
-                self.brake(Reason.ENVELOPE, json.dumps(found))
+            if self._checked is not None and (
+                found := self._checked.line_to(self._sent_as.space.decode(point.values))
+            ):
+                self._crossed(found)
                 return -1
             elements.append(self._batch.element(point.values, point.extra))
             self._age(time.monotonic_ns() - point.stamp)
@@ -439,6 +444,9 @@ class TrackPoolDriver(Driver):
                 return -1
             self._sent += len(batch)
         return len(elements)
+
+    def _crossed(self, found: Crossing) -> None:
+        self.brake(Reason.ENVELOPE, json.dumps(found))
 
     def _all_followed(self) -> bool:
         self._block.status[StatusWord.MODE] = 0

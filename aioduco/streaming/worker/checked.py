@@ -1,4 +1,6 @@
-"""Conversion of a stream's set-points into configurations that the envelope's checker takes.
+"""Checks that a stream stays within the robot's envelope, and can come to rest within it.
+
+Set-points are converted into configurations that the envelope's checker takes.
 
 Speeds are checked by where the arm gets with them until it stands, from where it was read to be.
 """
@@ -12,6 +14,7 @@ from typing import TYPE_CHECKING
 from aioduco.envelope.checker import STOPPING, EnvelopeChecker
 from aioduco.streaming.shared.config import QueueDrive
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
+from aioduco.streaming.worker.limiter import Limiter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -19,56 +22,190 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
-    from aioduco.streaming.shared.space import Config
+    from aioduco.streaming.shared.space import Config, Space
+    from aioduco.streaming.worker.limiter import JerkLimiter
 
-__all__ = ["CheckedPath", "EnvelopeSpace", "SpeedCheck"]
+__all__ = ["EnvelopeCheck", "SpeedCheck", "envelope_check"]
 
 _STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500
+#: deviation from the straight line, as a share of its length, if each axis brakes in its own time;
+#: 7 % for two axes
+_DEVIATION = 0.1
+#: the same for one step of the closer check; larger, because the last step ends with cubic motion
+_DEVIATION_OF_STEP = 0.4
+_STEPS = 16  # of the closer check
 _FRESH = 10_000_000  # ns for which a position is used after it was read
 _CYCLE = 0.001  # time in which the controller takes one point from its queue [s]
 #: least time in which the tool comes to rest: about what the watch of the state assumes [s]
 _BRAKING = 0.1
 
 
-class EnvelopeSpace:
-    """Converts set-points of a stream into configurations that an `EnvelopeChecker` takes.
+class EnvelopeCheck:
+    """Checks that the arm stays within the envelope on its way, and can come to rest within it.
 
     Args:
-        envelope: the envelope, and the frames of the set-points.
-        config: the configuration of the stream.
-        connection: connection over which the arm's position is read.
-        turn: orientation of the tool at the start, for steps that are not given in its frame;
-            empty for others.
+        checker: checks configurations of the arm.
+        seen: converts a set-point into a configuration for the checker.
+        space: the space of the set-points.
+        period: time between two ticks of the stream [s].
+        start: position of the arm, at rest.
+        crossed: callback with the limit that would have been crossed; it must end the stream.
+        curved: whether each axis comes to rest in its own time, as with a limit of jerk: its
+            braking path is then not straight.
     """
 
     def __init__(
         self,
-        envelope: EnvelopeSettings,
-        config: WorkerConfig,
-        connection: Connection,
-        turn: Config = (),
+        checker: EnvelopeChecker,
+        seen: Callable[[Config], Sequence[float]],
+        space: Space,
+        period: float,
+        start: Config,
+        crossed: Callable[[Crossing], None],
+        *,
+        curved: bool = False,
     ) -> None:
-        sent, timeout = config.sent, config.options.timeout
-        self.checker: EnvelopeChecker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
-        self._in_joints = sent.in_joints
-        self._base = POSE_SPACE.decode(envelope.wobj)
-        self._turn = turn
-        if not sent.in_joints:
-            joints = connection.call("get_actual_joints_position", (), timeout)
-            self.checker.seed = tuple(joints[:6])
-        if sent.meaning == "step":
-            name, *args = sent.read
-            tip = POSE_SPACE.decode(connection.call(name, tuple(args), timeout))
-            self._base = POSE_SPACE.composed(self._base, tip)
+        self._checker = checker
+        checker.deviation = _DEVIATION if curved else 0.0
+        self._configuration = seen
+        self._space = space
+        self._period = period
+        self._last = start
+        self._seen = seen(start)
+        self._begun = False
+        self.crossed: Callable[[Crossing], None] = crossed
 
-    def seen(self, config: Config) -> Sequence[float]:
+    def begin(self) -> Crossing | None:
+        """Check the arm's position, and return the limit that it is beyond, if any."""
+        self._begun = True
+        return self._checker.begin(self._seen)
+
+    def moved(self, config: Config) -> None:
+        """Note a set-point that was sent without a look, while the arm brakes."""
+        self._seen = self._configuration(config)
+        self._checker.moved(self._seen)
+
+    def look(self, config: Config, limiter: Limiter | JerkLimiter) -> Crossing | None:
+        """Check the next set-point, and the braking path from it.
+
+        Args:
+            config: the set-point.
+            limiter: its state is that after this set-point.
+
+        Returns:
+            The limit that would be crossed, if any.
+        """
+        here = self._configuration(config)
+        found = self._look(config, here, limiter)
+        if found is None:
+            self._seen = here
+        return found
+
+    def _look(
+        self, config: Config, here: Sequence[float], limiter: Limiter | JerkLimiter
+    ) -> Crossing | None:
+        checker = self._checker
+        speed = math.inf
+        if checker.times:
+            # The last position first: the checker still has it cached.
+            before, now = checker.places(self._seen)[0], checker.places(here)[0]
+            speed = math.dist(before, now) / self._period
+            found = checker.too_fast(speed)
+            if found is not None:
+                return found
+        if isinstance(limiter, Limiter) and checker.clear(here, limiter.ticks_to_rest()):
+            return None
+        rest = limiter.braking()
+        if not any(rest):
+            return checker.sweep(here, here, speed)
+        found = checker.sweep(here, self._configuration(self._space.moved(config, rest)), speed)
+        if found is None or found.action == "slow":
+            return found
+        return self._look_closer(here, speed, limiter)
+
+    def _look_closer(
+        self, here: Sequence[float], speed: float, limiter: Limiter | JerkLimiter
+    ) -> Crossing | None:
+        """Check the braking path in small steps: for one large step the bound is too large."""
+        checker = self._checker
+        seed, deviation = checker.seed, checker.deviation
+        checker.deviation = deviation and _DEVIATION_OF_STEP
+        try:
+            for config in limiter.stopping(_STEPS):
+                there = self._configuration(config)
+                found = checker.sweep(here, there, speed)
+                if found is not None:
+                    return found
+                here = there
+            return None
+        finally:
+            checker.seed, checker.deviation = seed, deviation
+
+    def line_to(self, target: Config) -> Crossing | None:
+        """Check the straight line to the next point, of a motion that the controller plans.
+
+        Returns:
+            The limit that it crosses, if any.
+        """
+        checker, space = self._checker, self._space
+        if not self._begun and (found := self.begin()):
+            return found
+        way = space.difference(self._last, target)
+        count = min(_MOST_STEPS, max(1, math.ceil(max(map(abs, way)) / _STEP)))
+        for number in range(1, count + 1):
+            share = number / count
+            there = self._configuration(space.moved(self._last, tuple(share * w for w in way)))
+            # The controller chooses the speed here, so limits with the action "slow" do not apply.
+            if found := checker.sweep(self._seen, there, 0.0):
+                return found
+            self._seen = there
+        self._last = target
+        return None
+
+
+def envelope_check(
+    config: WorkerConfig,
+    connection: Connection,
+    start: Config,
+    crossed: Callable[[Crossing], None],
+    turn: Config = (),
+) -> EnvelopeCheck | None:
+    """The check of a stream of positions or steps; None: the robot has no envelope.
+
+    Args:
+        config: the configuration of the stream.
+        connection: connection over which the arm's position is read.
+        start: position of the arm, at rest.
+        crossed: callback with the limit that would have been crossed; it must end the stream.
+        turn: orientation of the tool at the start, for steps that are not given in its frame;
+            empty for others.
+    """
+    envelope, sent, timeout = config.envelope, config.sent, config.options.timeout
+    if envelope is None:
+        return None
+    checker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
+    base = POSE_SPACE.decode(envelope.wobj)
+    if not sent.in_joints:
+        joints = connection.call("get_actual_joints_position", (), timeout)
+        checker.seed = tuple(joints[:6])
+    if sent.meaning == "step":
+        name, *args = sent.read
+        tip = POSE_SPACE.decode(connection.call(name, tuple(args), timeout))
+        base = POSE_SPACE.composed(base, tip)
+
+    def seen(point: Config) -> Sequence[float]:
         """A set-point as joints, or as the pose of the tool's tip in the base frame."""
-        if self._in_joints:
-            return config
-        if self._turn:
-            config = POSE_SPACE.in_axes(config, self._turn)
-        return _tip(POSE_SPACE.composed(self._base, config))
+        if sent.in_joints:
+            return point
+        if turn:
+            point = POSE_SPACE.in_axes(point, turn)
+        return _tip(POSE_SPACE.composed(base, point))
+
+    curved = config.feeding.upsample == "ruckig"
+    return EnvelopeCheck(
+        checker, seen, sent.space, 1 / config.feeding.rate, start, crossed, curved=curved
+    )
 
 
 def _tip(config: Config) -> Sequence[float]:
@@ -82,46 +219,6 @@ def _tip(config: Config) -> Sequence[float]:
     )
 
 
-class CheckedPath:
-    """Checks the straight lines between the points through which the controller plans a motion.
-
-    Args:
-        config: the configuration of a stream with an envelope.
-        connection: connection over which the arm's position is read.
-        start: the arm's position, as six numbers of the wire.
-    """
-
-    def __init__(
-        self, config: WorkerConfig, connection: Connection, start: Sequence[float]
-    ) -> None:
-        assert config.envelope is not None
-        self._space = config.sent.space
-        self._place = EnvelopeSpace(config.envelope, config, connection)
-        self._last = self._space.decode(start)
-        self._seen = self._place.seen(self._last)
-        self._begun = False
-
-    def add(self, values: Sequence[float]) -> Crossing | None:
-        """Take the next point, and return the limit that the line to it crosses, if any."""
-        checker, space = self._place.checker, self._space
-        if not self._begun:
-            self._begun = True
-            if found := checker.begin(self._seen):
-                return found
-        target = space.decode(values)
-        way = space.difference(self._last, target)
-        count = min(_MOST_STEPS, max(1, math.ceil(max(map(abs, way)) / _STEP)))
-        for number in range(1, count + 1):
-            share = number / count
-            there = self._place.seen(space.moved(self._last, tuple(share * w for w in way)))
-            # The controller chooses the speed here, so limits with the action "slow" do not apply.
-            if found := checker.sweep(self._seen, there, 0.0):
-                return found
-            self._seen = there
-        self._last = target
-        return None
-
-
 class SpeedCheck:
     """Checks speeds: where the arm gets with them until a stop takes effect, and until it stands.
 
@@ -133,6 +230,7 @@ class SpeedCheck:
         config: the configuration of the stream.
         connection: connection over which the arm's position is read.
         turned: function that rotates speeds into the frame of the wire.
+        crossed: callback with the limit that would have been crossed; it must end the stream.
     """
 
     def __init__(
@@ -141,9 +239,11 @@ class SpeedCheck:
         config: WorkerConfig,
         connection: Connection,
         turned: Callable[[Config], Config],
+        crossed: Callable[[Crossing], None],
     ) -> None:
         sent, drive = config.sent, config.sent.drive
-        self.checker: EnvelopeChecker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
+        self._crossed = crossed
+        self._checker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
         self._in_joints = sent.in_joints
         self._limits = tuple(zip(sent.space.groups, sent.limits.acceleration, strict=True))
         self._connection = connection
@@ -159,24 +259,24 @@ class SpeedCheck:
         self._place: Config = ()
         self._read_at = 0
 
-    def look(self, speeds: Config) -> tuple[Crossing | None, float]:
-        """Check speeds.
+    def allowed(self, speeds: Config) -> float | None:
+        """Check speeds, and report the limit that the arm would cross, if any.
 
         Args:
             speeds: of the joints [rad/s], or of the tool, in the program's frame [m/s, rad/s].
 
         Returns:
-            The limit that the arm would cross, if any; and the share of the speeds at which the
-            limits with the action "slow" are kept.
+            The share of the speeds at which the limits with the action "slow" are kept; None if the
+            arm would cross a limit.
         """
         if not any(speeds):
-            return None, 1.0
+            return 1.0
         braking = 0.0 if self._in_joints else _BRAKING
         for group, a in self._limits:
             top = math.hypot(*speeds[group])
             braking = max(braking, top / a, top / STOPPING if self._in_joints else 0.0)
         seconds = self._reach + braking / 2
-        checker = self.checker
+        checker = self._checker
         place = self._position()
         here = place if self._in_joints else _tip(place)
         checker.begin(here, leaving=True)
@@ -190,11 +290,15 @@ class SpeedCheck:
                 here, there, share * speed
             ):
                 if found.action != "slow":
-                    return found, share
+                    self._crossed(found)
+                    return None
                 share *= checker.slow_speed(found.limit) / (share * speed) * (1 - 1e-9)
             checker.arrived(there)
             here = there
-        return checker.not_left(here), share
+        if found := checker.not_left(here):
+            self._crossed(found)
+            return None
+        return share
 
     def _position(self) -> Config:
         """The arm's joints, or its tip in the base frame, read at most 10 ms ago."""
@@ -203,7 +307,7 @@ class SpeedCheck:
             call, timeout = self._connection.call, self._timeout
             if self._in_joints or not self._place:
                 joints = tuple(call("get_actual_joints_position", (), timeout)[:6])
-                self._place = self.checker.seed = joints
+                self._place = self._checker.seed = joints
             if not self._in_joints:
                 self._place = POSE_SPACE.decode(call("get_tcp_pose", (), timeout))
             self._read_at = now

@@ -8,42 +8,25 @@ after it keeps the limits of acceleration and jerk.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.streaming.shared.space import Config, Displacement, Space
 
-__all__ = ["ActionTimeline", "ChunkCounts"]
+__all__ = ["ActionTimeline"]
 
 _ZERO: Displacement = (0.0,) * 6
 _CATCH_UP = 0.25  # share of a period per tick by which missed time is made up for
 _ROUNDING = 1e-7
 
 
-class ChunkCounts(NamedTuple):
-    """Counts of chunks and actions.
-
-    Attributes:
-        taken: chunks that were taken, dropped ones included.
-        late: of these, chunks some of whose actions were already past.
-        dropped: of these, chunks all of whose actions were already past; the earlier chunks stay.
-        late_actions: number of single actions that arrived too late.
-        exhausted: how often the actions ran out before a new chunk arrived.
-    """
-
-    taken: int = 0
-    late: int = 0
-    dropped: int = 0
-    late_actions: int = 0
-    exhausted: int = 0
-
-
 class _Curve:
     """A cubic curve through the actions of one chunk; it overshoots none, and ends at rest.
 
-    Slopes are computed only where they are needed: a chunk is usually replaced before its end.
+    Slopes are computed only where they are needed: a chunk is usually replaced before its end. When
+    it is entered from another motion, it begins with a blend from there.
     """
 
     def __init__(
@@ -53,12 +36,37 @@ class _Curve:
         self._actions = actions
         self._interval = interval
         self.begin = begin
-        self.end = begin + (len(actions) - 1) * interval
+        #: when its last action is due
+        self._last = begin + (len(actions) - 1) * interval
+        self._since = begin
+        self._blend = 0.0
+        #: displacement from the curve to the earlier motion, and its rate of change [1/s]
+        self._gap = self._drift = _ZERO
+
+    @property
+    def end(self) -> float:
+        """When the curve and its blend are over [s]."""
+        return max(self._last, self._since + self._blend)
+
+    def enter(self, since: float, blend: float, gap: Displacement, drift: Displacement) -> None:
+        """Begin at a time with a blend from another motion, which is `gap` away."""
+        self._since, self._blend, self._gap, self._drift = since, blend, gap, drift
+
+    def blended(self, time: float) -> Config:
+        """The point at a time, with the blend from the earlier motion."""
+        config = self.at(time)
+        share = (time - self._since) / self._blend if self._blend else 1.0
+        if share >= 1:
+            return config
+        keep = (1 - share) ** 2 * (1 + 2 * share)
+        out = share * (1 - share) ** 2 * self._blend
+        fading = [keep * g + out * d for g, d in zip(self._gap, self._drift, strict=True)]
+        return self._space.moved(config, tuple(fading))
 
     def at(self, time: float) -> Config:
         """The point of the curve at a time; outside of the curve its first or last action."""
         last = len(self._actions) - 1
-        if time >= self.end:
+        if time >= self._last:
             return self._actions[last]
         place = (time - self.begin) / self._interval
         if place <= 0:
@@ -85,27 +93,6 @@ class _Curve:
         return tuple(map(_between, self._way(index - 1), after))
 
 
-class _Followed(NamedTuple):
-    """The curve that is followed, and the blend into it from the earlier one."""
-
-    curve: _Curve
-    since: float
-    #: displacement from the curve to the earlier one, and its rate of change [1/s]
-    gap: Displacement
-    drift: Displacement
-    blend: float
-
-    def at(self, space: Space, time: float) -> Config:
-        config = self.curve.at(time)
-        share = (time - self.since) / self.blend if self.blend else 1.0
-        if share >= 1:
-            return config
-        keep = (1 - share) ** 2 * (1 + 2 * share)
-        out = share * (1 - share) ** 2 * self.blend
-        fading = [keep * g + out * d for g, d in zip(self.gap, self.drift, strict=True)]
-        return space.moved(config, tuple(fading))
-
-
 class ActionTimeline:
     """The target of each tick, from overlapping chunks. One call of `advance` is a tick.
 
@@ -117,7 +104,11 @@ class ActionTimeline:
 
     Attributes:
         now: time of this tick [s].
-        counts: counts of chunks and actions.
+        taken: chunks that were taken, dropped ones included.
+        late: of these, chunks some of whose actions were already past.
+        dropped: of these, chunks all of whose actions were already past; the earlier chunks stay.
+        late_actions: number of single actions that arrived too late.
+        exhausted: how often the actions ran out before a new chunk arrived.
     """
 
     def __init__(self, space: Space, period: float, interval: float, blend: float) -> None:
@@ -125,24 +116,24 @@ class ActionTimeline:
         self._period = period
         self._interval = interval
         self._blend = blend
-        self._followed: _Followed | None = None
+        self._followed: _Curve | None = None
         #: chunks whose time has not come yet, in order of their begin
         self._coming: list[_Curve] = []
         self._place: Config = ()
         self._running = False
         self._over = True
         self.now: float = 0.0
-        self.counts: ChunkCounts = ChunkCounts()
+        self.taken: int = 0
+        self.late: int = 0
+        self.dropped: int = 0
+        self.late_actions: int = 0
+        self.exhausted: int = 0
 
     @property
     def ready(self) -> bool:
         """Whether the time of all actions is over."""
         followed = self._followed
-        if self._coming:
-            return False
-        return followed is None or self.now >= max(
-            followed.curve.end, followed.since + followed.blend
-        )
+        return not self._coming and (followed is None or self.now >= followed.end)
 
     def advance(self, clock: float, *, closing: bool = False) -> None:
         """Advance to the next tick.
@@ -165,7 +156,7 @@ class ActionTimeline:
             self._follow(self._coming.pop(0))
         if not self._over and self.ready:
             self._over = True
-            self.counts = self.counts._replace(exhausted=self.counts.exhausted + (not closing))
+            self.exhausted += not closing
 
     def take(self, begin: float | None, actions: Sequence[Config]) -> Config | None:
         """Take a chunk. From its begin on it replaces all earlier chunks.
@@ -177,18 +168,15 @@ class ActionTimeline:
         Returns:
             The chunk's position when it takes over; None: all of it was late, so it was dropped.
         """
-        counts = self.counts
         begin = self.now if begin is None else begin
         # An action counts as late if even this tick could not have sent it in time.
         passed = (self.now - self._period - begin) / self._interval
         late = min(len(actions), max(0, -int(-passed // 1) if passed > _ROUNDING else 0))
         dropped = late == len(actions)
-        self.counts = counts._replace(
-            taken=counts.taken + 1,
-            late=counts.late + bool(late),
-            dropped=counts.dropped + dropped,
-            late_actions=counts.late_actions + late,
-        )
+        self.taken += 1
+        self.late += bool(late)
+        self.dropped += dropped
+        self.late_actions += late
         if dropped:
             return None
         curve = _Curve(self._space, begin, self._interval, actions)
@@ -206,9 +194,7 @@ class ActionTimeline:
 
     def step(self) -> Config:
         """The desired position at this tick."""
-        if self._followed is None:
-            return self._place
-        return self._followed.at(self._space, self.now)
+        return self._place if self._followed is None else self._followed.blended(self.now)
 
     def reset(self, config: Config) -> None:
         """Discard all chunks, and stay at a point."""
@@ -224,11 +210,12 @@ class ActionTimeline:
         if before is None:
             here = there = self._place
         else:
-            here, there = before.at(space, now), before.at(space, soon)
+            here, there = before.blended(now), before.blended(soon)
         gap = space.difference(curve.at(now), here)
         later = space.difference(curve.at(soon), there)
         drift = tuple([(b - a) / self._period for a, b in zip(gap, later, strict=True)])
-        self._followed = _Followed(curve, now, gap, drift, self._blend)
+        curve.enter(now, self._blend, gap, drift)
+        self._followed = curve
 
 
 def _between(before: float, after: float) -> float:

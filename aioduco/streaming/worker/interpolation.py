@@ -5,67 +5,29 @@ This module reads no clock: one call is one tick.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from aioduco.streaming.shared.space import Config, Displacement, Space
 
-__all__ = ["REFERENCES", "Cubic", "Linear", "Reference", "ZeroOrderHold"]
+__all__ = ["Cubic", "Linear", "interpolator"]
 
 _ZERO: Displacement = (0.0,) * 6
 
 
-class Reference(Protocol):
-    """An interpolator that up-samples targets to the stream's rate."""
-
-    @property
-    def ready(self) -> bool:
-        """Whether the time of the last target is over, so that the next one can be taken."""
-        ...
-
-    def aim(self, target: Config, interval: float, duration: float) -> None:
-        """Take a new target.
-
-        Args:
-            target: the target.
-            interval: time since the target before it [s].
-            duration: time in which to reach it [s].
-        """
-
-    def step(self) -> Config:
-        """Advance by one tick and return the arm's desired position."""
-        ...
-
-    def reset(self, config: Config) -> None:
-        """Discard the target, and stay at a point."""
-
-
-class ZeroOrderHold:
-    """Holds each target until the next one."""
-
-    ready = True
-
-    def __init__(self, space: Space, period: float, start: Config) -> None:  # noqa: ARG002
-        self._target = start
-
-    def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
-        """Take a new target, to be reached at once."""
-        self._target = target
-
-    def step(self) -> Config:
-        """Advance by one tick and return the arm's desired position."""
-        return self._target
-
-    def reset(self, config: Config) -> None:
-        """Discard the target, and stay at a point."""
-        self._target = config
-
-
 class Linear:
-    """A straight line to each target."""
+    """A straight line to each target; or each target at once, held until the next one.
 
-    def __init__(self, space: Space, period: float, start: Config) -> None:
+    Args:
+        space: the space of the targets.
+        period: time between two ticks [s].
+        start: where the arm is.
+        held: whether each target is taken at once (zero-order hold).
+    """
+
+    def __init__(self, space: Space, period: float, start: Config, *, held: bool = False) -> None:
         self._space = space
+        self._held = held
         self._period = period
         self._from = self._target = self._now = start
         self._way: Displacement = _ZERO
@@ -84,10 +46,11 @@ class Linear:
             interval: time since the target before it [s].
             duration: time in which to reach it [s].
         """
-        self._from = self._now
         self._target = target
-        self._way = self._space.difference(self._now, target)
-        self._step, self._steps = 0, max(1, round(duration / self._period))
+        if not self._held:
+            self._from = self._now
+            self._way = self._space.difference(self._now, target)
+            self._step, self._steps = 0, max(1, round(duration / self._period))
 
     def step(self) -> Config:
         """Advance by one tick and return the arm's desired position."""
@@ -166,13 +129,11 @@ class Cubic(Linear):
         )
 
 
-#: the interpolator of each up-sampling method; for "ruckig" the limiter makes the motion smooth
-REFERENCES: dict[str, type[ZeroOrderHold | Linear]] = {
-    "none": ZeroOrderHold,
-    "linear": Linear,
-    "cubic": Cubic,
-    "ruckig": Cubic,
-}
+def interpolator(way: str, space: Space, period: float, start: Config) -> Linear:
+    """The interpolator of an up-sampling method; for "ruckig" the limiter smooths the motion."""
+    if way in ("cubic", "ruckig"):
+        return Cubic(space, period, start)
+    return Linear(space, period, start, held=way == "none")
 
 
 def _slope_at_end(before: float, last: float) -> float:

@@ -10,7 +10,7 @@ from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
 
@@ -328,6 +328,8 @@ class Rates:
         space: the space whose groups are limited, each by its length.
         limits: `velocity` is the largest speed, `acceleration` its largest change per second.
         period: time between two ticks [s].
+        allowed: returns the share of speeds with which the arm can come to rest within the robot's
+            envelope; None if it cannot, and then it brakes from the speeds before them.
 
     Attributes:
         config: the speed of the last tick.
@@ -336,7 +338,14 @@ class Rates:
 
     ready = True
 
-    def __init__(self, space: Space, limits: Limits, period: float) -> None:
+    def __init__(
+        self,
+        space: Space,
+        limits: Limits,
+        period: float,
+        allowed: Callable[[Config], float | None] | None = None,
+    ) -> None:
+        self._allowed = allowed
         self._rules = tuple(zip(space.groups, limits.velocity, limits.acceleration, strict=True))
         self._period = period
         self._target: Displacement = _ZERO
@@ -353,7 +362,20 @@ class Rates:
         self._target = target
 
     def step(self) -> Config:
-        """Advance by one tick and return the speed."""
+        """Advance by one tick, or brake before the envelope; returns the speed."""
+        before, config = self.config, self._advance()
+        if self._allowed is None:
+            return config
+        share = self._allowed(config)
+        if share is None:
+            self.config = before
+            return self.brake()
+        if share < 1.0:
+            self.config = tuple([share * each for each in config])
+            self.limited += 1
+        return self.config
+
+    def _advance(self) -> Config:
         if self.config == self._target:
             return self.config
         new: list[float] = []

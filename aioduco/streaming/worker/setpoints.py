@@ -16,7 +16,7 @@ from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import StatusWord
-from aioduco.streaming.worker.follower import CheckedFollower, CheckedRates, Follower
+from aioduco.streaming.worker.follower import Follower
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.limiter import Rates
 
@@ -26,19 +26,13 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import EnvelopeSettings
     from aioduco.streaming.shared.options import Feeding
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.shared.space import Config, Space
+    from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.chunks import ActionTimeline
 
-__all__ = [
-    "ChunkSource",
-    "Follower",
-    "SetpointFeed",
-    "SetpointSource",
-    "within",
-]
+__all__ = ["Follower", "SetpointFeed", "SetpointSource", "within"]
 
 _LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed
 _FIRST = 0.05  # seconds assumed for the interval until one is measured
@@ -60,6 +54,9 @@ class SetpointSource(Life):
             in, first out); otherwise the next one is taken as soon as it arrives.
         reach: largest distance of the first target from the arm, per group [rad, m].
         rates: whether the set-points are speeds; a stream of speeds ends at speed zero.
+        timeline: joins chunks of actions, of which each tick takes what there is; the program is
+            late when its actions have run out. None: each set-point is a target.
+        clock: returns the monotonic time [ns], for the timeline.
 
     Attributes:
         starved: ticks in which the arm moved, a set-point was due and none had arrived.
@@ -75,6 +72,8 @@ class SetpointSource(Life):
         paced: bool = False,
         reach: tuple[float, ...] = (),
         rates: bool = False,
+        timeline: ActionTimeline | None = None,
+        clock: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         super().__init__()
         self._space = space
@@ -85,6 +84,9 @@ class SetpointSource(Life):
         self._paced = paced
         self._reach = reach
         self._rates = rates
+        self._timeline = timeline
+        self._clock = clock
+        self._chunk: list[Config] = []
         self._follower: Follower | Rates | None = None
         self._stamp = 0
         self._idle = 0
@@ -109,7 +111,10 @@ class SetpointSource(Life):
                 self.end(Reason.CLOSED)
             return None
         if self.state is not StreamState.DECELERATING:
-            self._follow(follower, take)
+            if self._timeline is None:
+                self._follow(follower, take)
+            else:
+                self._follow_actions(self._timeline, follower, take)
         match self.state:
             case StreamState.WAITING | StreamState.ENDED:
                 return None
@@ -167,44 +172,18 @@ class SetpointSource(Life):
         if idle > self._hold:
             self.brake(Reason.STARVED)
 
-
-class ChunkSource(SetpointSource):
-    """Conversion of chunks of actions to one set-point per tick, until a defined end.
-
-    It has the states of `SetpointSource`. The program is late when its actions have run out.
-
-    Args:
-        space: the space of the actions.
-        period: time between two ticks [s].
-        hold: time without an action after which the stream ends [s].
-        reach: largest distance of the first action from the arm, per group [rad, m].
-        timeline: joins the chunks.
-        clock: returns the monotonic time [ns].
-    """
-
-    def __init__(
+    def _follow_actions(
         self,
-        space: Space,
-        period: float,
-        *,
-        hold: float,
-        reach: tuple[float, ...],
         timeline: ActionTimeline,
-        clock: Callable[[], int],
+        follower: Follower | Rates,
+        take: Callable[[], SetPoint | None],
     ) -> None:
-        super().__init__(space, period, hold=hold, interval=period, paced=True, reach=reach)
-        self._timeline = timeline
-        self._clock = clock
-        self._chunk: list[Config] = []
-
-    def _follow(self, follower: Follower | Rates, take: Callable[[], SetPoint | None]) -> None:
-        timeline = self._timeline
         timeline.advance(self._clock() * 1e-9, closing=self.closing)
         for _ in range(_PER_TICK):
             point = take()
             if point is None:
                 break
-            self._add(follower, point)
+            self._add(timeline, follower, point)
         if self.state is StreamState.WAITING:
             if self.closing:
                 self.end(Reason.CLOSED)
@@ -218,7 +197,7 @@ class ChunkSource(SetpointSource):
         else:
             self._wait(follower)
 
-    def _add(self, follower: Follower | Rates, point: SetPoint) -> None:
+    def _add(self, timeline: ActionTimeline, follower: Follower | Rates, point: SetPoint) -> None:
         """Add an action to its chunk; the last one completes it."""
         tag = ActionTag.unpack(point.extra)
         if tag.position == 0:
@@ -227,7 +206,7 @@ class ChunkSource(SetpointSource):
         if tag.position + 1 < tag.total or self.state is StreamState.ENDED:
             return
         begin = tag.begin * 1e-9 if tag.begin else None
-        place = self._timeline.take(begin, tuple(self._chunk))
+        place = timeline.take(begin, tuple(self._chunk))
         if self.state is not StreamState.WAITING:
             return
         self.holding()
@@ -273,30 +252,23 @@ class SetpointFeed:
         self._age = block.histograms["age"].record
 
     def _make_source(self, feeding: Feeding) -> SetpointSource:
+        interval = feeding.interval
         if feeding.chunks:
             # imported here: only a stream with chunks needs it
             from aioduco.streaming.worker.chunks import ActionTimeline  # noqa: PLC0415
 
-            assert feeding.interval is not None
-            self._timeline = ActionTimeline(
-                self._space, self._period, feeding.interval, feeding.blend
-            )
-            return ChunkSource(
-                self._space,
-                self._period,
-                hold=feeding.hold,
-                reach=tuple(feeding.reach),
-                timeline=self._timeline,
-                clock=time.monotonic_ns,
-            )
+            assert interval is not None
+            self._timeline = ActionTimeline(self._space, self._period, interval, feeding.blend)
+            interval = self._period
         return SetpointSource(
             self._space,
             self._period,
             hold=feeding.hold,
-            interval=feeding.interval,
+            interval=interval,
             paced=not feeding.latest,
             reach=tuple(feeding.reach),
             rates=self._meaning == "speed",
+            timeline=self._timeline,
         )
 
     @property
@@ -314,55 +286,38 @@ class SetpointFeed:
             return True
         if not self._block.ring.level:
             return False
-        limits, space = self._config.sent.limits, self._space
-        if self._meaning == "speed" and self._config.envelope is not None:
-            self._follower = self._checked_rates(self._config.envelope)
-        elif self._meaning == "speed":
-            self._follower = Rates(space, limits, self._period)
+        limits, space, period = self._config.sent.limits, self._space, self._period
+        if self._meaning == "speed":
+            self._follower = Rates(space, limits, period, self._allowed())
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
             if self._timeline is not None:
                 self._timeline.reset(start)
-            if self._config.envelope is None:
-                self._follower = Follower(way, space, limits, self._period, start, self._timeline)
-            else:
-                self._follower = self._checked(self._config.envelope, start)
+            check = self._envelope_check(start)
+            self._follower = Follower(way, space, limits, period, start, self._timeline, check)
+            if check is not None and (found := check.begin()):
+                self._crossed(found)
         self.source.begin(self._follower)
         self._begun()
         return True
 
-    def _checked(self, envelope: EnvelopeSettings, start: Config) -> Follower:
-        """A follower that checks each set-point against the robot's envelope."""
+    def _envelope_check(self, start: Config) -> EnvelopeCheck | None:
+        if self._config.envelope is None:
+            return None
         # imported here: only a stream with an envelope needs it
-        from aioduco.streaming.worker.checked import EnvelopeSpace  # noqa: PLC0415
+        from aioduco.streaming.worker.checked import envelope_check  # noqa: PLC0415
 
+        return envelope_check(self._config, self._connection, start, self._crossed, self._start)
+
+    def _allowed(self) -> Callable[[Config], float | None] | None:
         config = self._config
-        place = EnvelopeSpace(envelope, config, self._connection, self._start)
-        way = config.feeding.upsample
-        follower = CheckedFollower(
-            way,
-            self._space,
-            config.sent.limits,
-            self._period,
-            start,
-            place.checker,
-            place.seen,
-            self._crossed,
-            self._timeline,
-        )
-        found = follower.begin()
-        if found is not None:
-            self._crossed(found)
-        return follower
-
-    def _checked_rates(self, envelope: EnvelopeSettings) -> Rates:
-        """A follower that checks each speed against the robot's envelope."""
-        # imported here: only a stream with an envelope needs it
+        if config.envelope is None:
+            return None
+        # imported here: as above
         from aioduco.streaming.worker.checked import SpeedCheck  # noqa: PLC0415
 
-        config = self._config
-        look = SpeedCheck(envelope, config, self._connection, self._directions.turned).look
-        return CheckedRates(self._space, config.sent.limits, self._period, look, self._crossed)
+        turned = self._directions.turned
+        return SpeedCheck(config.envelope, config, self._connection, turned, self._crossed).allowed
 
     def _crossed(self, found: Crossing) -> None:
         """Come to rest, if the arm moves: a set-point would have crossed the envelope."""
@@ -424,13 +379,12 @@ class SetpointFeed:
         status[StatusWord.STARVED] = self.source.starved
         status[StatusWord.TAKEN] = ring.read
         status[StatusWord.OVERWRITTEN] = ring.overwritten
-        if self._timeline is not None:
-            counts = self._timeline.counts
-            status[StatusWord.CHUNKS] = counts.taken
-            status[StatusWord.CHUNKS_LATE] = counts.late
-            status[StatusWord.CHUNKS_DROPPED] = counts.dropped
-            status[StatusWord.ACTIONS_LATE] = counts.late_actions
-            status[StatusWord.EXHAUSTED] = counts.exhausted
+        if (timeline := self._timeline) is not None:
+            status[StatusWord.CHUNKS] = timeline.taken
+            status[StatusWord.CHUNKS_LATE] = timeline.late
+            status[StatusWord.CHUNKS_DROPPED] = timeline.dropped
+            status[StatusWord.ACTIONS_LATE] = timeline.late_actions
+            status[StatusWord.EXHAUSTED] = timeline.exhausted
         if self._follower is not None:
             status[StatusWord.LIMITED] = self._follower.limited
         if self._sent is not None:
