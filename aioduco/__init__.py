@@ -52,9 +52,8 @@ if TYPE_CHECKING:
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
     from aioduco.robot import Robot, connect, stop_all
-    from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.options import ServoGains, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.supervision import events
     from aioduco.supervision.command import HeldMotion, MotionCommand
@@ -172,10 +171,9 @@ _HOMES = {
     "aioduco.models.version": ("ControllerVersion",),
     "aioduco.models.weave": ("WeavePlane", "WeaveShape"),
     "aioduco.robot": ("Robot", "connect", "stop_all"),
-    "aioduco.streaming.gains": ("ServoGains",),
     "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
     "aioduco.streaming.report": ("StreamStatistics",),
-    "aioduco.streaming.options": ("WorkerOptions",),
+    "aioduco.streaming.options": ("ServoGains", "WorkerOptions"),
     "aioduco.supervision.command": ("HeldMotion", "MotionCommand"),
     "aioduco.supervision.motion_path": ("MotionPath",),
     "aioduco.supervision.state_feed": ("Snapshot",),

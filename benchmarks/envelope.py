@@ -29,7 +29,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics import arm
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
 from aioduco.streaming.worker.checked import EnvelopeCheck
-from aioduco.streaming.worker.follower import Follower
+from aioduco.streaming.worker.setpoints import Follower
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -16,7 +16,7 @@ from aioduco.errors import (
     StreamStopped,
     WorkerFailed,
 )
-from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import Reason
 
 __all__ = ["failure"]
 

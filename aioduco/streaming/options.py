@@ -1,12 +1,14 @@
-"""Arguments of the functions that make streams: keywords, limits per group, worker options."""
+"""Arguments of the functions that make streams: keywords, gains, limits per group, the worker."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.rules import Number
 from aioduco.streaming.shared.options import Feeding, Upsampling, WorkerOptions
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Feeding",
     "FeedingOptions",
-    "PacedOptions",
+    "ServoGains",
     "ServoOptions",
     "Upsampling",
     "WorkerOptions",
@@ -37,17 +39,42 @@ class FeedingOptions(TypedDict, total=False):
     ahead: int | None
 
 
-class PacedOptions(FeedingOptions, total=False):
-    """The same keywords for streams whose rate to the controller can be chosen."""
+class ServoOptions(FeedingOptions, total=False):
+    """The same keywords for streams of positions, with a rate, and with chunks of actions."""
 
     rate: float
-
-
-class ServoOptions(PacedOptions, total=False):
-    """The same keywords for streams of positions, which also take chunks of actions."""
-
     chunks: bool
     blend: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServoGains:
+    """How closely the controller follows a servo's set-points (manual 1.3.5, servoj).
+
+    Attributes:
+        kp: proportional gain, from 0; the manual advises its default.
+        kd: derivative gain, from 0; the manual advises its default.
+        smooth_vel: smoothing of the velocity, 1 to 100; larger is smoother and lags more.
+        smooth_acc: smoothing of the acceleration, 0 to 1; larger is smoother and lags more.
+    """
+
+    kp: float = 200.0
+    kd: float = 25.0
+    smooth_vel: float = 10.0
+    smooth_acc: float = 1.0
+
+    def wire(self) -> list[float]:
+        """Check the four gains and return them in the order of a servo call's last arguments.
+
+        Raises:
+            ParameterError: a gain is out of range.
+        """
+        return [
+            ranges.SERVO_KP("kp", self.kp),
+            ranges.SERVO_KD("kd", self.kd),
+            ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", self.smooth_vel),
+            ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", self.smooth_acc),
+        ]
 
 
 def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:

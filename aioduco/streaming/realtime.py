@@ -9,7 +9,7 @@ from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Integer
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import Meaning, QueueDrive, StreamSpec
+from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
 from aioduco.streaming.shared.space import JERK, Limits
 from aioduco.streaming.shared.turning import into_wobj
 from aioduco.streaming.stream import Stream
@@ -136,7 +136,14 @@ class RealtimeStreams:
             name=f"realtime {chosen.name.lower()}",
             in_joints=in_joints,
             limits=_limits(v, a, jerk, groups),
-            drive=QueueDrive(field=field, mode=arguments, depth=depth, period=period),
+            drive=Drive(
+                kind="queue",
+                function="start_realtime_mode",
+                arguments=arguments,
+                field=field,
+                high=depth,
+                period=period,
+            ),
             meaning=meaning,
             ending="end_realtime_mode",
             turning=None if frame is None else into_wobj(frame),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.shared.words import Reason, StreamState
 
 __all__ = ["StreamStatistics", "plot", "times_table"]
 

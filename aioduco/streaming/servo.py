@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
-from aioduco.streaming.gains import ServoGains
-from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import CallDrive, StreamSpec
+from aioduco.streaming.options import Feeding, ServoGains, per_group
+from aioduco.streaming.shared.config import Drive, StreamSpec
 from aioduco.streaming.shared.space import JERK, POSE_SPACE, Limits
 from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import PacedOptions, ServoOptions, WorkerOptions
+    from aioduco.streaming.options import FeedingOptions, ServoOptions, WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["OffsetStream", "Servo"]
@@ -210,7 +209,7 @@ class Servo(ManualNames):
             tool=tool_,
             wobj=wobj_,
         )
-        fed = _fed(feeding, max_step, reach)
+        fed = _fed(max_step, reach, **feeding)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
 
     def linear(
@@ -269,7 +268,7 @@ class Servo(ManualNames):
             tool=tool_,
             wobj=wobj_,
         )
-        fed = _fed(feeding, max_step, reach)
+        fed = _fed(max_step, reach, **feeding)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
 
     def tcp_offset(
@@ -286,7 +285,8 @@ class Servo(ManualNames):
         max_step: _Pair = (0.05, 0.2),
         gains: ServoGains | None = None,
         options: WorkerOptions | None = None,
-        **feeding: Unpack[PacedOptions],
+        rate: float = 500.0,
+        **feeding: Unpack[FeedingOptions],
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
 
@@ -312,6 +312,7 @@ class Servo(ManualNames):
             max_step: largest translation and largest rotation of one offset [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the worker runs; None: in a separate process.
+            rate: set-points per second to the controller [Hz].
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -333,24 +334,22 @@ class Servo(ManualNames):
             meaning="step",
             tool=tool_,
         )
-        fed = _fed(feeding, max_step, max_step)
+        fed = _fed(max_step, max_step, rate=rate, **feeding)
         return OffsetStream(self._endpoint, fed, options, sent, ranges.POSE)
 
 
-def _calls(function: str, motion: list[Any], gains: ServoGains | None) -> CallDrive:
+def _calls(function: str, motion: list[Any], gains: ServoGains | None) -> Drive:
     """The calls of a servo stream: how it moves first, then `block`, and the gains."""
     gains = ServoGains() if gains is None else gains
     if not isinstance(gains, ServoGains):
         raise ParameterError("gains", gains, "ServoGains, or None")
     arguments = [*motion, False, *gains.wire()]
-    return CallDrive(function=function, arguments=arguments)
+    return Drive(kind="call", function=function, arguments=arguments)
 
 
-def _fed(feeding: ServoOptions | PacedOptions, max_step: _Pair, reach: _Pair) -> Feeding:
-    # `PacedOptions` is `ServoOptions` with some keys left out, which type checkers cannot infer
-    given = cast("ServoOptions", feeding)
+def _fed(max_step: _Pair, reach: _Pair, **feeding: Unpack[ServoOptions]) -> Feeding:
     return Feeding(
-        **given,
+        **feeding,
         max_step=per_group("max_step", max_step, 2),
         reach=per_group("reach", reach, 2),
     )

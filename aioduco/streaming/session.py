@@ -36,8 +36,7 @@ from aioduco.errors import DucoError, RobotStateError, StreamClosed, WorkerFaile
 from aioduco.streaming.ends import failure
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.block import Block
-from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand
+from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
 from aioduco.supervision.gate import PermitEnding
@@ -88,7 +87,7 @@ class Session(OpenStream):
         self._supervised = anyio.Event()
         self._permit: Permit | None = None
         #: commands that were given, for a worker that does not exist yet
-        self._commands: dict[StreamCommand, int] = {}
+        self._commands: dict[ControlWord, int] = {}
         # A controller that is stopping refuses a set-point that was already sent.
         self._halted = False
         #: whether its mode was on before; None: the robot does not know the mode from this stream
@@ -327,7 +326,7 @@ class Session(OpenStream):
         self._owner_loop.require(self.name)
         try:
             if not at_once and self.block is not None:
-                self._command(StreamCommand.CLOSE)
+                self._command(ControlWord.CLOSE)
                 await self.until_gone()
         finally:
             _, cancelled = await run_to_completion(self._end)
@@ -339,7 +338,7 @@ class Session(OpenStream):
         block = self.block
         if block is not None and self._final is None:
             if not self.gone:
-                self._command(StreamCommand.ABORT)
+                self._command(ControlWord.ABORT)
                 await self._until_gone_within(self._end_timeout)
             if self.unanswered:
                 await self._until_gone_within(self._config.unanswered_timeout)
@@ -495,10 +494,10 @@ class Session(OpenStream):
         stop = self._endpoint.stop
         if stop is None:
             # Only the worker can bring the arm to rest.
-            self._command(StreamCommand.ABORT)
+            self._command(ControlWord.ABORT)
             patience = self._end_timeout
         else:
-            self._command(StreamCommand.HALT)
+            self._command(ControlWord.HALT)
             self._rescue.start(self._stop_robot(stop), f"aioduco stop of {self.name}")
             patience = _HALTED
         self._rescue.start(self._reap(patience), f"aioduco end of {self.name}")
@@ -569,7 +568,7 @@ class Session(OpenStream):
         except ValueError:
             return 0
 
-    def _write(self, word: StreamCommand | ControlWord, value: int) -> None:
+    def _write(self, word: ControlWord, value: int) -> None:
         """Set a word that the worker reads."""
         with contextlib.suppress(ValueError):
             if self.block is not None:
@@ -606,7 +605,7 @@ class Session(OpenStream):
 
     def halt(self) -> None:
         """Send nothing more, from now on; may be called from any thread or signal handler."""
-        self._command(StreamCommand.HALT)
+        self._command(ControlWord.HALT)
 
     def withdraw(self, ending: PermitEnding) -> None:
         """Send nothing more and stop the arm; may be called from any thread or signal handler.
@@ -614,13 +613,13 @@ class Session(OpenStream):
         Args:
             ending: why the permit has ended.
         """
-        self._command(StreamCommand.WITHDRAW, _REASONS.get(ending, Reason.FAILED))
+        self._command(ControlWord.WITHDRAW, _REASONS.get(ending, Reason.FAILED))
 
-    def _command(self, command: StreamCommand, value: int = 1) -> None:
+    def _command(self, command: ControlWord, value: int = 1) -> None:
         """Send a command to the worker; a command never cancels a stronger one."""
         self._commands[command] = value
         with contextlib.suppress(ValueError):
-            if command is StreamCommand.HALT and not self._worker_reason:
+            if command is ControlWord.HALT and not self._worker_reason:
                 self._halted = True
         self._write(command, value)
 

@@ -8,7 +8,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import CallDrive, StreamSpec
+from aioduco.streaming.shared.config import Drive, StreamSpec
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
@@ -143,8 +143,8 @@ class Speed(ManualNames):
         return Stream(self._endpoint, feeding, options, sent, ranges.TWIST)
 
 
-def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> CallDrive:
+def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> Drive:
     milliseconds = ranges.RUN_TIME("dead_man", dead_man)
     if dead_man < 2 / feeding.rate:
         raise ParameterError("dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more")
-    return CallDrive(function=function, arguments=[a, milliseconds, False])
+    return Drive(kind="call", function=function, arguments=[a, milliseconds, False])

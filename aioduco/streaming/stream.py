@@ -12,9 +12,9 @@ from aioduco.models.rules import Number
 from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
-from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.shared.options import MOST_ACTIONS, rate_rule
+from aioduco.streaming.shared.words import ActionTag
 from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.config import StreamSpec
     from aioduco.streaming.shared.space import Space
-    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.shared.words import Reason, StreamState
 
 __all__ = ["Stream", "Tick"]
 

@@ -9,7 +9,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
 from aioduco.streaming.options import Feeding, per_group
-from aioduco.streaming.shared.config import PoolDrive, StreamSpec
+from aioduco.streaming.shared.config import Drive, StreamSpec
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.encoding import element_tail
@@ -182,7 +182,8 @@ class TrackStreams:
             max_step=() if max_step is None else per_group("max_step", max_step, groups),
             reach=per_group("reach", near, groups),
         )
-        pool = PoolDrive(
+        pool = Drive(
+            kind="pool",
             function="trackJointMotion" if joints else "trackCartMotion",
             arguments=arguments,
             low=low,

@@ -69,14 +69,13 @@ if TYPE_CHECKING:
     from aioduco.recording.playback.path_check import PathFinding
     from aioduco.recording.playback.recorded_path import RecordedPath
     from aioduco.recording.playback.waypoints import WaypointFile
-    from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import (
         Feedback,
         JointTrajectory,
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import FeedingOptions, PacedOptions, ServoOptions, WorkerOptions
+    from aioduco.streaming.options import FeedingOptions, ServoGains, ServoOptions, WorkerOptions
     from aioduco.streaming.servo import Servo as AioServo
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.streaming.speed import Speed as AioSpeed
@@ -2788,7 +2787,8 @@ class Servo(_Section):
         max_step: tuple[float, float] = (0.05, 0.2),
         gains: ServoGains | None = None,
         options: WorkerOptions | None = None,
-        **feeding: Unpack[PacedOptions]
+        rate: float = 500.0,
+        **feeding: Unpack[FeedingOptions]
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
 
@@ -2814,6 +2814,7 @@ class Servo(_Section):
             max_step: largest translation and largest rotation of one offset [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the worker runs; None: in a separate process.
+            rate: set-points per second to the controller [Hz].
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -2826,7 +2827,8 @@ class Servo(_Section):
         """
         made = self._made.tcp_offset(
             v=v, a=a, velocity=velocity, acceleration=acceleration, jerk=jerk, tool=tool,
-            frame=frame, wobj=wobj, max_step=max_step, gains=gains, options=options, **feeding
+            frame=frame, wobj=wobj, max_step=max_step, gains=gains, options=options, rate=rate,
+            **feeding
         )
         return OffsetStream(self._runner, made)
 

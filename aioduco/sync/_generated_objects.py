@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from aioduco.recording.publication import Publication as AioPublication, PublicationStatistics
     from aioduco.recording.recorder import Recording as AioRecording, RecordingStatistics
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.shared.words import Reason, StreamState
     from aioduco.streaming.stream import Stream as AioStream
     from aioduco.supervision.events import Event, Events as AioEvents
     from aioduco.supervision.motion_path import MotionPath as AioMotionPath

@@ -16,7 +16,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics.forward import frames
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
 from aioduco.streaming.worker.checked import EnvelopeCheck
-from aioduco.streaming.worker.follower import Follower
+from aioduco.streaming.worker.setpoints import Follower
 
 from .trials import ARM, ROUNDING, START, TOOL, least, places, random_zones
 

@@ -22,7 +22,7 @@ from aioduco import (
 )
 from aioduco.envelope import Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.sim import Simulator
-from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import Reason
 from aioduco.supervision.events import EnvelopeLeft
 from aioduco.testing import eventually_async
 

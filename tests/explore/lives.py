@@ -15,8 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from aioduco.errors import StopUnconfirmed
-from aioduco.streaming.shared.state import Reason
-from aioduco.streaming.shared.words import ControlWord, StreamCommand
+from aioduco.streaming.shared.words import ControlWord, Reason
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
 from aioduco.supervision.unanswered import NextStep, UnansweredMotion
@@ -294,9 +293,9 @@ class LivingProgram(Program):
         if not self.control:
             return
         if ending.stops:
-            self.control[StreamCommand.HALT] = 1
+            self.control[ControlWord.HALT] = 1
         else:
-            self.control[StreamCommand.WITHDRAW] = Reason.LAPSED
+            self.control[ControlWord.WITHDRAW] = Reason.LAPSED
 
     def opens(self, name: str, mode: str = "") -> None:
         """Open a stream, in a mode if it has one."""
@@ -382,7 +381,7 @@ class LivingProgram(Program):
     def send_stop(self) -> Steps[None]:
         world, worker = self.world, self.worker
         if worker is not None and self.streaming:
-            self.control[StreamCommand.HALT] = 1
+            self.control[ControlWord.HALT] = 1
             yield from self.call_stop()
             until = world.now + SILENCE
             yield lambda: worker.over or "worker" in world.dead or world.now >= until

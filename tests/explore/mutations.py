@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
-from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine

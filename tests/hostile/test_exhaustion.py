@@ -25,7 +25,7 @@ from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco._wire import codec, idl, layout
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.shared.state import StreamState
+from aioduco.streaming.shared.words import StreamState
 from aioduco.streaming.speed import Speed
 from aioduco.supervision.guard.messages import Watch
 from aioduco.testing import eventually_async, no_leaks

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.ring import SetPoint
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.worker.chunks import ActionTimeline
-from aioduco.streaming.worker.follower import Follower
-from aioduco.streaming.worker.setpoints import SetpointSource
+from aioduco.streaming.worker.setpoints import Follower, SetpointSource
 
 from .motion import peaks
 

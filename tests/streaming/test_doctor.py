@@ -10,7 +10,7 @@ from aioduco.errors import StreamLost
 from aioduco.streaming.doctor import RATES, Examination, examine, holdable
 from aioduco.streaming.report import StreamStatistics, plot
 from aioduco.streaming.shared.histogram import Percentiles
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import no_leaks
 
 if TYPE_CHECKING:

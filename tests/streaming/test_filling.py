@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.worker.buffered import Depth, PoolAction, PoolStates
 
 # -- the realtime queue ------------------------------------------------------------------------

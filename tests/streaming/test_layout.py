@@ -22,14 +22,13 @@ PURE = [
     "shared/config",
     "shared/options",
     "ends",
-    "gains",
     "joint_trajectory",
     "worker/life",
     "worker/limiter",
     "sampling",
     "shared/space",
     "shared/histogram",
-    "shared/state",
+    "shared/words",
     "worker/interpolation",
 ]
 IMPURE = {"time", "os", "socket", "threading", "select", "mmap", "signal", "anyio", "pathlib"}

@@ -18,8 +18,7 @@ from aioduco.errors import StreamClosed, StreamError, StreamStarved, StreamStopp
 from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.shared.words import ControlWord, StreamCommand
+from aioduco.streaming.shared.words import ControlWord, Reason, StreamState
 from aioduco.streaming.speed import Speed
 from aioduco.streaming.track import TrackStreams
 from aioduco.streaming.worker.encoding import Batch, Point
@@ -140,10 +139,10 @@ def test_without_a_heartbeat_it_ends() -> None:
 @pytest.mark.parametrize(
     ("commands", "reason"),
     [
-        ({StreamCommand.CLOSE: 1, StreamCommand.ABORT: 1}, Reason.NONE),
-        ({StreamCommand.HALT: 1}, Reason.STOPPED),
-        ({StreamCommand.WITHDRAW: Reason.LAPSED}, Reason.LAPSED),
-        ({StreamCommand.HALT: 1, StreamCommand.WITHDRAW: Reason.HUNG}, Reason.HUNG),
+        ({ControlWord.CLOSE: 1, ControlWord.ABORT: 1}, Reason.NONE),
+        ({ControlWord.HALT: 1}, Reason.STOPPED),
+        ({ControlWord.WITHDRAW: Reason.LAPSED}, Reason.LAPSED),
+        ({ControlWord.HALT: 1, ControlWord.WITHDRAW: Reason.HUNG}, Reason.HUNG),
     ],
 )
 def test_the_program_ends_it(commands: dict[int, int], reason: Reason) -> None:
@@ -157,7 +156,7 @@ def test_the_first_reason_stays() -> None:
     clocks = Clocks()
     assert clocks.look(0.3) is Reason.AWAY
     clocks.lives()
-    clocks.control[StreamCommand.HALT] = 1
+    clocks.control[ControlWord.HALT] = 1
     assert clocks.look(0.001) is Reason.AWAY
 
 
@@ -408,7 +407,7 @@ async def test_a_permit_that_ends_while_the_arm_is_braked_stops_it(arm: Controll
                 await eventually_async(lambda: len(arm.points()) > 200)
                 tasks.cancel_scope.cancel()
             arm.server.answer("servoj", answer)
-            stream._session._command(StreamCommand.ABORT)
+            stream._session._command(ControlWord.ABORT)
             await stream.ended()
 
     with pytest.raises(StreamClosed, match="by its program"):

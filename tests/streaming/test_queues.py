@@ -25,7 +25,7 @@ from aioduco.models.op import Op, output
 from aioduco.models.pose import Pose
 from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.track import TrackStreams
 from aioduco.testing import eventually, eventually_async, no_leaks
 

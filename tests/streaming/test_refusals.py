@@ -12,8 +12,7 @@ import aioduco
 from aioduco import ParameterError, RealtimeMode
 from aioduco._wire import idl
 from aioduco.streaming.shared.block import Block
-from aioduco.streaming.shared.state import Reason
-from aioduco.streaming.shared.words import StatusWord
+from aioduco.streaming.shared.words import Reason, StatusWord
 
 NOBODY = aioduco.connect("192.0.2.1")
 #: what each function that makes a stream needs at least
@@ -57,7 +56,7 @@ def parameters(section: str, name: str) -> list[str]:
     return [each.name for each in signature.parameters.values() if each.kind != each.VAR_KEYWORD]
 
 
-#: keywords that several have, from `PacedOptions` and `FeedingOptions`
+#: keywords that several have, from `ServoOptions` and `FeedingOptions`
 FED = ["source_rate", "latest", "upsample", "hold", "ahead"]
 PARAMETERS = [
     *[(*function, parameter) for function in NEEDED for parameter in parameters(*function)],

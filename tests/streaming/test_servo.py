@@ -34,7 +34,7 @@ from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.config import EnvelopeSettings
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import eventually_async, no_leaks
 
 from .conftest import HERE, Controller

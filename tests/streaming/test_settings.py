@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from aioduco.errors import ParameterError
-from aioduco.streaming.gains import ServoGains
-from aioduco.streaming.options import Feeding, WorkerOptions
+from aioduco.streaming.options import Feeding, ServoGains, WorkerOptions
 from aioduco.streaming.servo import Servo
 
 from .conftest import HERE, Controller

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from aioduco.streaming.shared.ring import SetPoint
 from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.worker.limiter import Rates
 from aioduco.streaming.worker.setpoints import Follower, SetpointSource
 

@@ -29,7 +29,7 @@ from aioduco.models.pose import Joints
 from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import JointTrajectory
 from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.shared.state import StreamState
+from aioduco.streaming.shared.words import StreamState
 from aioduco.testing import eventually
 from sync.conftest import meanwhile
 

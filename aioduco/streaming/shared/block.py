@@ -5,9 +5,9 @@ the system frees the block when both processes have ended, however they ended. W
 such files it is the standard library's shared memory, under a name that cannot be guessed. A worker
 in a thread uses the same layout in anonymous memory.
 
-Each word has one writer: the program writes `StreamCommand` and `ControlWord`, the worker writes
-`StatusWord`, the histograms and the report. Words are 64 bits wide and aligned, so that a reader
-never sees half a word.
+Each word has one writer: the program writes `ControlWord`, the worker writes `StatusWord`, the
+histograms and the report. Words are 64 bits wide and aligned, so that a reader never sees half a
+word.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Block:
         backing: the memory's owner, which can pass it to another process; None within one process.
 
     Attributes:
-        control: words of `StreamCommand` and `ControlWord`.
+        control: words of `ControlWord`.
         status: words of `StatusWord`.
         ring: the program's set-points.
         report: the newest of the set-points that the worker sent.

@@ -9,21 +9,18 @@ import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.options import Feeding, WorkerOptions, without_checks
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
+from aioduco.streaming.shared.words import ActionTag
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
-    "CallDrive",
     "Drive",
     "EnvelopeSettings",
     "FrameRotation",
     "Meaning",
-    "PoolDrive",
-    "QueueDrive",
     "StreamSpec",
     "WorkerConfig",
 ]
@@ -33,60 +30,30 @@ Meaning = Literal["place", "speed", "step"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CallDrive:
-    """One call per tick, for servo and speed streams.
+class Drive:
+    """How the worker sends set-points to the controller.
 
     Attributes:
-        function: the function of the wire.
-        arguments: its arguments after the set-point, which is the first argument.
-    """
-
-    function: str
-    arguments: Sequence[Any]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class QueueDrive:
-    """The realtime queue.
-
-    Attributes:
-        field: field of a queue point that carries the set-point.
-        mode: arguments of start_realtime_mode.
-        depth: points to keep in the queue.
-        period: time between two polls of the queue [s].
-    """
-
-    field: str
-    mode: Sequence[float]
-    depth: int
-    period: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PoolDrive:
-    """The track pool.
-
-    Attributes:
-        function: the function of the wire that starts the motion through the pool.
-        arguments: its arguments.
+        kind: "call" for one call per tick, of servo and speed streams; "queue" for the realtime
+            queue, which is kept full; "pool" for the track pool, kept between two marks.
+        function: the function of the wire that carries a set-point, or that starts the motion
+            through the queue or the pool.
+        arguments: its arguments; those after the set-point, if it carries one.
+        period: time between two polls of the queue or the pool [s]; 0: one call per tick.
         low: the worker fills the pool when it has fewer points than this.
-        high: number of points to which the worker fills the pool.
-        period: time between two polls of the pool [s].
-        extra: bytes for the operation of a point; 0: points have no operations.
+        high: number of points to which the worker fills the queue or the pool.
+        field: field of a queue point that carries the set-point.
+        extra: bytes for the operation of a pool's point; 0: points have no operations.
     """
 
+    kind: Literal["call", "queue", "pool"]
     function: str
     arguments: Sequence[Any]
-    low: int
-    high: int
-    period: float
+    period: float = 0.0
+    low: int = 0
+    high: int = 0
+    field: str = ""
     extra: int = 0
-
-
-Drive = CallDrive | QueueDrive | PoolDrive | None
-_DRIVES: dict[str, type[CallDrive | QueueDrive | PoolDrive]] = {
-    kind.__name__: kind for kind in (CallDrive, QueueDrive, PoolDrive)
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,7 +93,7 @@ class StreamSpec:
     name: str
     in_joints: bool
     limits: Limits
-    drive: Drive
+    drive: Drive | None
     meaning: Meaning = "place"
     tool: str = ""
     wobj: str = ""
@@ -149,7 +116,7 @@ class StreamSpec:
     @property
     def extra(self) -> int:
         """Bytes for the operation of a set-point."""
-        return self.drive.extra if isinstance(self.drive, PoolDrive) else 0
+        return 0 if self.drive is None else self.drive.extra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -197,9 +164,7 @@ class WorkerConfig:
     def period(self) -> float:
         """Time between two ticks of the worker [s]."""
         drive = self.sent.drive
-        if isinstance(drive, QueueDrive | PoolDrive):
-            return drive.period
-        return 1 / self.feeding.rate
+        return 1 / self.feeding.rate if drive is None or not drive.period else drive.period
 
     @property
     def extra(self) -> int:
@@ -208,16 +173,15 @@ class WorkerConfig:
 
     def pack(self) -> bytes:
         """Encode it for the shared block."""
-        drive = self.sent.drive
-        return json.dumps([asdict(self), type(drive).__name__ if drive else ""]).encode()
+        return json.dumps(asdict(self)).encode()
 
     @classmethod
     def unpack(cls, text: bytes) -> WorkerConfig:
         """Decode the result of `pack`."""
-        values, kind = json.loads(text)
+        values = json.loads(text)
         sent = values.pop("sent")
         sent["limits"] = Limits(*map(tuple, sent["limits"]))
-        sent["drive"] = _DRIVES[kind](**sent["drive"]) if kind else None
+        sent["drive"] = Drive(**sent["drive"]) if sent["drive"] else None
         sent["turning"] = FrameRotation(**sent["turning"]) if sent["turning"] else None
         options = without_checks(WorkerOptions, values.pop("options"))
         feeding = without_checks(Feeding, values.pop("feeding"))

@@ -1,21 +1,68 @@
-"""The words of the shared block: by which the program and the worker tell each other what to do.
+"""What the program and the worker tell each other in the shared block: words, and their values.
 
-Each word has one writer: the program writes `StreamCommand` and `ControlWord`, the worker writes
-`StatusWord`.
+Each word has one writer: the program writes `ControlWord`, the worker writes `StatusWord`.
 """
 
 from __future__ import annotations
 
+import struct
 from enum import IntEnum, IntFlag
+from typing import NamedTuple
 
-__all__ = ["ControlWord", "StatusWord", "StreamCommand", "Unmet"]
+__all__ = ["ActionTag", "ControlWord", "Reason", "StatusWord", "StreamState", "Unmet"]
+
+_TAG = struct.Struct("<QQII")
 
 
-class StreamCommand(IntEnum):
-    """Commands of the program to the worker; a higher command overrides a lower one.
+class StreamState(IntEnum):
+    """State of a stream."""
 
-    Each command is a word of `Block.control`. It is set once and never reset, so two threads that
-    send different commands at the same moment cannot undo each other.
+    WAITING = 0
+    FOLLOWING = 1
+    HOLDING = 2
+    DECELERATING = 3
+    ENDED = 4
+
+
+class Reason(IntEnum):
+    """Why a stream ended."""
+
+    NONE = 0
+    #: the program closed it
+    CLOSED = 1
+    #: the program left the stream because of an error or a cancellation
+    ABORTED = 2
+    #: the program sent nothing for longer than the hold time
+    STARVED = 3
+    #: the program died
+    PROGRAM_DIED = 4
+    #: the robot was stopped
+    STOPPED = 5
+    #: the first set-point was too far from the arm's position
+    TOO_FAR = 6
+    #: the controller refused a set-point, or left the state in which it accepts them
+    REFUSED = 7
+    #: the connection to the controller broke, or an answer did not come in time
+    CONNECTION = 8
+    #: the worker ended because of an internal error
+    FAILED = 9
+    #: the worker ended without giving a reason
+    WORKER_DIED = 10
+    #: the program's event loop hung
+    HUNG = 11
+    #: a set-point would have crossed a limit of the robot's envelope
+    ENVELOPE = 12
+    #: the worker did not run for too long: it was frozen, or the computer slept
+    AWAY = 13
+    #: the robot's heartbeat was lost
+    LAPSED = 14
+
+
+class ControlWord(IntEnum):
+    """Words that the program writes.
+
+    The first four are commands; a higher one overrides a lower one. A command is set once and never
+    reset, so two threads that give different commands at the same moment cannot undo each other.
     """
 
     #: follow all set-points that were sent, then end
@@ -27,11 +74,6 @@ class StreamCommand(IntEnum):
     #: send nothing more, from now on, and stop the robot: the permit has ended, and nobody else
     #: stops it for certain; the value is the `Reason`
     WITHDRAW = 3
-
-
-class ControlWord(IntEnum):
-    """Words that the program writes, after those of `StreamCommand`."""
-
     #: wake the program when no more than this many set-points are in the ring; 0: do not
     WAKE_BELOW = 4
     #: when the program's event loop last gave a sign of life [ns of `boot_time`]
@@ -89,3 +131,33 @@ class Unmet(IntFlag):
     CPUS = 2
     PRIORITY = 4
     SLICE = 8
+
+
+class ActionTag(NamedTuple):
+    """The chunk to which an action belongs, and its position there.
+
+    Attributes:
+        chunk: running number of the chunk, from 1.
+        begin: monotonic time at which its first action is due [ns]; 0: when the worker takes it.
+        position: number of this action in the chunk, from 0.
+        total: actions in the chunk.
+    """
+
+    chunk: int
+    begin: int
+    position: int
+    total: int
+
+    @staticmethod
+    def size() -> int:
+        """Number of bytes of a packed tag."""
+        return _TAG.size
+
+    def pack(self) -> bytes:
+        """Encode it for the ring."""
+        return _TAG.pack(*self)
+
+    @classmethod
+    def unpack(cls, data: bytes) -> ActionTag:
+        """Decode the result of `pack`."""
+        return cls(*_TAG.unpack(data))

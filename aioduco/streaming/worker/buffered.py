@@ -12,8 +12,7 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
-from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.shared.words import ControlWord, StatusWord
+from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.life import Life
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import PoolDrive, QueueDrive
+    from aioduco.streaming.shared.config import Drive
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.permit import WorkerPermit
@@ -193,13 +192,13 @@ class RealtimeQueueDriver(Driver):
     """
 
     def __init__(
-        self, queue: QueueDrive, connection: Connection, block: Block, permit: WorkerPermit
+        self, queue: Drive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)
         self._permit = permit.require
         self._queue = queue
-        self._depth = Depth(queue.depth, max(self._timeout, 20 * queue.period))
+        self._depth = Depth(queue.high, max(self._timeout, 20 * queue.period))
 
         def element(values: list[float]) -> RealTimeControlData:
             data = RealTimeControlData(status=True)
@@ -238,10 +237,11 @@ class RealtimeQueueDriver(Driver):
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
         rest = self._batch.element(self._feed.wire(self._feed.resting()))
-        if not self._enqueue([rest] * self._queue.depth):
+        if not self._enqueue([rest] * self._queue.high):
             return False
         self._block.status[StatusWord.MODE] = 1  # before the call, since its answer may be lost
-        self._running = self._accepted("start_realtime_mode", tuple(self._queue.mode), self._permit)
+        name, args = self._queue.function, tuple(self._queue.arguments)
+        self._running = self._accepted(name, args, self._permit)
         self._block.status[StatusWord.MODE] = self._running
         return self._running
 
@@ -317,7 +317,7 @@ class TrackPoolDriver(Driver):
     """
 
     def __init__(
-        self, pool: PoolDrive, connection: Connection, block: Block, permit: WorkerPermit
+        self, pool: Drive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
         self._states = PoolStates(pool.low, pool.high, block.config.feeding.hold)
         super().__init__(self._states, connection, block)

@@ -12,7 +12,6 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.envelope.checker import STOPPING, EnvelopeChecker
-from aioduco.streaming.shared.config import QueueDrive
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
 from aioduco.streaming.worker.limiter import Limiter
 
@@ -253,9 +252,9 @@ class SpeedCheck:
         self._frame: Config = ()
         #: time at a speed until a stop takes effect: the program's, after two ticks without any [s]
         self._reach = envelope.reaction + 2 * config.period + _FRESH * 1e-9
-        if isinstance(drive, QueueDrive):
+        if drive is not None and drive.kind == "queue":
             self._frame = POSE_SPACE.decode(envelope.wobj)
-            self._reach += drive.depth * _CYCLE
+            self._reach += drive.high * _CYCLE
         self._place: Config = ()
         self._read_at = 0
 

@@ -11,7 +11,7 @@ from aioduco.streaming.worker.watch import ControllerWatch
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.shared.words import Reason, StreamState
     from aioduco.streaming.worker.life import Life
 
 __all__ = ["Driver"]

@@ -6,8 +6,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, idl
-from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.shared.words import StatusWord
+from aioduco.streaming.shared.words import Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Point
 from aioduco.streaming.worker.life import Life
@@ -16,7 +15,7 @@ from aioduco.streaming.worker.setpoints import SetpointFeed
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import CallDrive
+    from aioduco.streaming.shared.config import Drive
     from aioduco.streaming.worker.permit import WorkerPermit
 
 __all__ = ["CallDriver", "ProbeDriver"]
@@ -26,7 +25,7 @@ class CallDriver(Driver):
     """One call per tick: servoj, servoj_pose, servo_tcp, servol, speedj, speedl."""
 
     def __init__(
-        self, calls: CallDrive, connection: Connection, block: Block, permit: WorkerPermit
+        self, calls: Drive, connection: Connection, block: Block, permit: WorkerPermit
     ) -> None:
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)

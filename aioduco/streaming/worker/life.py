@@ -11,7 +11,7 @@ The state never goes back from DECELERATING or ENDED, and the first reason and i
 
 from __future__ import annotations
 
-from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.shared.words import Reason, StreamState
 
 __all__ = ["Life"]
 

@@ -38,9 +38,7 @@ from aioduco._wire.endpoint import Route
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.streaming.shared.block import Block
-from aioduco.streaming.shared.config import CallDrive, PoolDrive, QueueDrive
-from aioduco.streaming.shared.state import Reason, StreamState
-from aioduco.streaming.shared.words import ControlWord, StatusWord, StreamCommand, Unmet
+from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState, Unmet
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
@@ -169,15 +167,15 @@ class StreamWorker:
         )
 
     def _make_driver(self, connection: Connection) -> Driver:
-        match self._config.sent.drive:
-            case CallDrive() as calls:
-                return CallDriver(calls, connection, self._block, self._permit)
-            case QueueDrive() as queue:
-                return RealtimeQueueDriver(queue, connection, self._block, self._permit)
-            case PoolDrive() as pool:
-                return TrackPoolDriver(pool, connection, self._block, self._permit)
-            case None:
-                return ProbeDriver(connection, self._block)
+        drive = self._config.sent.drive
+        if drive is None:
+            return ProbeDriver(connection, self._block)
+        kinds: dict[str, type[CallDriver | RealtimeQueueDriver | TrackPoolDriver]] = {
+            "call": CallDriver,
+            "queue": RealtimeQueueDriver,
+            "pool": TrackPoolDriver,
+        }
+        return kinds[drive.kind](drive, connection, self._block, self._permit)
 
     def _end_on_controller(self, connection: Connection, reason: Reason) -> None:
         """End the stream's mode or motion on the controller's side, too."""
@@ -311,9 +309,9 @@ class StreamWorker:
     def _apply_commands(self, driver: Driver, now: int) -> None:
         """Apply the program's commands, and check whether the program is alive."""
         control = self._block.control
-        if control[StreamCommand.ABORT]:
+        if control[ControlWord.ABORT]:
             driver.brake(Reason.ABORTED)
-        elif control[StreamCommand.CLOSE]:
+        elif control[ControlWord.CLOSE]:
             driver.life.close()
         if now - self._looked < _LOOK:
             return

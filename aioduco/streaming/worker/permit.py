@@ -29,8 +29,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco._process.platform import boot_time
-from aioduco.streaming.shared.state import Reason
-from aioduco.streaming.shared.words import ControlWord, StreamCommand
+from aioduco.streaming.shared.words import ControlWord, Reason
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,7 +76,7 @@ class StreamPermit:
         Args:
             now: the monotonic time.
             boot: the time that goes on while the computer sleeps.
-            control: words of `StreamCommand` and `ControlWord`.
+            control: words of `ControlWord`.
             due: monotonic time until which the worker meant to sleep since the last look.
 
         Returns:
@@ -88,9 +87,9 @@ class StreamPermit:
         away = boot - max(self._seen, due + self._ahead)
         self.begin(now, boot)
         silent = boot - control[ControlWord.ALIVE]
-        if control[StreamCommand.WITHDRAW]:
-            self.reason = Reason(control[StreamCommand.WITHDRAW])
-        elif control[StreamCommand.HALT]:
+        if control[ControlWord.WITHDRAW]:
+            self.reason = Reason(control[ControlWord.WITHDRAW])
+        elif control[ControlWord.HALT]:
             self.reason = Reason.STOPPED
         elif away > self._away_limit:
             self._end(Reason.AWAY, f"it did not run for {away * 1e-9:.2f} s")
@@ -108,7 +107,7 @@ class WorkerPermit:
     """The permit of this worker, by the clocks and the shared block.
 
     Args:
-        control: words of `StreamCommand` and `ControlWord`, which the program writes.
+        control: words of `ControlWord`, which the program writes.
         stall_limit: time without a sign of life after which the program's event loop hangs [s].
         away_limit: time for which the worker may not run [s].
     """

@@ -11,14 +11,12 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.space import POSE_SPACE
-from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.shared.turning import Directions
-from aioduco.streaming.shared.words import StatusWord
-from aioduco.streaming.worker.follower import Follower
+from aioduco.streaming.shared.words import ActionTag, Reason, StatusWord, StreamState
+from aioduco.streaming.worker.interpolation import interpolator
 from aioduco.streaming.worker.life import Life
-from aioduco.streaming.worker.limiter import Rates
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,9 +26,10 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.options import Feeding
     from aioduco.streaming.shared.ring import SetPoint
-    from aioduco.streaming.shared.space import Config, Space
+    from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
     from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.chunks import ActionTimeline
+    from aioduco.streaming.worker.interpolation import Linear
 
 __all__ = ["Follower", "SetpointFeed", "SetpointSource", "within"]
 
@@ -40,6 +39,101 @@ _LATE = 1.2  # share of the interval in which a target is reached: the next may 
 _DUE = 1.5  # share of the interval after which an unpaced set-point counts as late
 _ROUNDING = 1 - 1e-9
 _PER_TICK = 64  # actions taken in one tick at most, so that a long chunk delays no tick
+
+
+class Follower:
+    """A reference and the limiter that follows it.
+
+    With a check, the arm can come to rest within the envelope from every set-point. A set-point
+    that breaks this is not sent: the follower brakes from the one before it.
+
+    Args:
+        way: method of up-sampling, see `Feeding`.
+        space: the space of the set-points.
+        limits: limits of velocity and acceleration; for "ruckig" also of jerk.
+        period: time between two ticks of the stream [s].
+        start: position of the arm, at rest.
+        reference: joins chunks of actions; it starts at `start`. None: an interpolator.
+        check: checks set-points against the robot's envelope; None: there is none.
+    """
+
+    def __init__(
+        self,
+        way: str,
+        space: Space,
+        limits: Limits,
+        period: float,
+        start: Config,
+        reference: ActionTimeline | None = None,
+        check: EnvelopeCheck | None = None,
+    ) -> None:
+        self._reference: Linear | ActionTimeline = reference or interpolator(
+            way, space, period, start
+        )
+        kind = JerkLimiter if way == "ruckig" else Limiter
+        self._limiter = kind(space, limits, period, start)
+        self._check = check
+
+    @property
+    def config(self) -> Config:
+        """The set-point of the last tick."""
+        return self._limiter.config
+
+    @property
+    def velocity(self) -> Displacement:
+        """Velocity of the set-point, per second."""
+        return self._limiter.velocity
+
+    @property
+    def limited(self) -> int:
+        """Ticks in which the limits kept the set-point from the reference."""
+        return self._limiter.limited
+
+    @property
+    def ready(self) -> bool:
+        """Whether the time of the last target is over, so that the next one can be taken."""
+        return self._reference.ready
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last target is met and the set-point is at rest."""
+        return self._reference.ready and self._limiter.at_rest
+
+    def aim(self, target: Config, interval: float, duration: float) -> None:
+        """Take a new target, to be reached if the limits allow it.
+
+        Args:
+            target: the target.
+            interval: time since the target before it [s].
+            duration: time in which to reach it [s].
+        """
+        self._reference.aim(target, interval, duration)
+
+    def step(self) -> Config:
+        """Advance by one tick, or brake before the envelope; returns the set-point."""
+        limiter, check = self._limiter, self._check
+        if check is None:
+            return limiter.follow(self._reference.step())
+        snapshot = limiter.snapshot()
+        config = limiter.follow(self._reference.step())
+        found = check.look(config, limiter)
+        if found is None:
+            return config
+        limiter.restore(snapshot)
+        if found.action != "slow":
+            check.crossed(found)
+            return self.brake()
+        config = limiter.brake()
+        check.moved(config)
+        return config
+
+    def brake(self) -> Config:
+        """Brake for one tick within the limits and return the set-point."""
+        config = self._limiter.brake()
+        self._reference.reset(config)
+        if self._check is not None:
+            self._check.moved(config)
+        return config
 
 
 class SetpointSource(Life):

@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ControllerError
-from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import Reason
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection

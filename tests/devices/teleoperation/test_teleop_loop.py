@@ -23,7 +23,7 @@ from aioduco.models.ranges import JOINT_SPEED
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.shared.words import Reason
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
