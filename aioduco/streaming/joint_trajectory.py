@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.streaming.sampling import Spline
+from aioduco.streaming.sampling import Spline, numbers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,9 +99,9 @@ class JointTrajectory:
         count = len(self.positions)
         for row in self.positions.tolist():
             ranges.JOINTS("positions", row)
-        self.times: NDArray[np.float64] = _numbers("times", times)
-        if self.times.shape != (count,) or not np.all(np.isfinite(self.times)):
-            raise ParameterError("times", times, f"{count} finite numbers")
+        self.times: NDArray[np.float64] = _fixed("times", times)
+        if self.times.shape != (count,):
+            raise ParameterError("times", times, f"{count} numbers")
         if self.times[0] < 0 or np.any(np.diff(self.times) <= 0):
             raise ParameterError("times", times, "rising, the first at least 0")
         self.velocities: NDArray[np.float64] | None = (
@@ -139,21 +139,16 @@ class JointTrajectory:
         )
 
 
-def _numbers(name: str, value: Any) -> NDArray[np.float64]:
+def _fixed(name: str, value: Any) -> NDArray[np.float64]:
     """A copy that cannot be changed, so that the checks of it stay valid."""
-    try:
-        found = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as exc:
-        raise ParameterError(name, value, "an array of numbers") from exc
+    found = numbers(name, value)
     found.setflags(write=False)
     return found
 
 
 def _matrix(name: str, value: Any, count: int | None = None) -> NDArray[np.float64]:
-    found = _numbers(name, value)
+    found = _fixed(name, value)
     wanted = "n" if count is None else count
     if found.ndim != 2 or found.shape[1] != 6 or not len(found) or count not in (None, len(found)):
         raise ParameterError(name, found.shape, f"of the shape ({wanted}, 6)")
-    if not np.all(np.isfinite(found)):
-        raise ParameterError(name, value, "an array of finite numbers")
     return found

@@ -108,38 +108,26 @@ class StreamStatistics(NamedTuple):
             in_process: whether the worker is a separate process.
         """
         words = block.status
-        times = {
-            name: block.histograms[name].snapshot(1.0 if name == "depth" else 1e-9)
-            for name in HISTOGRAMS
+        # Each count has the name of its word, and each measurement that of its histogram.
+        found: dict[str, Any] = {
+            name: words[StatusWord[name.upper()]]
+            for name in cls._fields
+            if name.upper() in StatusWord.__members__
         }
-        return cls(
-            state=state,
-            reason=reason,
-            ticks=words[StatusWord.TICKS],
-            sent=words[StatusWord.SENT],
-            missed=words[StatusWord.MISSED],
-            starved=words[StatusWord.STARVED],
-            limited=words[StatusWord.LIMITED],
-            overwritten=words[StatusWord.OVERWRITTEN],
-            drained=words[StatusWord.DRAINED],
-            queued=block.ring.level,
-            depth=words[StatusWord.DEPTH],
-            memory=words[StatusWord.MEMORY] * 1024 if in_process else 0,
-            chunks=words[StatusWord.CHUNKS],
-            chunks_late=words[StatusWord.CHUNKS_LATE],
-            chunks_dropped=words[StatusWord.CHUNKS_DROPPED],
-            actions_late=words[StatusWord.ACTIONS_LATE],
-            exhausted=words[StatusWord.EXHAUSTED],
-            unmet=tuple(str(flag.name).lower() for flag in Unmet(words[StatusWord.UNMET])),
-            priority=words[StatusWord.PRIORITY],
-            lateness=times["lateness"],
-            interval=times["interval"],
-            round_trip=times["round_trip"],
-            work=times["work"],
-            age=times["age"],
-            queue=times["depth"],
-            buckets={name: block.histograms[name].buckets() for name in HISTOGRAMS},
-        )
+        for name in HISTOGRAMS:
+            scale = 1.0 if name == "depth" else 1e-9
+            figures = block.histograms[name].snapshot(scale)
+            found["queue" if name == "depth" else name] = figures
+        flags = Unmet(words[StatusWord.UNMET])
+        found |= {
+            "state": state,
+            "reason": reason,
+            "queued": block.ring.level,
+            "memory": words[StatusWord.MEMORY] * 1024 if in_process else 0,
+            "unmet": tuple(str(flag.name).lower() for flag in flags),
+            "buckets": {name: block.histograms[name].buckets() for name in HISTOGRAMS},
+        }
+        return cls(**found)
 
     def __repr__(self) -> str:
         late = self.lateness

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Space
 
-__all__ = ["Spline", "sampled"]
+__all__ = ["Spline", "numbers", "sampled"]
 
 
 class Spline:
@@ -120,12 +120,12 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArr
     Raises:
         ParameterError: the shapes do not match, a number is not finite, or times do not rise.
     """
-    points = _floats("trajectory", trajectory)
+    points = numbers("trajectory", trajectory)
     if points.ndim != 2 or points.shape[1] != 6 or not len(points):
         raise ParameterError("trajectory", points.shape, "of the shape (n, 6), n at least 1")
     if times is None:
         return points
-    moments = _floats("times", times)
+    moments = numbers("times", times)
     if moments.shape != (len(points),):
         raise ParameterError("times", moments.shape, f"of the shape ({len(points)},)")
     if np.any(np.diff(moments) <= 0):
@@ -161,9 +161,14 @@ def _poses(
     return found
 
 
-def _floats(name: str, value: Any) -> NDArray[np.float64]:
+def numbers(name: str, value: Any) -> NDArray[np.float64]:
+    """A new array of finite numbers.
+
+    Raises:
+        ParameterError: it is none.
+    """
     try:
-        found = np.asarray(value, dtype=np.float64)
+        found = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as exc:
         raise ParameterError(name, value, "an array of numbers") from exc
     if not np.all(np.isfinite(found)):

@@ -199,16 +199,9 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        sent = StreamSpec(
-            name="servoj_pose",
-            in_joints=False,
-            limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servoj_pose", [v_, a_, near, tool_, wobj_], gains),
-            tool=tool_,
-            wobj=wobj_,
-        )
+        motion = [v_, a_, ranges.JOINTS_NEAR("q_near", q_near)]
+        limits = _limits(velocity, acceleration, jerk)
+        sent = _poses("servoj_pose", motion, limits, tool, wobj, gains)
         fed = _fed(max_step, reach, **feeding)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
 
@@ -258,16 +251,9 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        sent = StreamSpec(
-            name="servol",
-            in_joints=False,
-            limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servol", [v_, a_, near, tool_, wobj_], gains),
-            tool=tool_,
-            wobj=wobj_,
-        )
+        motion = [v_, a_, ranges.JOINTS_NEAR("q_near", q_near)]
+        limits = _limits(velocity, acceleration, jerk)
+        sent = _poses("servol", motion, limits, tool, wobj, gains)
         fed = _fed(max_step, reach, **feeding)
         return Stream(self._endpoint, fed, options, sent, ranges.POSE)
 
@@ -345,6 +331,25 @@ def _calls(function: str, motion: list[Any], gains: ServoGains | None) -> Drive:
         raise ParameterError("gains", gains, "ServoGains, or None")
     arguments = [*motion, False, *gains.wire()]
     return Drive(kind="call", function=function, arguments=arguments)
+
+
+def _poses(
+    function: str,
+    motion: list[Any],
+    limits: Limits,
+    tool: str,
+    wobj: str,
+    gains: ServoGains | None,
+) -> StreamSpec:
+    tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+    return StreamSpec(
+        name=function,
+        in_joints=False,
+        limits=limits,
+        drive=_calls(function, [*motion, tool_, wobj_], gains),
+        tool=tool_,
+        wobj=wobj_,
+    )
 
 
 def _fed(max_step: _Pair, reach: _Pair, **feeding: Unpack[ServoOptions]) -> Feeding:

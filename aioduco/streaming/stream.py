@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import anyio.lowlevel
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.options import Feeding, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.config import StreamSpec
-    from aioduco.streaming.shared.space import Space
     from aioduco.streaming.shared.words import Reason, StreamState
 
 __all__ = ["Stream", "Tick"]
@@ -34,28 +33,6 @@ __all__ = ["Stream", "Tick"]
 _AT_ONCE = 256  # set-points written before the event loop runs again
 _FARTHEST = 60.0  # s from now: the time of a chunk further away comes from another clock
 _AT = Number(0.0, unit="s", source="this package")
-
-
-class _Chunk(NamedTuple):
-    """A chunk that was sent, to which the next one is compared."""
-
-    begin: float
-    interval: float
-    actions: Sequence[tuple[float, ...]]
-
-    @property
-    def end(self) -> float:
-        return self.begin + (len(self.actions) - 1) * self.interval
-
-    def at(self, space: Space, time: float) -> tuple[float, ...]:
-        """The chunk's position at a time, as six numbers."""
-        last = len(self.actions) - 1
-        place = min(max((time - self.begin) / self.interval, 0.0), float(last))
-        index = min(int(place), max(0, last - 1))
-        start = space.decode(self.actions[index])
-        end = space.decode(self.actions[min(index + 1, last)])
-        way = space.difference(start, end)
-        return space.encode(space.moved(start, tuple((place - index) * w for w in way)))
 
 
 class Stream:
@@ -99,7 +76,8 @@ class Stream:
         self._last: tuple[float, ...] | None = None
         self._begun = False
         self._chunks = 0
-        self._sent_chunk: _Chunk | None = None
+        #: when the first action of the last chunk was due [s], and its actions
+        self._sent_chunk: tuple[float, Sequence[tuple[float, ...]]] | None = None
 
     # -- status --------------------------------------------------------------------------------
 
@@ -234,23 +212,25 @@ class Stream:
         """
         ring = self._session.alive().ring
         now = time.monotonic()
-        chunk = self._chunk(actions, at, now)
+        points = self._checked_actions(actions, at, now)
         begin = 0 if at is None else max(1, round(at * 1e9))
-        count = len(chunk.actions)
+        count = len(points)
         # The chunk is written completely or not at all: after this loop nothing is awaited until
         # the last action is written.
         while ring.level > self._feeding.capacity - count:
             await self._session.until_level(self._feeding.capacity - count)
             self._session.alive()
         self._chunks += 1
-        self._sent_chunk, self._last = chunk, chunk.actions[-1]
+        self._sent_chunk, self._last = (now if at is None else at, points), points[-1]
         stamp = time.monotonic_ns()
-        for index, values in enumerate(chunk.actions):
+        for index, values in enumerate(points):
             ring.put(values, stamp, ActionTag(self._chunks, begin, index, count).pack())
         await self._begin()
         await anyio.lowlevel.checkpoint()
 
-    def _chunk(self, actions: Any, at: float | None, now: float) -> _Chunk:
+    def _checked_actions(
+        self, actions: Any, at: float | None, now: float
+    ) -> list[tuple[float, ...]]:
         """Check a chunk."""
         interval = self._feeding.interval
         if not self._feeding.chunks or interval is None:
@@ -269,13 +249,25 @@ class Stream:
             if checked:
                 self._check_step(values, checked[-1], f"actions[{index}]")
             checked.append(values)
-        begin = now if at is None else at
-        chunk = _Chunk(begin, interval, checked)
         if self._sent_chunk is not None:
-            when = min(max(begin, now), chunk.end)
-            before = self._sent_chunk.at(self._space, when)
-            self._check_step(chunk.at(self._space, when), before, "actions")
-        return chunk
+            begin = now if at is None else at
+            when = min(max(begin, now), begin + (len(checked) - 1) * interval)
+            before = self._place(interval, *self._sent_chunk, when)
+            here = self._place(interval, begin, checked, when)
+            self._check_step(here, before, "actions")
+        return checked
+
+    def _place(
+        self, interval: float, begin: float, actions: Sequence[tuple[float, ...]], time: float
+    ) -> tuple[float, ...]:
+        """A chunk's position at a time, as six numbers."""
+        space, last = self._space, len(actions) - 1
+        place = min(max((time - begin) / interval, 0.0), float(last))
+        index = min(int(place), max(0, last - 1))
+        start = space.decode(actions[index])
+        end = space.decode(actions[min(index + 1, last)])
+        way = space.difference(start, end)
+        return space.encode(space.moved(start, tuple((place - index) * w for w in way)))
 
     async def follow(self, source: AsyncIterable[VectorLike]) -> None:
         """Send every set-point of an async iterator until it ends.
