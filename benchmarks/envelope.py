@@ -2,8 +2,8 @@
 
     python benchmarks/envelope.py [--quick] [--save]
 
-A stream of 500 set-points a second goes about between random zones, as `Follower` carries it
-out in the worker: with 20 zones, of boxes, spheres and planes, each for tool, elbow and flange,
+A stream of 500 set-points a second goes about between random zones, as `PositionGenerator` carries
+it out in the worker: with 20 zones, of boxes, spheres and planes, each for tool, elbow and flange,
 in two settings. "about the arm": zones of a cell, at random places. "close": all 20 within 5 cm
 of the tool at some time, so that most have to be looked at again and again. Of both, "all looked
 at" is the same check without what leaves zones out that cannot be reached: it sends the same
@@ -29,7 +29,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics import arm
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
 from aioduco.streaming.worker.checked import EnvelopeCheck
-from aioduco.streaming.worker.setpoints import Follower
+from aioduco.streaming.worker.setpoints import PositionGenerator
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -118,13 +118,13 @@ def wander(rng: np.random.Generator, count: int) -> Array:
     return np.asarray(START + swing)
 
 
-def ticks(follower: Follower, way: Array, crossed: Sequence[object]) -> list[float]:
+def ticks(generator: PositionGenerator, way: Array, crossed: Sequence[object]) -> list[float]:
     """Processor time of each tick [s], until a zone is in the way."""
     clock, found = time.thread_time_ns, []
     for target in way.tolist():
-        follower.aim(tuple(target), PERIOD, PERIOD)
+        generator.aim(tuple(target), PERIOD, PERIOD)
         begin = clock()
-        follower.step()
+        generator.step()
         found.append((clock() - begin) * 1e-9)
         if crossed:
             break
@@ -172,8 +172,8 @@ def main() -> None:
         plain: list[list[float]] = []
         spent: dict[str, list[list[float]]] = {}
         for _ in range(passes):
-            follower = Follower("none", JOINT_SPACE, LIMITS, PERIOD, start)
-            plain.append(ticks(follower, way, ()))
+            generator = PositionGenerator("none", JOINT_SPACE, LIMITS, PERIOD, start)
+            plain.append(ticks(generator, way, ()))
             for name, kind in kinds:
                 crossed = list[object]()
                 place = Joints(zones_of[name], kind)
@@ -181,9 +181,11 @@ def main() -> None:
                     *(place.checker, place.seen, JOINT_SPACE, PERIOD, start, crossed.append)
                 )
                 assert check.begin() is None
-                follower = Follower("none", JOINT_SPACE, LIMITS, PERIOD, start, check=check)
+                generator = PositionGenerator(
+                    "none", JOINT_SPACE, LIMITS, PERIOD, start, check=check
+                )
                 title = f"{name}, all looked at" if kind is AllLookedAt else name
-                spent.setdefault(title, []).append(ticks(follower, way, crossed))
+                spent.setdefault(title, []).append(ticks(generator, way, crossed))
                 ended += bool(crossed) and len(plain) == 1 and kind is EnvelopeChecker
         without = quickest(plain)
         bare += without
@@ -202,7 +204,7 @@ def main() -> None:
     print_table(
         f"What the check adds to a tick, of {least} ticks or more, the quickest of {passes}",
         ["µs a set-point", "mean", "p50", "p90", "p99", "p99 of whole ticks as they came"],
-        [[name, *row.values()] for name, row in ({"follower without": alone} | table).items()],
+        [[name, *row.values()] for name, row in ({"generator without": alone} | table).items()],
     )
     if options.save:
         results = {

@@ -13,7 +13,7 @@ from aioduco.streaming.shared.ring import SetPoint
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits
 from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.worker.chunks import ActionTimeline
-from aioduco.streaming.worker.setpoints import Follower, SetpointSource
+from aioduco.streaming.worker.setpoints import PositionGenerator, SetpointSource
 
 from .motion import peaks
 
@@ -50,7 +50,7 @@ class Bench:
         )
         start = space.decode(ZERO)
         self.timeline.reset(start)
-        self.source.begin(Follower("ruckig", space, limits, PERIOD, start, self.timeline))
+        self.source.begin(PositionGenerator("ruckig", space, limits, PERIOD, start, self.timeline))
         self.given: list[Config] = [start]
         self._ring: list[SetPoint] = []
         self._chunks = 0

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limits, Space
-from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
 
 from .motion import peaks
 
@@ -122,7 +122,7 @@ def test_a_motion_within_the_limits_passes_unchanged(
 def test_speeds_are_ramped_and_end_at_zero(
     jumps: object, top: float, change: float, period: float
 ) -> None:
-    rates = Rates(POSE_SPACE, Limits((top, top), (change, change)), period)
+    rates = SpeedGenerator(POSE_SPACE, Limits((top, top), (change, change)), period)
     before = rates.config
     for values, ticks in jumps:  # type: ignore[attr-defined]
         rates.aim(values, period, period)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from aioduco.streaming.shared.ring import SetPoint
 from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
 from aioduco.streaming.shared.words import Reason, StreamState
-from aioduco.streaming.worker.limiter import Rates
-from aioduco.streaming.worker.setpoints import Follower, SetpointSource
+from aioduco.streaming.worker.limiter import SpeedGenerator
+from aioduco.streaming.worker.setpoints import PositionGenerator, SetpointSource
 
 PERIOD = 0.01
 HOLD = 0.1
@@ -24,7 +24,7 @@ LIMITS = Limits((1.0,) * 6, (10.0,) * 6)
 class Bench:
     """A source, what it is fed with, and what it gave."""
 
-    def __init__(self, *, rates: bool = False, paced: bool = True, way: str = "none") -> None:
+    def __init__(self, *, speeds: bool = False, paced: bool = True, way: str = "none") -> None:
         self.source = SetpointSource(
             JOINT_SPACE,
             PERIOD,
@@ -32,14 +32,14 @@ class Bench:
             interval=PERIOD if paced else None,
             paced=paced,
             reach=(0.1,) * 6,
-            rates=rates,
+            speeds=speeds,
         )
-        follower = (
-            Rates(JOINT_SPACE, LIMITS, PERIOD)
-            if rates
-            else Follower(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
+        generator = (
+            SpeedGenerator(JOINT_SPACE, LIMITS, PERIOD)
+            if speeds
+            else PositionGenerator(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
         )
-        self.source.begin(follower)
+        self.source.begin(generator)
         self.fed: list[Config] = []
         self.given: list[Config | None] = []
         self._number = 0
@@ -163,7 +163,7 @@ def test_the_first_reason_stays() -> None:
 
 
 def test_a_stream_of_speeds_keeps_its_speed_then_ramps_to_zero() -> None:
-    bench = Bench(rates=True)
+    bench = Bench(speeds=True)
     bench.step(*[0.5] * 10)
     assert bench.last == (0.5,) * 6
     assert bench.step(ticks=5) is StreamState.HOLDING
@@ -176,7 +176,7 @@ def test_a_stream_of_speeds_keeps_its_speed_then_ramps_to_zero() -> None:
 
 
 def test_a_stream_of_speeds_ends_at_zero_when_closed() -> None:
-    bench = Bench(rates=True)
+    bench = Bench(speeds=True)
     bench.step(*[0.5] * 10)
     bench.source.close()
     bench.to_the_end()
@@ -195,12 +195,12 @@ EVENTS = st.lists(
 
 @given(EVENTS, st.booleans(), st.booleans(), st.sampled_from(["none", "linear", "cubic", "ruckig"]))
 def test_whatever_happens_limits_hold_and_the_end_is_final(
-    events: list[float | str], rates: bool, paced: bool, way: str
+    events: list[float | str], speeds: bool, paced: bool, way: str
 ) -> None:
-    bench = Bench(rates=rates, paced=paced, way="none")
-    if not rates and way == "ruckig":
+    bench = Bench(speeds=speeds, paced=paced, way="none")
+    if not speeds and way == "ruckig":
         limits = Limits((1.0,) * 6, (10.0,) * 6, (100.0,) * 6)
-        bench.source.begin(Follower(way, JOINT_SPACE, limits, PERIOD, ZERO))
+        bench.source.begin(PositionGenerator(way, JOINT_SPACE, limits, PERIOD, ZERO))
     ended_at: int | None = None
     for event in events:
         match event:
@@ -226,7 +226,7 @@ def test_whatever_happens_limits_hold_and_the_end_is_final(
         for a, b in zip(before, after, strict=True):
             assert math.isfinite(b)
             # a speed of 1 per second at most, or for speeds a change of 10 per second
-            assert abs(b - a) <= (10.0 if rates else 1.0) * PERIOD * (1 + 1e-6)
+            assert abs(b - a) <= (10.0 if speeds else 1.0) * PERIOD * (1 + 1e-6)
 
 
 def test_the_text_of_the_first_reason_stays() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from aioduco.streaming.shared.options import UPSAMPLING
 from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
 from aioduco.streaming.worker.interpolation import Cubic, interpolator
-from aioduco.streaming.worker.setpoints import Follower
+from aioduco.streaming.worker.setpoints import PositionGenerator
 
 from .motion import peaks
 
@@ -33,16 +33,16 @@ def bare_steps(seconds: float) -> list[Config]:
 
 
 def followed(way: str, seconds: float, jitter: float = 0.0) -> list[Config]:
-    follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, policy(0.0))
-    points = [follower.config]
+    generator = PositionGenerator(way, JOINT_SPACE, LIMITS, PERIOD, policy(0.0))
+    points = [generator.config]
     number, before = 0, 0.0
     for tick in range(round(seconds / PERIOD)):
         time = tick * PERIOD
         late = jitter * SLOW * ((number * 7919) % 11 / 10)
         if time >= number * SLOW + late:
-            follower.aim(policy(time), max(PERIOD, time - before), 1.2 * SLOW)
+            generator.aim(policy(time), max(PERIOD, time - before), 1.2 * SLOW)
             number, before = number + 1, time
-        points.append(follower.step())
+        points.append(generator.step())
     return points
 
 
@@ -77,39 +77,39 @@ def test_the_motion_is_followed_one_interval_later(way: str) -> None:
 @given(targets=st.lists(st.tuples(*[st.floats(-1, 1)] * 6), min_size=1, max_size=8))
 @settings(deadline=None)
 def test_every_way_ends_at_rest_at_the_last_target(way: str, targets: list[Config]) -> None:
-    follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
+    generator = PositionGenerator(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
     for target in targets:
-        follower.aim(target, SLOW, SLOW)
+        generator.aim(target, SLOW, SLOW)
         for _ in range(10):
-            follower.step()
+            generator.step()
     for _ in range(3000):
-        if follower.at_rest:
+        if generator.at_rest:
             break
-        follower.step()
-    assert follower.at_rest
-    assert follower.config == targets[-1]
-    assert follower.velocity == ZERO
+        generator.step()
+    assert generator.at_rest
+    assert generator.config == targets[-1]
+    assert generator.velocity == ZERO
 
 
 @pytest.mark.parametrize("way", UPSAMPLING)
 @given(target=st.tuples(*[st.floats(-1, 1)] * 6), ticks=st.integers(1, 200))
 @settings(deadline=None)
 def test_every_way_brakes_to_rest_where_it_is(way: str, target: Config, ticks: int) -> None:
-    follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
-    follower.aim(target, SLOW, SLOW)
-    points = [follower.step() for _ in range(ticks)]
-    speed = max(map(abs, follower.velocity))
-    start = follower.config
+    generator = PositionGenerator(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
+    generator.aim(target, SLOW, SLOW)
+    points = [generator.step() for _ in range(ticks)]
+    speed = max(map(abs, generator.velocity))
+    start = generator.config
     count = 0
-    while not follower.at_rest or not count:
-        points.append(follower.brake())
+    while not generator.at_rest or not count:
+        points.append(generator.brake())
         count += 1
         assert count * PERIOD <= 2.0 / 15.0 + 15.0 / 300.0 * 3 + 2 * PERIOD
     found = peaks(JOINT_SPACE, [ZERO, *points], PERIOD)
     assert max(found.acceleration) <= 15.0 * (1 + 1e-6)
     # The way to rest: v²/2a, and what the limit of jerk adds.
     furthest = speed * speed / 30 + 0.2 * speed + 0.01
-    assert max(abs(a - b) for a, b in zip(start, follower.config, strict=True)) <= furthest
+    assert max(abs(a - b) for a, b in zip(start, generator.config, strict=True)) <= furthest
 
 
 @given(step=st.floats(-1, 1))

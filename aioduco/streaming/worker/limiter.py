@@ -1,7 +1,7 @@
 """Limits that no set-point of a stream exceeds, whatever the program sends.
 
-`Limiter` keeps the limits of speed and acceleration, `JerkLimiter` also that of jerk; `Rates` keeps
-the limits of set-points that are speeds.
+`Limiter` keeps the limits of speed and acceleration, `JerkLimiter` also that of jerk;
+`SpeedGenerator` keeps the limits of set-points that are speeds.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     #: for each group: its slice, and the limits of its speed and of the change of its speed
     _Rules = tuple[tuple[slice, float, float], ...]
 
-__all__ = ["JerkLimiter", "Limiter", "Rates"]
+__all__ = ["JerkLimiter", "Limiter", "SpeedGenerator"]
 
 _ZERO: Displacement = (0.0,) * 6
 _SLACK = 1 + 1e-9  # a trajectory exactly at its limits passes in spite of rounding
@@ -321,8 +321,8 @@ class JerkLimiter:
         self._acceleration = tuple(self._output.new_acceleration)
 
 
-class Rates:
-    """Follows a speed within limits of its magnitude and of its rate of change.
+class SpeedGenerator:
+    """Generates a speed per tick, within limits of its magnitude and of its rate of change.
 
     Args:
         space: the space whose groups are limited, each by its length.

@@ -181,7 +181,7 @@ class StreamWorker:
         """End the stream's mode or motion on the controller's side, too."""
         status, sent = self._block.status, self._config.sent
         if self._unanswered:
-            self._outlast(connection)
+            self._wait_out(connection)
         elif status[StatusWord.SENT] == 0 and not status[StatusWord.MODE]:
             return
         # Of a program that died, nobody stops the arm for certain.
@@ -213,7 +213,7 @@ class StreamWorker:
         finally:
             connection.close()
 
-    def _outlast(self, connection: Connection) -> None:
+    def _wait_out(self, connection: Connection) -> None:
         """Stop the arm until the unanswered set-point cannot move it any more."""
         status, now = self._block.status, time.monotonic()
         answer_by = now + self._config.unanswered_timeout

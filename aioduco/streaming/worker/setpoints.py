@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import json
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import ActionTag, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.interpolation import interpolator
 from aioduco.streaming.worker.life import Life
-from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.worker.chunks import ActionTimeline
     from aioduco.streaming.worker.interpolation import Linear
 
-__all__ = ["Follower", "SetpointFeed", "SetpointSource", "within"]
+__all__ = ["PositionGenerator", "SetpointFeed", "SetpointSource", "within"]
 
 _LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed
 _FIRST = 0.05  # seconds assumed for the interval until one is measured
@@ -41,11 +41,11 @@ _ROUNDING = 1 - 1e-9
 _PER_TICK = 64  # actions taken in one tick at most, so that a long chunk delays no tick
 
 
-class Follower:
-    """A reference and the limiter that follows it.
+class PositionGenerator:
+    """Generates a position per tick: an interpolator of the targets, and the limiter after it.
 
     With a check, the arm can come to rest within the envelope from every set-point. A set-point
-    that breaks this is not sent: the follower brakes from the one before it.
+    that breaks this is not sent: the generator brakes from the one before it.
 
     Args:
         way: method of up-sampling, see `Feeding`.
@@ -136,6 +136,10 @@ class Follower:
         return config
 
 
+#: what gives one set-point per tick, within the limits
+Generator: TypeAlias = PositionGenerator | SpeedGenerator
+
+
 class SetpointSource(Life):
     """One set-point per tick, until a defined end.
 
@@ -147,7 +151,7 @@ class SetpointSource(Life):
         paced: whether each target has its whole interval before the next one is taken (first
             in, first out); otherwise the next one is taken as soon as it arrives.
         reach: largest distance of the first target from the arm, per group [rad, m].
-        rates: whether the set-points are speeds; a stream of speeds ends at speed zero.
+        speeds: whether the set-points are speeds; a stream of speeds ends at speed zero.
         timeline: joins chunks of actions, of which each tick takes what there is; the program is
             late when its actions have run out. None: each set-point is a target.
         clock: returns the monotonic time [ns], for the timeline.
@@ -165,7 +169,7 @@ class SetpointSource(Life):
         interval: float | None = None,
         paced: bool = False,
         reach: tuple[float, ...] = (),
-        rates: bool = False,
+        speeds: bool = False,
         timeline: ActionTimeline | None = None,
         clock: Callable[[], int] = time.monotonic_ns,
     ) -> None:
@@ -177,18 +181,18 @@ class SetpointSource(Life):
         self._interval = _FIRST if interval is None else interval
         self._paced = paced
         self._reach = reach
-        self._rates = rates
+        self._speeds = speeds
         self._timeline = timeline
         self._clock = clock
         self._chunk: list[Config] = []
-        self._follower: Follower | Rates | None = None
+        self._generator: Generator | None = None
         self._stamp = 0
         self._idle = 0
         self.starved: int = 0
 
-    def begin(self, follower: Follower | Rates) -> None:
-        """Set the follower of the targets; it starts at the arm's position."""
-        self._follower = follower
+    def begin(self, generator: Generator) -> None:
+        """Set what generates set-points to the targets; it starts at the arm's position."""
+        self._generator = generator
 
     def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
         """Advance by one tick.
@@ -199,43 +203,43 @@ class SetpointSource(Life):
         Returns:
             The point to send; None: nothing.
         """
-        follower = self._follower
-        if follower is None or self.state is StreamState.ENDED:
+        generator = self._generator
+        if generator is None or self.state is StreamState.ENDED:
             if self.closing:
                 self.end(Reason.CLOSED)
             return None
         if self.state is not StreamState.DECELERATING:
             if self._timeline is None:
-                self._follow(follower, take)
+                self._follow(generator, take)
             else:
-                self._follow_actions(self._timeline, follower, take)
+                self._follow_actions(self._timeline, generator, take)
         match self.state:
             case StreamState.WAITING | StreamState.ENDED:
                 return None
             case StreamState.DECELERATING:
-                config = follower.brake()
-                if follower.at_rest:
+                config = generator.brake()
+                if generator.at_rest:
                     self.ended()
             case _:
-                config = follower.step()
+                config = generator.step()
         return config
 
-    def _follow(self, follower: Follower | Rates, take: Callable[[], SetPoint | None]) -> None:
-        point = take() if follower.ready or not self._paced else None
+    def _follow(self, generator: Generator, take: Callable[[], SetPoint | None]) -> None:
+        point = take() if generator.ready or not self._paced else None
         if point is not None:
-            self._aim(follower, point)
+            self._aim(generator, point)
         elif self.state is StreamState.WAITING:
             if self.closing:
                 self.end(Reason.CLOSED)
-        elif self.closing and follower.ready:
-            self._finish(follower)
+        elif self.closing and generator.ready:
+            self._finish(generator)
         else:
-            self._wait(follower)
+            self._wait(generator)
 
-    def _aim(self, follower: Follower | Rates, point: SetPoint) -> None:
-        target = point.values if self._rates else self._space.decode(point.values)
+    def _aim(self, generator: Generator, point: SetPoint) -> None:
+        target = point.values if self._speeds else self._space.decode(point.values)
         if self.state is StreamState.WAITING:
-            if not self._rates and not within(self._space, follower.config, target, self._reach):
+            if not self._speeds and not within(self._space, generator.config, target, self._reach):
                 self.end(Reason.TOO_FAR)
                 return
         elif self._fixed is None:
@@ -245,23 +249,23 @@ class SetpointSource(Life):
         self._idle = 0
         self.following()
         duration = self._interval if self._paced else self._interval * _LATE
-        follower.aim(target, self._interval, duration)
+        generator.aim(target, self._interval, duration)
 
-    def _finish(self, follower: Follower | Rates) -> None:
+    def _finish(self, generator: Generator) -> None:
         """End when the arm has reached the last target: there are no more."""
-        if self._rates:
+        if self._speeds:
             self.brake(Reason.CLOSED)
-        elif follower.at_rest:
+        elif generator.at_rest:
             self.end(Reason.CLOSED)
 
-    def _wait(self, follower: Follower | Rates) -> None:
+    def _wait(self, generator: Generator) -> None:
         """Process a tick without a new set-point; it counts as starved only if the arm moves."""
         self._idle += 1
         idle = self._idle * self._period
         due = self._interval if self._paced else self._interval * _DUE
         if idle < due * _ROUNDING:
             return
-        self.starved += not follower.at_rest
+        self.starved += not generator.at_rest
         self.holding()
         if idle > self._hold:
             self.brake(Reason.STARVED)
@@ -269,7 +273,7 @@ class SetpointSource(Life):
     def _follow_actions(
         self,
         timeline: ActionTimeline,
-        follower: Follower | Rates,
+        generator: Generator,
         take: Callable[[], SetPoint | None],
     ) -> None:
         timeline.advance(self._clock() * 1e-9, closing=self.closing)
@@ -277,7 +281,7 @@ class SetpointSource(Life):
             point = take()
             if point is None:
                 break
-            self._add(timeline, follower, point)
+            self._add(timeline, generator, point)
         if self.state is StreamState.WAITING:
             if self.closing:
                 self.end(Reason.CLOSED)
@@ -287,11 +291,11 @@ class SetpointSource(Life):
             self._idle = 0
             self.following()
         elif self.closing:
-            self._finish(follower)
+            self._finish(generator)
         else:
-            self._wait(follower)
+            self._wait(generator)
 
-    def _add(self, timeline: ActionTimeline, follower: Follower | Rates, point: SetPoint) -> None:
+    def _add(self, timeline: ActionTimeline, generator: Generator, point: SetPoint) -> None:
         """Add an action to its chunk; the last one completes it."""
         tag = ActionTag.unpack(point.extra)
         if tag.position == 0:
@@ -304,7 +308,7 @@ class SetpointSource(Life):
         if self.state is not StreamState.WAITING:
             return
         self.holding()
-        if place is not None and not within(self._space, follower.config, place, self._reach):
+        if place is not None and not within(self._space, generator.config, place, self._reach):
             self.end(Reason.TOO_FAR)
 
 
@@ -340,7 +344,7 @@ class SetpointFeed:
         self._period = 1 / config.feeding.rate
         self._timeline: ActionTimeline | None = None
         self.source: SetpointSource = self._make_source(config.feeding)
-        self._follower: Follower | Rates | None = None
+        self._generator: Generator | None = None
         self._sent: tuple[float, ...] | None = None
         self._next = block.ring.newest if config.feeding.latest else block.ring.take
         self._age = block.histograms["age"].record
@@ -361,7 +365,7 @@ class SetpointFeed:
             interval=interval,
             paced=not feeding.latest,
             reach=tuple(feeding.reach),
-            rates=self._meaning == "speed",
+            speeds=self._meaning == "speed",
             timeline=self._timeline,
         )
 
@@ -376,22 +380,24 @@ class SetpointFeed:
         Returns:
             Whether the stream has begun.
         """
-        if self._follower is not None:
+        if self._generator is not None:
             return True
         if not self._block.ring.level:
             return False
         limits, space, period = self._config.sent.limits, self._space, self._period
         if self._meaning == "speed":
-            self._follower = Rates(space, limits, period, self._allowed())
+            self._generator = SpeedGenerator(space, limits, period, self._allowed())
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
             if self._timeline is not None:
                 self._timeline.reset(start)
             check = self._envelope_check(start)
-            self._follower = Follower(way, space, limits, period, start, self._timeline, check)
+            self._generator = PositionGenerator(
+                way, space, limits, period, start, self._timeline, check
+            )
             if check is not None and (found := check.begin()):
                 self._crossed(found)
-        self.source.begin(self._follower)
+        self.source.begin(self._generator)
         self._begun()
         return True
 
@@ -440,8 +446,8 @@ class SetpointFeed:
 
     def resting(self) -> tuple[float, ...]:
         """The set-point at which the arm stays where it is; only after `begin`."""
-        assert self._follower is not None
-        return self.values(self._follower.config)
+        assert self._generator is not None
+        return self.values(self._generator.config)
 
     def values(self, config: Config) -> tuple[float, ...]:
         """The six numbers of the wire."""
@@ -479,7 +485,7 @@ class SetpointFeed:
             status[StatusWord.CHUNKS_DROPPED] = timeline.dropped
             status[StatusWord.ACTIONS_LATE] = timeline.late_actions
             status[StatusWord.EXHAUSTED] = timeline.exhausted
-        if self._follower is not None:
-            status[StatusWord.LIMITED] = self._follower.limited
+        if self._generator is not None:
+            status[StatusWord.LIMITED] = self._generator.limited
         if self._sent is not None:
             self._block.report.overwrite(self._sent, time.monotonic_ns())

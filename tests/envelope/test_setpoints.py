@@ -1,4 +1,4 @@
-"""Random streams through the worker's follower, without a controller: every set-point is judged."""
+"""Random streams through a worker's generator, without a controller: each set-point is judged."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics.forward import frames
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
 from aioduco.streaming.worker.checked import EnvelopeCheck
-from aioduco.streaming.worker.setpoints import Follower
+from aioduco.streaming.worker.setpoints import PositionGenerator
 
 from .trials import ARM, ROUNDING, START, TOOL, least, places, random_zones
 
@@ -58,15 +58,15 @@ def stream(way: str, targets: np.ndarray, *limits: Any) -> tuple[np.ndarray, lis
             curved=way == "ruckig",
         )
         assert check.begin() is None
-    follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, start, check=check)
+    generator = PositionGenerator(way, JOINT_SPACE, LIMITS, PERIOD, start, check=check)
     sent = [start]
     for target in targets[1:]:
-        follower.aim(tuple(target.tolist()), PERIOD, PERIOD)
-        sent.append(follower.step())
+        generator.aim(tuple(target.tolist()), PERIOD, PERIOD)
+        sent.append(generator.step())
         if crossed:
             break
-    while not follower.at_rest:
-        sent.append(follower.brake())
+    while not generator.at_rest:
+        sent.append(generator.brake())
         assert len(sent) < 10_000
     return np.array(sent), crossed
 
