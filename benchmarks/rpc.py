@@ -44,7 +44,7 @@ from thriftpy2.protocol import TCyBinaryProtocolFactory
 from thriftpy2.rpc import make_client
 from thriftpy2.transport import TCyBufferedTransportFactory
 
-from aioduco._wire import idl
+from aioduco._wire import codec, idl
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import WireLane
 
@@ -216,9 +216,10 @@ def sizes(name: str, port: int) -> tuple[int, int]:
     connection = Connection(HOST, port)
     connection.open()
     connection.call(name, CALLS[name], 2.0)
-    figures = connection.statistics()
     connection.close()
-    return figures.bytes_sent, figures.bytes_received
+    function = idl.functions()[name]
+    sent = codec.message(function, 1, codec.encode(function, CALLS[name]))
+    return len(sent), connection._exchange.end
 
 
 async def measure(

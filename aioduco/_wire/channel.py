@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.endpoint import Address, Lookup
+from aioduco._wire.endpoint import Lookup
 from aioduco._wire.failures import (
     DeadlinePassed,
     Ended,
@@ -25,13 +25,13 @@ from aioduco._wire.failures import (
 from aioduco._wire.framing import Malformed
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import ConnectError, ControllerError, DucoError, NotSent, OutcomeUnknown
+from aioduco.errors import ConnectError, DucoError, NotSent, OutcomeUnknown
 
 if TYPE_CHECKING:
     from collections import deque
     from collections.abc import Callable, Coroutine, Sequence
 
-    from aioduco._wire.endpoint import Endpoint
+    from aioduco._wire.endpoint import Address, Endpoint
     from aioduco._wire.idl import Function
     from aioduco.errors import ConnectionLost
 
@@ -259,9 +259,7 @@ class Channel(Carrier):
         super().__init__(loop, endpoint, waiting)
         self._life = Lifecycle()
         self._stream: DeadlineSocket | None = None
-        self._numbering = codec.Numbering(time.monotonic)
-        self._reply: codec.ReplyReader | codec.RepliesReader | None = None
-        self._data: bytes | bytearray = b""
+        self._exchange = codec.Exchange(time.monotonic)
         #: the part of the message that the system has not accepted yet
         self._rest = b""
         #: whether the loop reports that bytes have come; else a task waits for each answer
@@ -313,14 +311,13 @@ class Channel(Carrier):
         """Send the call that was taken, before anything else runs on the loop."""
         stream = self._stream
         assert stream is not None
-        self._data = b""
-        self._reply, message = self._numbering.next(call.function, call.arguments, call.further)
+        message = self._exchange.begin(call.function, call.arguments, call.further)
         if call.permit is not None:
             try:
                 call.permit()
             except Exception as exc:
                 self._life.complete()
-                self._reply = None
+                self._exchange.forget()
                 self._end(error=exc)
                 return
         call.handed_over = True
@@ -448,35 +445,22 @@ class Channel(Carrier):
         self._received(data)
 
     def _received(self, data: bytes) -> None:
-        reply = self._reply
-        if reply is None:
+        exchange = self._exchange
+        if not exchange.expects:
             self._lost(Malformed(f"bytes came that nobody asked for: {data[:64]!r}"))
             return
         self._life.answering()
-        # most answers arrive in one piece; the others are collected without copies
-        if self._data:
-            if isinstance(self._data, bytes):
-                self._data = bytearray(self._data)
-            self._data += data
-        else:
-            self._data = data
-        value: Any = None
-        error: ControllerError | None = None
         try:
-            if not reply.whole(self._data):
+            if not exchange.receive(data):
                 return
-            value = reply.value(self._data)
-        except ControllerError as exc:
-            error = exc
         except Exception as exc:
             self._lost(exc)
             return
         self._life.complete()
-        self._reply = None
-        if len(self._data) > reply.length or self._rest:
-            # this answer is valid, but the bytes after it belong to no call
-            self._drop("bytes came behind an answer")
-        self._end(value, error)
+        answer = exchange.answer
+        if exchange.surplus or self._rest:
+            self._drop("bytes came behind an answer")  # the answer itself is valid
+        self._end(answer.value, answer.error)
 
     async def _receive(self, call: LaneCall, stream: DeadlineSocket) -> None:
         """Send the rest and wait for the answer, on a loop that reports nothing."""
@@ -514,7 +498,8 @@ class Channel(Carrier):
     def _drop(self, reason: str) -> str:
         """Dissolve the connection, and return why it is not used any more."""
         stream, self._stream = self._stream, None
-        self._reply, self._rest = None, b""
+        self._exchange.forget()
+        self._rest = b""
         self._life.poison(reason)
         if stream is not None:
             self._detach(stream)
@@ -563,12 +548,11 @@ async def connect(
         raise endpoint.refused(exc) from exc
     for each, until in endpoint.route.tries(addresses, deadline):
         try:
-            to = Address(*each)
-            stream = await _connected(loop, to, until)
+            stream = await _connected(loop, each, until)
         except OSError as exc:
             error = exc
             continue
-        endpoint.route.address = to.address
+        endpoint.route.address = each[-1]
         endpoint.made(begin, addresses)
         return stream
     raise endpoint.refused(error) from error
@@ -586,11 +570,12 @@ async def _addresses(endpoint: Endpoint, deadline: float) -> list[Address]:
 
 
 async def _connected(loop: asyncio.AbstractEventLoop, to: Address, until: float) -> DeadlineSocket:
-    stream = DeadlineSocket(to.family, to.kind, to.protocol)
+    family, kind, protocol, _, address = to
+    stream = DeadlineSocket(family, kind, protocol)
     try:
         stream.prepare()
         async with asyncio.timeout(max(0.0, until - time.monotonic())):
-            await _connect(loop, stream.socket, to.address)
+            await _connect(loop, stream.socket, address)
     except BaseException:
         stream.discard()
         raise

@@ -114,9 +114,6 @@ class ReplyReader:
     neither, so after a time-out its next call returns the answer to the previous call.
     """
 
-    #: number of calls whose replies it reads
-    count: Final = 1
-
     __slots__ = (
         "_function",
         "_known",
@@ -148,6 +145,8 @@ class ReplyReader:
     def whole(self, data: bytes | bytearray) -> bool:
         """Whether these bytes, from the start of the message on, contain the whole reply.
 
+        Other bytes may follow it.
+
         Raises:
             Malformed: the bytes are not a reply to this call.
         """
@@ -167,29 +166,17 @@ class ReplyReader:
             self._scanner = StructScanner(older.thrift_spec, self._start)
             return self._scanner.whole(data)
 
-    def take(self, data: bytes | bytearray) -> bool:
-        """Like `whole`, for bytes in which the replies to further calls may follow."""
-        start = 8 + len(self._function.head)
-        if self._scanner is None and data.startswith(_REPLY + self._function.head + self._sequence):
-            found = self._function.layouts.find_first(data[start:])
-            if found is not None:
-                layout, size = found
-                self._read, self._start, self._known = layout.read, start, start + size
-                return True
-        return self.whole(data)
-
     def _is_known(self, data: bytes | bytearray) -> bool:
-        """Whether this is a whole reply to this call, with a layout that was received before."""
+        """Whether this begins with a whole reply to this call, of a layout received before."""
         head = _REPLY + self._function.head + self._sequence
         start = len(head)
         if not data.startswith(head):
             return False
-        layout = self._function.layouts.find(data[start:])
-        if layout is None:
+        found = self._function.layouts.find(data[start:])
+        if found is None:
             return False
-        self._read = layout.read
-        self._start = start
-        self._known = len(data)
+        self._read, size = found
+        self._start, self._known = start, start + size
         return True
 
     def _header(self, data: bytes | bytearray) -> StructScanner | None:
@@ -253,7 +240,7 @@ def _application_error(function: Function, body: bytes) -> ControllerError:
 
 
 class ReadResult(NamedTuple):
-    """Result of one of several calls that were sent in one batch.
+    """The answer to a call.
 
     Attributes:
         value: the result; None if there is an error.
@@ -276,83 +263,95 @@ class ReadResult(NamedTuple):
         return self.value
 
 
-class RepliesReader:
-    """Reads the replies to several calls that were sent in one batch, like `ReplyReader`.
+class Exchange:
+    """The calls of one connection and their answers: bytes that are sent, and bytes that come.
+
+    The first sequence id is random: a stray or forged answer with a low number would fit on most
+    connections. It is the system's, so that the seeded generator of the program is not changed.
 
     Args:
-        readers: one reader for each reply, in the order of the calls.
         clock: function that returns the time [s].
     """
 
-    __slots__ = ("_clock", "_readers", "_results", "count", "length")
-
-    def __init__(self, readers: Sequence[ReplyReader], clock: Callable[[], float]) -> None:
-        self._readers = readers
-        self._clock = clock
-        self._results: list[ReadResult] = []
-        self.count: Final = len(readers)
-        #: number of bytes of all replies that have arrived
-        self.length = 0
-
-    def whole(self, data: bytes | bytearray) -> bool:
-        """Whether these bytes, from the start of the first message on, contain all replies.
-
-        Raises:
-            Malformed: the bytes are not the replies to these calls.
-        """
-        for reader in self._readers[len(self._results) :]:
-            rest = data[self.length :]
-            if not rest or not reader.take(rest):
-                return False
-            value, error = None, None
-            try:
-                value = reader.value(rest)
-            except ControllerError as exc:
-                # without the traceback: it refers to this reader, which makes a reference cycle
-                error = exc.with_traceback(None)
-            self._results.append(ReadResult(value, error, self._clock()))
-            self.length += reader.length
-        return True
-
-    def value(self, _data: bytes | bytearray) -> list[ReadResult]:
-        """The results of the calls, in their order."""
-        return self._results
-
-
-class Numbering:
-    """Numbers the calls of one connection, and makes their messages and the readers of the replies.
-
-    The first number is random: a stray or forged answer with a low number would fit on most
-    connections. It is the system's, so that the seeded generator of the program is not changed.
-    """
-
-    __slots__ = ("_clock", "_last")
+    __slots__ = ("_answers", "_clock", "_data", "_last", "_readers", "end")
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._last = int.from_bytes(os.urandom(4)) % LAST_SEQUENCE
+        #: of the replies that have not come yet
+        self._readers: list[ReplyReader] = []
+        self._answers: list[ReadResult] = []
+        self._data: bytes | bytearray = b""
+        #: number of bytes of the replies that have come
+        self.end = 0
 
-    def next(
+    def begin(
         self, function: Function, arguments: bytes, further: Sequence[tuple[Function, bytes]] = ()
-    ) -> tuple[ReplyReader | RepliesReader, bytes]:
-        """Return the reader of the next replies, and the message to send.
+    ) -> bytes:
+        """Begin a call, or several in one batch, and return what is to be sent.
 
         Args:
             function: the function of the wire.
             arguments: its encoded arguments.
             further: functions that are called after it, with their encoded arguments.
         """
+        self._answers, self._data, self.end = [], b"", 0
         self._last = self._last % LAST_SEQUENCE + 1
+        self._readers = [ReplyReader(function, self._last)]
         whole = message(function, self._last, arguments)
-        reader = ReplyReader(function, self._last)
-        if not further:
-            return reader, whole
-        readers = [reader]
         for each, encoded in further:
             self._last = self._last % LAST_SEQUENCE + 1
+            self._readers.append(ReplyReader(each, self._last))
             whole += message(each, self._last, encoded)
-            readers.append(ReplyReader(each, self._last))
-        return RepliesReader(readers, self._clock), whole
+        return whole
+
+    def forget(self) -> None:
+        """Expect no more replies."""
+        self._readers = []
+
+    @property
+    def expects(self) -> bool:
+        """Whether a reply is still to come."""
+        return bool(self._readers)
+
+    def receive(self, data: bytes) -> bool:
+        """Take bytes that have come; return whether all replies are whole.
+
+        Raises:
+            Malformed: the bytes are not the replies to these calls.
+        """
+        # most answers arrive in one piece; the others are collected without copies
+        if not self._data:
+            self._data = data
+        else:
+            self._data = bytearray(self._data) if isinstance(self._data, bytes) else self._data
+            self._data += data
+        while self._readers:
+            rest = self._data[self.end :] if self.end else self._data
+            reader = self._readers[0]
+            if not rest or not reader.whole(rest):
+                return False
+            value, error = None, None
+            try:
+                value = reader.value(rest)
+            except ControllerError as exc:
+                # without the traceback: it refers to this frame, which makes a reference cycle
+                error = exc.with_traceback(None)
+            self._answers.append(ReadResult(value, error, self._clock()))
+            self.end += reader.length
+            del self._readers[0]
+        return True
+
+    @property
+    def surplus(self) -> bool:
+        """Whether bytes came behind the replies: they belong to no call."""
+        return len(self._data) > self.end
+
+    @property
+    def answer(self) -> ReadResult:
+        """The answer to the call; of a batch, the value is the list of its answers."""
+        first, *further = self._answers
+        return ReadResult(self._answers, None, first.at) if further else first
 
 
 def _text(value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlineSocket
@@ -16,7 +16,7 @@ from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.rpc import RpcClient
-from aioduco.errors import ConnectError, ConnectionLost, ControllerError, NotSent
+from aioduco.errors import ConnectError, ConnectionLost, NotSent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,29 +25,6 @@ if TYPE_CHECKING:
 
 #: seconds within which a call through `Connection.rpc` must be answered
 _CALL_TIMEOUT: Final = 2.0
-
-
-class ConnectionStatistics(NamedTuple):
-    """Figures of one connection.
-
-    Attributes:
-        calls: number of calls that were started.
-        answered: number of calls that were answered, application errors included.
-        bytes_sent: number of bytes passed to the operating system.
-        bytes_received: number of bytes of complete answers.
-    """
-
-    calls: int
-    answered: int
-    bytes_sent: int
-    bytes_received: int
-
-
-class _PermitEnded(Exception):
-    """The permit of a call has ended; nothing was sent."""
-
-    def __init__(self, error: Exception) -> None:
-        self.error = error
 
 
 class Connection:
@@ -96,12 +73,9 @@ class Connection:
         #: the stream on which a late answer may still arrive
         self._overdue: DeadlineSocket | None = None
         self._owner: int | None = None
-        self._numbering = codec.Numbering(time.monotonic)
+        self._exchange = codec.Exchange(time.monotonic)
         self._was_open = False
         self._calls = 0
-        self._answered = 0
-        self._bytes_sent = 0
-        self._bytes_received = 0
 
     @property
     def state(self) -> ConnectionState:
@@ -117,12 +91,6 @@ class Connection:
     def reason(self) -> str:
         """Why the connection is no longer used; empty while it is in use."""
         return self._life.reason
-
-    def statistics(self) -> ConnectionStatistics:
-        """Figures since the connection was made."""
-        return ConnectionStatistics(
-            self._calls, self._answered, self._bytes_sent, self._bytes_received
-        )
 
     def __repr__(self) -> str:
         state = self.state.name
@@ -292,21 +260,25 @@ class Connection:
                 raise ConnectionLost(f"{function.name} cannot use {self!r}; nothing was sent")
             stream = self._stream
         assert stream is not None
+        refused = False
         try:
-            reply, message = self._numbering.next(function, arguments, further)
-            self._calls += reply.count
+            message = self._exchange.begin(function, arguments, further)
+            self._calls += 1 + len(further)
             _check_silent(stream)
             if permit is not None:
-                self._require(permit)
+                try:
+                    permit()
+                except Exception:
+                    refused = True
+                    raise
             self._send(stream, message, deadline)
             if meanwhile is not None:
                 meanwhile()
-            data = self._receive(stream, reply, deadline)
-            value = self._decode(reply, data)
-        except _PermitEnded as exc:
-            self._life.complete()
-            raise exc.error from exc.error.__cause__
+            answer = self._receive(stream, deadline)
         except BaseException as exc:
+            if refused:
+                self._life.complete()
+                raise
             raised = self._failure(function, exc)
             if raised is exc:
                 raise
@@ -315,54 +287,26 @@ class Connection:
             if not self._life.complete():
                 # abandoned while the last bytes arrived: the caller already has an error
                 raise self._failure(function, Ended())
-        self._answered += reply.count
-        if len(data) > reply.length:
-            # this answer is valid, but the bytes after it belong to no call
-            self._end("bytes came behind an answer")
-        if isinstance(value, ControllerError):
-            raise value
-        return value
+        if self._exchange.surplus:
+            self._end("bytes came behind an answer")  # the answer itself is valid
+        return answer.get()
 
     def answers_within(self, seconds: float) -> bool:
         """Wait for the first byte of the answer, in `meanwhile`; return whether it has come."""
         return self._stream is None or self._stream.answers_within(seconds)
-
-    @staticmethod
-    def _require(permit: Callable[[], object]) -> None:
-        try:
-            permit()
-        except Exception as exc:
-            raise _PermitEnded(exc) from None
-
-    @staticmethod
-    def _decode(reply: codec.ReplyReader | codec.RepliesReader, data: bytes | bytearray) -> Any:
-        """Return the value or the controller's error; both are answers that end the call."""
-        try:
-            return reply.value(data)
-        except ControllerError as exc:
-            return exc
 
     def _send(self, stream: DeadlineSocket, data: bytes, deadline: float | None) -> None:
         sent = stream.send(data, deadline)
         self._life.sent()
         while sent < len(data):
             sent += stream.send(memoryview(data)[sent:], deadline)
-        self._bytes_sent += sent
 
-    def _receive(
-        self,
-        stream: DeadlineSocket,
-        reply: codec.ReplyReader | codec.RepliesReader,
-        deadline: float | None,
-    ) -> bytes | bytearray:
-        data: bytes | bytearray = stream.receive(deadline)
+    def _receive(self, stream: DeadlineSocket, deadline: float | None) -> codec.ReadResult:
+        data = stream.receive(deadline)
         self._life.answering()
-        while not reply.whole(data):
-            # most answers arrive in one piece; the others are collected without copies
-            data = bytearray(data) if isinstance(data, bytes) else data
-            data += stream.receive(deadline)
-        self._bytes_received += len(data)
-        return data
+        while not self._exchange.receive(data):
+            data = stream.receive(deadline)
+        return self._exchange.answer
 
     def _failure(self, function: idl.Function, exc: BaseException) -> BaseException:
         """Poison the connection and choose the error for the caller; only this method does so."""

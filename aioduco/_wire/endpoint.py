@@ -12,15 +12,22 @@ import threading
 import time
 from collections import deque
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._wire.failures import resource_error
 from aioduco.errors import ConnectError
+from aioduco.models.trace import ConnectionEnded, ConnectionOpened, emit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from aioduco.models.trace import Trace
+
 __all__ = ["HOST_RULE", "Address", "Endpoint", "Lookup", "Route", "is_host"]
+
+#: an address of a host: family, kind, protocol, name, and what `connect` takes, as
+#: `socket.getaddrinfo` returns them
+Address: TypeAlias = tuple[Any, ...]
 
 #: seconds after which the resolution of a name counts as hanging
 _HANGS_AFTER: Final = 1.0
@@ -38,16 +45,6 @@ def is_host(host: str) -> bool:
         return len(host.encode("idna")) <= 253
     except UnicodeError:
         return False
-
-
-class Address(NamedTuple):
-    """One address of a host, in the words of `socket.getaddrinfo`."""
-
-    family: int
-    kind: int
-    protocol: int
-    canonical: str
-    address: Any
 
 
 class Lookup:
@@ -137,16 +134,14 @@ class Route:
     def __init__(self) -> None:
         self.address: Any = None
 
-    def tries(
-        self, found: Iterable[tuple[Any, ...]], deadline: float
-    ) -> Iterator[tuple[tuple[Any, ...], float]]:
+    def tries(self, found: Iterable[Address], deadline: float) -> Iterator[tuple[Address, float]]:
         """Yield each address, and the time until which to try it [s of `time.monotonic`].
 
         The time that is left is shared equally by the addresses that are left: one that does not
         answer leaves time for the others. No address is yielded after the deadline.
 
         Args:
-            found: the answer of `socket.getaddrinfo`.
+            found: the addresses.
             deadline: time by which one must have connected.
         """
         order = sorted(dict.fromkeys(found), key=lambda each: each[-1] != self.address)
@@ -165,8 +160,8 @@ class Endpoint:
         port: its TCP port.
         connect_timeout: seconds within which a connection must be made.
         purpose: the purpose of the connections, for names of threads and for a trace.
-
         route: which address to try first; share it with other connections to the host.
+        trace: hook that gets an event for each connection.
 
     Attributes:
         opened: number of connections that were made.
@@ -181,7 +176,9 @@ class Endpoint:
         connect_timeout: float,
         purpose: str = "",
         route: Route | None = None,
+        trace: Trace | None = None,
     ) -> None:
+        self._trace = trace
         self.host = host
         self.port = port
         self.connect_timeout = connect_timeout
@@ -233,15 +230,20 @@ class Endpoint:
         number = error.errno if isinstance(error, OSError) else None
         return ConnectError(self.host, self.port, os.strerror(number) if number else str(error))
 
-    def made(self, begin: float, addresses: list[Address]) -> None:  # noqa: ARG002  # for a trace
+    def made(self, begin: float, addresses: list[Address]) -> None:
         """Record a connection that was made since `begin` [s]; from any thread."""
         self.opened += 1
         self.known = addresses
+        if self._trace is not None:
+            now, peer = time.monotonic(), (self.host, self.port)
+            emit(self._trace, ConnectionOpened(now, self.purpose, peer, now - begin))
 
     def ended(self, reason: str) -> None:
         """Record that a connection is no longer used, for this reason; from any thread."""
+        if self._trace is not None:
+            peer = self.host, self.port
+            emit(self._trace, ConnectionEnded(time.monotonic(), self.purpose, peer, reason))
 
 
 def _resolve(host: str, port: int, flags: int = 0) -> list[Address]:
-    found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)
-    return [Address(*each) for each in found]
+    return [*socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)]

@@ -10,49 +10,28 @@ from __future__ import annotations
 
 import os
 import weakref
-from typing import Final, Protocol
+from typing import Any, Final
 
 __all__ = ["fork_hooks"]
 
-
-class Inherited(Protocol):
-    """An object that a fork copies, but whose resources still belong to the parent."""
-
-    def forked(self) -> None:
-        """Release the resources, in the child.
-
-        The parent's threads do not run here, and a lock may be held by one of them.
-        """
-        ...
+#: the objects that a child of this process would inherit. Their `forked` releases the resources in
+#: the child: the parent's threads do not run there, and a lock may be held by one of them.
+fork_hooks: Final = weakref.WeakSet[Any]()
 
 
-class _ForkHooks:
-    """The objects that a child of this process would inherit; held by weak references."""
+def _forked() -> None:
+    inherited = list(fork_hooks)
+    fork_hooks.clear()
+    for one in inherited:
+        try:
+            one.forked()
+        except Exception:
+            # Continue with the other objects. The module is loaded here, since a stream's worker
+            # does not need it.
+            from aioduco._process.reporting import BackgroundLogger  # noqa: PLC0415
 
-    def __init__(self) -> None:
-        self._all: weakref.WeakSet[Inherited] = weakref.WeakSet()
-        self._listens = False
-
-    def add(self, one: Inherited) -> None:
-        """Register an object: `one.forked` is called in every child that is forked from now on."""
-        if not self._listens:
-            self._listens = True
-            if hasattr(os, "register_at_fork"):  # only on systems with forks
-                os.register_at_fork(after_in_child=self._forked)
-        self._all.add(one)
-
-    def _forked(self) -> None:
-        inherited, self._all = list(self._all), weakref.WeakSet()
-        for one in inherited:
-            try:
-                one.forked()
-            except Exception:
-                # Continue with the other objects. The module is loaded here, since a stream's
-                # worker does not need it.
-                from aioduco._process.reporting import BackgroundLogger  # noqa: PLC0415
-
-                BackgroundLogger(__name__).exception("a forked child could not let go of %r", one)
+            BackgroundLogger(__name__).exception("a forked child could not let go of %r", one)
 
 
-#: one per process, since a fork copies the process as a whole
-fork_hooks: Final = _ForkHooks()
+if hasattr(os, "register_at_fork"):  # only on systems with forks
+    os.register_at_fork(after_in_child=_forked)

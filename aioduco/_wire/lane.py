@@ -23,21 +23,16 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.pool import PoolThread, ThreadCalls
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
-from aioduco.models.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit, tell
+from aioduco.models.trace import CallFinished, emit, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import EllipsisType
 
-    from aioduco._wire.endpoint import Address, Route
+    from aioduco._wire.endpoint import Route
     from aioduco.models.trace import Trace
 
 _CLOSED: Final = "its lane was closed"
-
-
-class _Default(enum.Enum):
-    """Default of a time limit, for parameters where None already means no limit."""
-
-    LIMIT = "the lane's limit"
 
 
 class LaneState(enum.Enum):
@@ -132,7 +127,7 @@ class WireLane:
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
-        self._endpoint = _LaneEndpoint(host, port, connect_timeout, name, route, trace)
+        self._endpoint = Endpoint(host, port, connect_timeout, name, route, trace)
         self._make: type[Channel | PoolThread] = PoolThread if blocks else Channel
         self._wants_spare = spare
         self._threads = ThreadCalls(self._endpoint)
@@ -236,7 +231,7 @@ class WireLane:
         self,
         name: str,
         args: tuple[Any, ...],
-        timeout: float | _Default | None = _Default.LIMIT,
+        timeout: float | EllipsisType | None = ...,
         permit: Callable[[], object] | None = None,
     ) -> Any:
         """Call a function of the wire and wait for its answer.
@@ -244,7 +239,7 @@ class WireLane:
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: time limit of the whole call [s]; None: no limit. By default the lane's limit.
+            timeout: time limit of the whole call [s]; None: no limit; `...`: the lane's limit.
             permit: called as the very last thing before the bytes are handed to the socket. It
                 raises a `DucoError` if the call may not be sent any more; that error is raised
                 here, nothing was sent, and the connection stays usable.
@@ -280,7 +275,7 @@ class WireLane:
         self,
         name: str,
         args: tuple[Any, ...],
-        timeout: float | _Default | None = _Default.LIMIT,
+        timeout: float | EllipsisType | None = ...,
         permit: Callable[[], object] | None = None,
     ) -> LaneCall:
         """Make a call, which `send` then sends. It does not end with a task that waits for it.
@@ -304,7 +299,7 @@ class WireLane:
         self._require_open(name)
         loop = self.owner_loop.require(name)
         begun = time.monotonic()
-        seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
+        seconds = self.call_timeout if timeout is ... else timeout
         deadline = None if seconds is None else begun + seconds
         over, ended = loop.create_future(), self._ended
         return LaneCall(
@@ -485,39 +480,6 @@ class WireLane:
         self._waiting.clear()
         self._deadlines.stop()
         return True
-
-
-class _LaneEndpoint(Endpoint):
-    """The end of a lane's connections: the trace hook gets an event for each of them.
-
-    Args:
-        lane: name of the lane.
-        route: the way to the host.
-        trace: the hook.
-    """
-
-    def __init__(
-        self,
-        host: str,
-        port: int,
-        connect_timeout: float,
-        lane: str,
-        route: Route | None,
-        trace: Trace | None,
-    ) -> None:
-        super().__init__(host, port, connect_timeout, lane, route)
-        self._trace = trace
-
-    def made(self, begin: float, addresses: list[Address]) -> None:
-        super().made(begin, addresses)
-        if self._trace is not None:
-            now, peer = time.monotonic(), (self.host, self.port)
-            emit(self._trace, ConnectionOpened(now, self.purpose, peer, now - begin))
-
-    def ended(self, reason: str) -> None:
-        if self._trace is not None:
-            now, peer = time.monotonic(), (self.host, self.port)
-            emit(self._trace, ConnectionEnded(now, self.purpose, peer, reason))
 
 
 class _Deadlines:

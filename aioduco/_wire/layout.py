@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import contextlib
 import struct
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._wire.framing import FIXED_WIDTHS, TType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["Layout", "Layouts", "Reader", "packer"]
+__all__ = ["Layouts", "Reader", "packer"]
 
 #: maximum length of a reply whose layout is stored; a status has 1 kB
 _LONGEST: Final = 4096
@@ -42,21 +42,6 @@ _FORMATS: Final = {
 Reader: TypeAlias = "Callable[[bytes | bytearray, int], Any]"
 
 
-class Layout(NamedTuple):
-    """Layout of the result structs of some replies.
-
-    Attributes:
-        mask: integer whose bits are 1 where the bytes of the struct belong to no value.
-        fixed_bits: the content of these bits.
-        read: function that reads the value of such a reply; None if the struct contains anything
-            but numbers, or not every field.
-    """
-
-    mask: int
-    fixed_bits: int
-    read: Reader | None
-
-
 class Layouts:
     """The layouts of the replies to one function, by length.
 
@@ -68,23 +53,18 @@ class Layouts:
 
     def __init__(self, spec: Mapping[int, Any]) -> None:
         self._spec = spec
-        self._kept: dict[int, Layout] = {}
+        #: by length: 1 where the bytes of the struct belong to no value, the content of these bits,
+        #: and what reads the value; None if there is anything but numbers, or not every field
+        self._kept: dict[int, tuple[int, int, Reader | None]] = {}
 
-    def find(self, struct: bytes | bytearray) -> Layout | None:
-        """Return the layout, if this is the struct of a whole reply of a stored layout."""
-        kept = self._kept.get(len(struct))
-        if kept is None or int.from_bytes(struct, "big") & kept.mask != kept.fixed_bits:
-            return None
-        return kept
-
-    def find_first(self, structs: bytes | bytearray) -> tuple[Layout, int] | None:
-        """Return layout and length of the first of several structs, if its layout is stored.
+    def find(self, structs: bytes | bytearray) -> tuple[Reader | None, int] | None:
+        """Return the reader and the length of the first of these structs, if its layout is stored.
 
         The bytes that belong to no value determine where a struct ends, so only one length can fit.
         """
-        for size in self._kept:
-            if size <= len(structs) and (layout := self.find(structs[:size])) is not None:
-                return layout, size
+        for size, (mask, fixed_bits, read) in self._kept.items():
+            if len(structs) >= size and int.from_bytes(structs[:size]) & mask == fixed_bits:
+                return read, size
         return None
 
     def store(self, struct: bytes | bytearray) -> Reader | None:
@@ -97,17 +77,17 @@ class Layouts:
         """
         if len(struct) <= _LONGEST and len(struct) not in self._kept and len(self._kept) < _MOST:
             with contextlib.suppress(MemoryError):
-                layout = self._kept[len(struct)] = self._layout(struct)
-                return layout.read
+                self._kept[len(struct)] = layout = self._layout(struct)
+                return layout[2]
         return None
 
-    def _layout(self, struct: bytes | bytearray) -> Layout:
+    def _layout(self, struct: bytes | bytearray) -> tuple[int, int, Reader | None]:
         size = len(struct)
         mask = bytearray(b"\xff" * size)
         _clear_values(struct, 0, mask)
         number = int.from_bytes(mask, "big")
         fixed_bits = int.from_bytes(struct, "big") & number
-        return Layout(number, fixed_bits, _reader(self._spec, struct))
+        return number, fixed_bits, _reader(self._spec, struct)
 
 
 def packer(spec: Mapping[int, Any]) -> Callable[[tuple[Any, ...]], bytes] | None:
