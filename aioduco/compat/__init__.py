@@ -46,7 +46,7 @@ from aioduco._wire.rpc import (
     RealTimeControlData,
     RobotStatus,
 )
-from aioduco._wire.vendor_arguments import wire_arguments
+from aioduco.compat._arguments import wire_arguments
 from aioduco.compat._foreign import ENUMS, as_thrift
 from aioduco.compat._generated import KEYWORDS, ManualFunctions
 from aioduco.errors import ConnectError, ConnectionLost, DucoError, ParameterError
