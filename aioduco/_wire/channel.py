@@ -257,7 +257,8 @@ class Channel(Carrier):
         self, loop: asyncio.AbstractEventLoop, endpoint: Endpoint, waiting: deque[LaneCall]
     ) -> None:
         super().__init__(loop, endpoint, waiting)
-        self._life = Lifecycle()
+        #: state, progress of the present or the last call, and end of the connection
+        self.life: Lifecycle = Lifecycle()
         self._stream: DeadlineSocket | None = None
         self._exchange = codec.Exchange(time.monotonic)
         #: the part of the message that the system has not accepted yet
@@ -273,21 +274,6 @@ class Channel(Carrier):
         """Number of sent bytes that the other side has not acknowledged."""
         return 0 if self._stream is None else self._stream.undelivered
 
-    @property
-    def state(self) -> ConnectionState:
-        """State of the connection."""
-        return self._life.state
-
-    @property
-    def progress(self) -> Progress:
-        """Progress of the present call, or of the last one."""
-        return self._life.progress
-
-    @property
-    def reason(self) -> str:
-        """Why the last connection is no longer used; empty while it is in use."""
-        return self._life.reason
-
     # A call
 
     def take(self, call: LaneCall) -> bool:
@@ -301,7 +287,7 @@ class Channel(Carrier):
             return False
         stream = self._stream
         if stream is not None:
-            if stream.silent and self._life.begin():
+            if stream.silent and self.life.begin():
                 return True
             self._drop("the controller closed the connection, or sent what nobody asked for")
         self._open_for(call)
@@ -316,14 +302,14 @@ class Channel(Carrier):
             try:
                 call.permit()
             except Exception as exc:
-                self._life.complete()
+                self.life.complete()
                 self._exchange.forget()
                 self._end(error=exc)
                 return
         call.handed_over = True
         sent = stream.send_at_once(message)
         if sent > 0:
-            self._life.sent()
+            self.life.sent()
         if sent != len(message):
             self._rest = message[max(sent, 0) :]
         if not self._reports:
@@ -340,7 +326,7 @@ class Channel(Carrier):
         """End a call that was abandoned, or whose lane is closed; its connection is dissolved."""
         if self.call is not call:
             return
-        progress = self._life.progress
+        progress = self.life.progress
         if self._opening is not None:
             self._opening.cancel()
             self._opening, progress = None, Progress.NOTHING_SENT
@@ -353,8 +339,8 @@ class Channel(Carrier):
         """Open the connection before a call needs it."""
         stream = await connect(self._loop, self._endpoint, deadline)
         stream.connected(blocking=False)
-        self._life = Lifecycle()
-        self._life.opened()
+        self.life = Lifecycle()
+        self.life.opened()
         self._stream = stream
         try:
             self._loop.add_reader(stream.socket.fileno(), self._readable)
@@ -366,12 +352,12 @@ class Channel(Carrier):
         if self.call is not None:
             self.give_up(self.call, reason, Ended())
         stream = self._stream
-        if stream is not None and self._life.state is ConnectionState.IDLE:
+        if stream is not None and self.life.state is ConnectionState.IDLE:
             self._stream = None
-            self._life.close()
+            self.life.close()
             self._detach(stream)
             stream.close()
-            self._endpoint.ended(self.reason)
+            self._endpoint.ended(self.life.reason)
 
     def forget(self) -> None:
         """Close the connection although its loop has been closed: no task waits any more."""
@@ -397,7 +383,7 @@ class Channel(Carrier):
         try:
             await self.open(limit if call.deadline is None else min(limit, call.deadline))
             self._opening = None
-            if self._life.begin():
+            if self.life.begin():
                 self.send(call)
         except ConnectError as exc:
             self._opening = None
@@ -427,7 +413,7 @@ class Channel(Carrier):
                 return
         sent = max(stream.send_at_once(self._rest), 0)
         if sent:
-            self._life.sent()
+            self.life.sent()
             self._rest = self._rest[sent:]
         if not self._rest:
             self._loop.remove_writer(stream.socket.fileno())
@@ -449,14 +435,14 @@ class Channel(Carrier):
         if not exchange.expects:
             self._lost(Malformed(f"bytes came that nobody asked for: {data[:64]!r}"))
             return
-        self._life.answering()
+        self.life.answering()
         try:
             if not exchange.receive(data):
                 return
         except Exception as exc:
             self._lost(exc)
             return
-        self._life.complete()
+        self.life.complete()
         answer = exchange.answer
         if exchange.surplus or self._rest:
             self._drop("bytes came behind an answer")  # the answer itself is valid
@@ -468,7 +454,7 @@ class Channel(Carrier):
             if self._rest:
                 await self._loop.sock_sendall(stream.socket, self._rest)
                 self._rest = b""
-                self._life.sent()
+                self.life.sent()
             while self.call is call and self._stream is stream:
                 data = await self._loop.sock_recv(stream.socket, 16384)
                 if self.call is not call or self._stream is not stream:
@@ -484,7 +470,7 @@ class Channel(Carrier):
 
     def _lost(self, exc: BaseException) -> None:
         """Drop a connection that failed; its call moves to another one, or has an error."""
-        call, progress = self.call, self._life.progress
+        call, progress = self.call, self.life.progress
         reason = self._drop(reason_of(exc, progress))
         if call is None:
             return
@@ -500,11 +486,11 @@ class Channel(Carrier):
         stream, self._stream = self._stream, None
         self._exchange.forget()
         self._rest = b""
-        self._life.poison(reason)
+        self.life.poison(reason)
         if stream is not None:
             self._detach(stream)
-            self._endpoint.ended(self.reason)
-        return self.reason
+            self._endpoint.ended(self.life.reason)
+        return self.life.reason
 
     def _detach(self, stream: DeadlineSocket) -> None:
         """Take a stream from the loop, and discard it unless it is idle."""
@@ -512,7 +498,7 @@ class Channel(Carrier):
         if self._reports and not ended:
             self._loop.remove_reader(stream.socket.fileno())
             self._loop.remove_writer(stream.socket.fileno())
-        if self._life.state is ConnectionState.CLOSED:
+        if self.life.state is ConnectionState.CLOSED:
             return
         waiting = [task for task in self._tasks if task is not self._opening]
         if self._reports or ended or not waiting:
@@ -548,7 +534,14 @@ async def connect(
         raise endpoint.refused(exc) from exc
     for each, until in endpoint.route.tries(addresses, deadline):
         try:
-            stream = await _connected(loop, each, until)
+            stream = DeadlineSocket(each)
+            try:
+                stream.prepare()
+                async with asyncio.timeout(max(0.0, until - time.monotonic())):
+                    await _connect(loop, stream.socket, each[-1])
+            except BaseException:
+                stream.discard()
+                raise
         except OSError as exc:
             error = exc
             continue
@@ -567,19 +560,6 @@ async def _addresses(endpoint: Endpoint, deadline: float) -> list[Address]:
     async with asyncio.timeout(max(0.0, deadline - time.monotonic())):
         await over.wait()
     return found.addresses()
-
-
-async def _connected(loop: asyncio.AbstractEventLoop, to: Address, until: float) -> DeadlineSocket:
-    family, kind, protocol, _, address = to
-    stream = DeadlineSocket(family, kind, protocol)
-    try:
-        stream.prepare()
-        async with asyncio.timeout(max(0.0, until - time.monotonic())):
-            await _connect(loop, stream.socket, address)
-    except BaseException:
-        stream.discard()
-        raise
-    return stream
 
 
 async def _connect(loop: asyncio.AbstractEventLoop, sock: socket.socket, address: Any) -> None:

@@ -114,33 +114,20 @@ class ReplyReader:
     neither, so after a time-out its next call returns the answer to the previous call.
     """
 
-    __slots__ = (
-        "_function",
-        "_known",
-        "_read",
-        "_result",
-        "_scanner",
-        "_sequence",
-        "_start",
-        "failed",
-    )
+    __slots__ = ("_function", "_head", "_read", "_result", "_scanner", "_start", "failed", "length")
 
     def __init__(self, function: Function, sequence: int) -> None:
         self._function = function
         self._result = function.result
-        self._sequence = _sequence(sequence)
+        self._head = _REPLY + function.head + _sequence(sequence)
         self._scanner: StructScanner | None = None
-        self._start = 0
-        #: length of a reply of a known layout, and the function that reads it
-        self._known = 0
+        self._start = len(self._head)
+        #: the function that reads a reply of a known layout
         self._read: Callable[[bytes | bytearray, int], Any] | None = None
+        #: number of bytes of the reply, once it is complete
+        self.length = 0
         #: whether the controller answered with an application error
         self.failed = False
-
-    @property
-    def length(self) -> int:
-        """Number of bytes of the reply, once it is complete."""
-        return self._scanner.position if self._scanner is not None else self._known
 
     def whole(self, data: bytes | bytearray) -> bool:
         """Whether these bytes, from the start of the message on, contain the whole reply.
@@ -157,50 +144,44 @@ class ReplyReader:
         if self._scanner is None:
             return False
         try:
-            return self._scanner.whole(data)
+            whole = self._scanner.whole(data)
         except Malformed:
             older = self._function.older
             if self.failed or older is None or self._result is older:
                 raise
             self._result = older
             self._scanner = StructScanner(older.thrift_spec, self._start)
-            return self._scanner.whole(data)
+            whole = self._scanner.whole(data)
+        self.length = self._scanner.position
+        return whole
 
     def _is_known(self, data: bytes | bytearray) -> bool:
         """Whether this begins with a whole reply to this call, of a layout received before."""
-        head = _REPLY + self._function.head + self._sequence
-        start = len(head)
-        if not data.startswith(head):
+        if not data.startswith(self._head):
             return False
-        found = self._function.layouts.find(data[start:])
+        found = self._function.layouts.find(data[self._start :])
         if found is None:
             return False
-        self._read, size = found
-        self._start, self._known = start, start + size
+        self._read, self.length = found[0], self._start + found[1]
         return True
 
     def _header(self, data: bytes | bytearray) -> StructScanner | None:
-        head = self._function.head
-        start = 8 + len(head)
-        if data.startswith(_REPLY + head + self._sequence):
-            self._start = start
-            return StructScanner(self._function.result.thrift_spec, start)
+        if data.startswith(self._head):
+            return StructScanner(self._function.result.thrift_spec, self._start)
         kind = bytes(data[:4])
         if not (_REPLY.startswith(kind) or _EXCEPTION.startswith(kind)):
             raise Malformed(
                 f"the bytes {bytes(data[:32])!r} begin no reply of Thrift's strict binary protocol"
             )
         # compare as many bytes as have arrived: do not wait for the rest of a wrong reply
-        name = bytes(data[4 : 4 + len(head)])
-        if not head.startswith(name):
+        if not self._head[4:-4].startswith(bytes(data[4 : self._start - 4])):
             raise Malformed(f"a reply to another function: {bytes(data[8:48])!r}")
-        if len(data) < start:
+        if len(data) < self._start:
             return None
-        if data[start - 4 : start] != self._sequence:
+        if not data.startswith(self._head[-4:], self._start - 4):
             raise Malformed("a reply to another call, with another sequence id")
         self.failed = True
-        self._start = start
-        return StructScanner(_ERROR_SPEC, start)
+        return StructScanner(_ERROR_SPEC, self._start)
 
     def value(self, data: bytes | bytearray) -> Any:
         """Decode the whole reply.

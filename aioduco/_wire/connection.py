@@ -104,11 +104,6 @@ class Connection:
             # last, since it raises if warnings are turned into errors
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
-    @property
-    def connect_timeout(self) -> float:
-        """Seconds within which `open` must connect."""
-        return self._endpoint.connect_timeout
-
     def open(
         self, deadline: float | None = None, addresses: Sequence[Address] | None = None
     ) -> None:
@@ -128,7 +123,7 @@ class Connection:
         self.hand_over()
         fork_hooks.add(self)
         begin = time.monotonic()
-        limit = begin + self.connect_timeout
+        limit = begin + self._endpoint.connect_timeout
         limit = limit if deadline is None else min(limit, deadline)
         try:
             found = list(addresses) if addresses else self._resolve(limit)
@@ -163,18 +158,16 @@ class Connection:
 
     def _connect(self, addresses: list[Address], deadline: float) -> None:
         error: OSError = TimeoutError("no time was left to connect")
-        for (family, kind, protocol, _, address), until in self._endpoint.route.tries(
-            addresses, deadline
-        ):
+        for address, until in self._endpoint.route.tries(addresses, deadline):
             try:
-                stream = DeadlineSocket(family, kind, protocol, self._waiting)
+                stream = DeadlineSocket(address, self._waiting)
                 with self._guard:
                     # An `abandon` before this line found no stream to shut down; the state below
                     # shows it. A later `abandon` ends the handshake.
                     self._stream = stream
                     if self._life.state is not ConnectionState.NEW:
                         raise Ended  # one way out for all ends
-                stream.connect(address, until)
+                stream.connect(until)
             except OSError as exc:
                 error = exc
                 self._drop()
@@ -182,7 +175,7 @@ class Connection:
             with self._guard:
                 if not self._life.opened():
                     raise Ended
-            self._endpoint.route.address = address
+            self._endpoint.route.address = address[-1]
             return
         raise error
 
@@ -264,7 +257,8 @@ class Connection:
         try:
             message = self._exchange.begin(function, arguments, further)
             self._calls += 1 + len(further)
-            _check_silent(stream)
+            if stray := stream.unasked():
+                raise Malformed(f"bytes came that nobody asked for: {stray!r}")  # noqa: TRY301
             if permit is not None:
                 try:
                     permit()
@@ -347,9 +341,6 @@ class Connection:
             self._overdue = None
             if stream is not None:
                 stream.discard()
-        self._report_end()
-
-    def _report_end(self) -> None:
         if self._was_open:
             self._was_open = False
             self._endpoint.ended(self.reason)
@@ -411,10 +402,3 @@ class Connection:
     def overdue(self) -> bool:
         """Whether `late_answer` can wait for an answer."""
         return self._overdue is not None
-
-
-def _check_silent(stream: DeadlineSocket) -> None:
-    """Before sending, check that the other side has not closed the stream or sent bytes."""
-    stray = b"" if stream.silent else stream.waiting_bytes()
-    if stray:
-        raise Malformed(f"bytes came that nobody asked for: {stray!r}")

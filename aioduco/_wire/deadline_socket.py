@@ -9,7 +9,7 @@ import socket
 import struct
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from aioduco._process.platform import CONNECTING, limits_sockets, readiness, unacknowledged
 from aioduco._wire.failures import DeadlinePassed, Ended
@@ -17,6 +17,8 @@ from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from aioduco._wire.endpoint import Address
 
 #: If the peer disappears without a FIN, the connection ends after about eight seconds, both when
 #: it is idle (probes from the fifth second on) and when sent bytes are not acknowledged.
@@ -56,34 +58,26 @@ class DeadlineSocket:
     of the sent bytes. Only `close` ends the connection in the ordinary way.
 
     Args:
-        family: as for `socket.socket`.
-        type_: as for `socket.socket`.
-        protocol: as for `socket.socket`.
+        to: the address to connect to, as `socket.getaddrinfo` returns it.
         waiting: called every tenth of a second while a read of a thread waits.
     """
 
-    __slots__ = ("_limit", "_readable", "_shut", "_waiting", "socket")
+    __slots__ = ("_limit", "_readable", "_shut", "_to", "_waiting", "socket")
 
-    def __init__(
-        self,
-        family: int,
-        type_: int,
-        protocol: int,
-        waiting: Callable[[], object] | None = None,
-    ) -> None:
+    def __init__(self, to: Address, waiting: Callable[[], object] | None = None) -> None:
+        self._to = to[-1]
         self._waiting = waiting
         #: the socket itself, for the event loop
-        self.socket: socket.socket = socket.socket(family, type_, protocol)
+        self.socket: socket.socket = socket.socket(*to[:3])
         self._readable = readiness(self.socket)
-        #: the system's limit in seconds; None: no limit, as on a new socket
-        self._limit: float | None = None
+        #: the system's limit in seconds; without one, as on a new socket, infinite
+        self._limit = math.inf
         self._shut = False
 
-    def connect(self, address: Any, deadline: float) -> None:
+    def connect(self, deadline: float) -> None:
         """Connect.
 
         Args:
-            address: address in the form that `socket.getaddrinfo` returns.
             deadline: time by which the connection must be made.
 
         Raises:
@@ -92,7 +86,7 @@ class DeadlineSocket:
             Ended: the socket was shut down.
         """
         self.prepare()
-        error = self.socket.connect_ex(address)
+        error = self.socket.connect_ex(self._to)
         # A shutdown before the line above had no effect on the socket, but has set `_shut`. A later
         # one ends the wait.
         if self._shut:
@@ -134,13 +128,13 @@ class DeadlineSocket:
             return errno.ETIMEDOUT
         return self.socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
 
-    def waiting_bytes(self) -> bytes:
+    def unasked(self) -> bytes:
         """Return bytes that have arrived, without removing them from the system's buffer.
 
         Raises:
             Ended: the other side closed the connection.
         """
-        if not self._readable(0):
+        if self.silent or not self._readable(0):
             return b""
         found = self.socket.recv(64, socket.MSG_PEEK)
         if not found:
@@ -255,31 +249,23 @@ class DeadlineSocket:
         self.close_copy()
 
     def _limit_to(self, deadline: float | None) -> None:
-        limit: float | None = None
-        wake: float | None = None
+        left = math.inf if deadline is None else deadline - time.monotonic()
+        if left <= 0:
+            raise DeadlinePassed
         if self._waiting is not None:
-            wake = WAITING_EVERY
+            left = min(left, WAITING_EVERY)
         elif threading.current_thread() is threading.main_thread():
-            wake = WAKE_EVERY
-        if deadline is not None or wake is not None:
-            left = math.inf if deadline is None else deadline - time.monotonic()
-            if left <= 0:
-                raise DeadlinePassed
-            if wake is not None:
-                left = min(left, wake)
-            slack = min(_SLACK, left / 8)
-            if self._limit is not None and left <= self._limit <= left + slack:
-                return
-            # a little longer, so that it also fits the next call with the same time limit
-            limit = left + slack / 2
-        elif self._limit is None:
+            left = min(left, WAKE_EVERY)
+        slack = min(_SLACK, left / 8)
+        if left <= self._limit <= left + slack:
             return
+        # a little longer, so that it also fits the next call with the same time limit
+        self._limit = left + slack / 2
+        limited = self._limit < math.inf
         if not limits_sockets():
-            self.socket.settimeout(limit)
-            self._limit = limit
+            self.socket.settimeout(self._limit if limited else None)
             return
-        microseconds = 0 if limit is None else math.ceil(limit * 1e6)
+        microseconds = math.ceil(self._limit * 1e6) if limited else 0
         packed = struct.pack("@ll", *divmod(microseconds, 1_000_000))
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, packed)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, packed)
-        self._limit = limit

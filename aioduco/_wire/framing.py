@@ -38,15 +38,17 @@ MAX_REPLY: Final = 4 * 1024 * 1024
 
 _I32 = struct.Struct("!i").unpack_from
 
-#: number of bytes of a value, for each type of fixed width
-FIXED_WIDTHS: Final = {
-    TType.BOOL: 1,
-    TType.BYTE: 1,
-    TType.I16: 2,
-    TType.I32: 4,
-    TType.I64: 8,
-    TType.DOUBLE: 8,
+#: format of `struct` for each type of fixed width
+FORMATS: Final = {
+    TType.BOOL: "?",
+    TType.BYTE: "b",
+    TType.I16: "h",
+    TType.I32: "i",
+    TType.I64: "q",
+    TType.DOUBLE: "d",
 }
+#: number of bytes of a value of them
+FIXED_WIDTHS: Final = {kind: struct.calcsize(f"!{code}") for kind, code in FORMATS.items()}
 _STOP: Final[int] = TType.STOP
 _STRING: Final[int] = TType.STRING
 _STRUCT: Final[int] = TType.STRUCT

@@ -21,27 +21,20 @@ from aioduco._wire.type_checks import Check, check_of, type_of
 
 SERVICE = "RPCRobot"
 
+#: factories for the value that a missing field has
 _ZERO: dict[int, Any] = {
-    TType.BOOL: lambda: False,
-    TType.BYTE: lambda: 0,
-    TType.I16: lambda: 0,
-    TType.I32: lambda: 0,
-    TType.I64: lambda: 0,
-    TType.DOUBLE: lambda: 0.0,
-    TType.STRING: lambda: "",
+    **dict.fromkeys((TType.BYTE, TType.I16, TType.I32, TType.I64), int),
+    TType.BOOL: bool,
+    TType.DOUBLE: float,
+    TType.STRING: str,
     TType.LIST: list,
     TType.MAP: dict,
 }
 #: results whose fields have other numbers on older controllers: the fields in order, from 1
 _OLDER = {
     "getRobotIOStatus": (
-        "analogCurrentOutputs",
-        "analogVoltageOutputs",
-        "digitalInputs",
-        "digitalOutputs",
-        "toolIOIn",
-        "toolIOOut",
-        "toolButton",
+        "analogCurrentOutputs analogVoltageOutputs digitalInputs digitalOutputs toolIOIn "
+        "toolIOOut toolButton"
     )
 }
 _Spec = dict[int, tuple[Any, ...]]
@@ -54,13 +47,8 @@ _FIELD = re.compile(r"(\d+):\s*([\w<>,]+) (\w+)")
 _FUNCTION = re.compile(r"([\w<>,]+) (\w+)\((.*?)\)", re.DOTALL)
 _CONTAINER = re.compile(r"(list|map)<(.+)>")
 _TYPES: dict[str, int] = {
-    "bool": TType.BOOL,
-    "byte": TType.BYTE,
-    "i16": TType.I16,
-    "i32": TType.I32,
-    "i64": TType.I64,
-    "double": TType.DOUBLE,
-    "string": TType.STRING,
+    name: getattr(TType, name.upper())
+    for name in ("bool", "byte", "i16", "i32", "i64", "double", "string")
 }
 
 
@@ -82,26 +70,11 @@ class Function:
         layouts: layouts of replies that were received.
     """
 
-    __slots__ = (
-        "args",
-        "checks",
-        "head",
-        "layouts",
-        "name",
-        "older",
-        "packed",
-        "parameters",
-        "result",
-        "texts",
-        "void",
-        "zeros",
-    )
-
     def __init__(self, name: str, args: _Spec, result: _Spec) -> None:
         self.name: str = name
         self.args: Any = _payload(f"{name}_args", args)
         self.result: Any = _payload(f"{name}_result", result)
-        self.older: Any = _older(self.result, _OLDER[name]) if name in _OLDER else None
+        self.older: Any = _older(self.result, _OLDER[name].split()) if name in _OLDER else None
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
@@ -216,7 +189,7 @@ def _part(text: str) -> Any:
     return found[0] if len(found) == 1 else found
 
 
-def _older(result: Any, names: tuple[str, ...]) -> Any:
+def _older(result: Any, names: list[str]) -> Any:
     """Make a result class for the fields of a struct in another order.
 
     The struct that is read is also an instance of the present struct; fields that were not sent

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import enum
 import math
 import time
 import warnings
@@ -33,14 +32,6 @@ if TYPE_CHECKING:
     from aioduco.models.trace import Trace
 
 _CLOSED: Final = "its lane was closed"
-
-
-class LaneState(enum.Enum):
-    """State of a lane."""
-
-    NEW = "new"
-    OPEN = "open"
-    CLOSED = "closed"
 
 
 class LaneStatistics(NamedTuple):
@@ -95,6 +86,7 @@ class WireLane:
         route: the way to the host, which the lane shares with others; by default it has its own.
 
     Attributes:
+        closed: whether it was closed.
         version: version of the controller's software, for errors; empty while it is unknown.
         observers: callbacks of this package, called with each finished call, on the thread that
             made it. They must neither raise nor wait; a program's hook may do both.
@@ -125,13 +117,13 @@ class WireLane:
         self.observers: list[Trace] = []
         self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop
         self._trace = trace
-        self._state = LaneState.NEW
+        self.closed: bool = False
         self._functions = idl.functions()
         self._endpoint = Endpoint(host, port, connect_timeout, name, route, trace)
         self._make: type[Channel | PoolThread] = PoolThread if blocks else Channel
         self._wants_spare = spare
         self._threads = ThreadCalls(self._endpoint)
-        #: the loop on which its connections are
+        #: the loop on which its connections are; None until it is opened
         self._loop: asyncio.AbstractEventLoop | None = None
         self._carriers: list[Channel | PoolThread] = []
         self._waiting: deque[LaneCall] = deque()
@@ -140,11 +132,6 @@ class WireLane:
         self._failed = 0
         self._abandoned = 0
         fork_hooks.add(self)
-
-    @property
-    def state(self) -> LaneState:
-        """State of the lane."""
-        return self._state
 
     def statistics(self) -> LaneStatistics:
         """Figures since the lane was made."""
@@ -159,15 +146,20 @@ class WireLane:
             stuck=int(self._endpoint.hanging),
         )
 
+    @property
+    def _open(self) -> bool:
+        return getattr(self, "_loop", None) is not None and not self.closed
+
     def __repr__(self) -> str:
         figures = self.statistics()
+        state = "OPEN" if self._open else "CLOSED" if self.closed else "NEW"
         return (
-            f"<Lane {self.name} {self.host}:{self.port} {self._state.name}, "
+            f"<Lane {self.name} {self.host}:{self.port} {state}, "
             f"{figures.busy} of {self.size} busy, {figures.waiting} waiting>"
         )
 
     def __del__(self) -> None:
-        if getattr(self, "_state", None) is LaneState.OPEN and not self.owner_loop.in_forked_child:
+        if self._open and not self.owner_loop.in_forked_child:
             unclosed = f"unclosed {self!r}"
             self._threads.close()
             for carrier in self._carriers:
@@ -187,10 +179,9 @@ class WireLane:
         Raises:
             ConnectError: there is no controller, or it does not answer in time.
         """
-        if self._state is not LaneState.NEW:
+        if self.closed or self._loop is not None:
             raise RuntimeError(f"{self!r} can be opened once")
         loop = self._loop = self.owner_loop.require("open")
-        self._state = LaneState.OPEN
         deadline = time.monotonic() + self._endpoint.connect_timeout
         try:
             await self._carrier(loop).open(deadline)
@@ -202,9 +193,9 @@ class WireLane:
 
     async def aclose(self) -> None:
         """Close every connection and end every thread. Calls under way fail."""
-        if self._state is LaneState.CLOSED:
+        if self.closed:
             return
-        self._state = LaneState.CLOSED
+        self.closed = True
         self._deadlines.stop()
         self._threads.close()
         while self._waiting:
@@ -419,7 +410,7 @@ class WireLane:
     # One call
 
     def _require_open(self, name: str) -> None:
-        if self._state is not LaneState.OPEN:
+        if not self._open:
             raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
 
     def _take(self, call: LaneCall) -> Channel | PoolThread | None:

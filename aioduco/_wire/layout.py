@@ -12,7 +12,7 @@ import contextlib
 import struct
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from aioduco._wire.framing import FIXED_WIDTHS, TType
+from aioduco._wire.framing import FIXED_WIDTHS, FORMATS, TType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -26,17 +26,6 @@ _LONGEST: Final = 4096
 _MOST: Final = 4
 
 _I32 = struct.Struct("!i").unpack_from
-
-#: format of `struct` for each of the wire's types
-_FORMATS: Final = {
-    TType.BOOL: "?",
-    TType.BYTE: "b",
-    TType.I16: "h",
-    TType.I32: "i",
-    TType.I64: "q",
-    TType.DOUBLE: "d",
-}
-
 
 #: function that reads the value of a reply from all its bytes and the index where its struct begins
 Reader: TypeAlias = "Callable[[bytes | bytearray, int], Any]"
@@ -100,9 +89,9 @@ def packer(spec: Mapping[int, Any]) -> Callable[[tuple[Any, ...]], bytes] | None
         A function of the tuple of arguments; None if some of them have no fixed width.
     """
     kinds = [entry[0] for entry in spec.values()]
-    if not all(kind in _FORMATS for kind in kinds):
+    if not all(kind in FORMATS for kind in kinds):
         return None
-    pack = struct.Struct("!" + "".join("3s" + _FORMATS[kind] for kind in kinds) + "x").pack
+    pack = struct.Struct("!" + "".join("3s" + FORMATS[kind] for kind in kinds) + "x").pack
     heads = [struct.pack("!bh", kind, number) for number, kind in zip(spec, kinds, strict=True)]
 
     def packed(args: tuple[Any, ...]) -> bytes:
@@ -160,13 +149,13 @@ def _place(
     kind: int, data: bytes | bytearray, at: int, formats: list[str], count: int
 ) -> tuple[_Where, int, int] | None:
     """Place of a value after `count` numbers, index of its end, number of numbers up to there."""
-    if kind in _FORMATS:
-        formats.append(_FORMATS[kind])
+    if kind in FORMATS:
+        formats.append(FORMATS[kind])
         return count, at + FIXED_WIDTHS[kind], count + 1
-    if kind != TType.LIST or data[at] not in _FORMATS:
+    if kind != TType.LIST or data[at] not in FORMATS:
         return None
     size = _I32(data, at + 1)[0]
-    formats.append(f"5x{size}{_FORMATS[data[at]]}")
+    formats.append(f"5x{size}{FORMATS[data[at]]}")
     end = at + 5 + size * FIXED_WIDTHS[data[at]]
     return slice(count, count + size), end, count + size
 

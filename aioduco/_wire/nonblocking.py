@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import socket
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from aioduco._process.platform import limits_sockets
 
@@ -21,19 +21,23 @@ __all__ = ["disconnect", "is_silent", "send_at_once"]
 
 _FLAGS: Final = getattr(socket, "MSG_DONTWAIT", 0) | getattr(socket, "MSG_NOSIGNAL", 0)
 
-_send: Callable[[int, bytes, int, int], int] | None = None
-_receive: Callable[[int, ctypes.Array[ctypes.c_char], int, int], int] | None = None
-_connect: Callable[[int, bytes, int], int] | None = None
-if limits_sockets():
-    #: a `PyDLL` keeps the lock during its calls; a `CDLL` releases it
-    _system: Final = ctypes.PyDLL(None)
-    _system.send.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_int]
-    _system.send.restype = ctypes.c_ssize_t
-    _system.recv.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_int]
-    _system.recv.restype = ctypes.c_ssize_t
-    _system.connect.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.c_uint]
-    _system.connect.restype = ctypes.c_int
-    _send, _receive, _connect = _system.send, _system.recv, _system.connect
+#: what the functions of the system take: a descriptor, a buffer, its length, and perhaps flags
+_CONNECT: Final = [ctypes.c_int, ctypes.c_char_p, ctypes.c_uint]
+_TRANSFER: Final = [ctypes.c_int, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_int]
+
+
+def _function(name: str, takes: list[Any], returns: Any) -> Callable[..., int] | None:
+    """A function of the system that keeps the interpreter's lock; None where there is none."""
+    if not limits_sockets():
+        return None
+    found: Any = getattr(ctypes.PyDLL(None), name)  # a `CDLL` would release the lock
+    found.argtypes, found.restype = takes, returns
+    return cast("Callable[..., int]", found)
+
+
+_send: Final = _function("send", _TRANSFER, ctypes.c_ssize_t)
+_receive: Final = _function("recv", _TRANSFER, ctypes.c_ssize_t)
+_connect: Final = _function("connect", _CONNECT, ctypes.c_int)
 
 
 def send_at_once(descriptor: int, data: bytes) -> int:
@@ -49,7 +53,7 @@ def send_at_once(descriptor: int, data: bytes) -> int:
     """
     if _send is None:
         return -1
-    return int(_send(descriptor, data, len(data), _FLAGS))
+    return _send(descriptor, data, len(data), _FLAGS)
 
 
 #: buffer for the peeked byte, which is never used
@@ -69,7 +73,7 @@ def is_silent(descriptor: int) -> bool:
     """
     if _receive is None:
         return False
-    return bool(_receive(descriptor, _peeked, 1, _PEEK) < 0)
+    return _receive(descriptor, _peeked, 1, _PEEK) < 0
 
 
 #: an address of the family AF_UNSPEC: `connect` with it dissolves a connection
@@ -92,4 +96,4 @@ def disconnect(descriptor: int) -> bool:
     """
     if _connect is None:
         return False
-    return bool(_connect(descriptor, _UNSPECIFIED, len(_UNSPECIFIED)) == 0)
+    return _connect(descriptor, _UNSPECIFIED, len(_UNSPECIFIED)) == 0

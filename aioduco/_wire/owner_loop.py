@@ -169,18 +169,8 @@ def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
     # loop by that, so this copy never runs again.
     for task in asyncio.all_tasks(loop):
         asyncio.tasks._unregister_task(task)
-    ours.run_forever = ours.close = _noop
-    ours.run_until_complete = _close_coroutine
-
-
-def _noop() -> None:
-    """Do nothing: replaces the methods of a copy of a loop that never runs again."""
-
-
-def _close_coroutine(work: Any) -> None:
-    """Like `_noop`, for a method that gets a coroutine: close it."""
-    if asyncio.iscoroutine(work):
-        work.close()
+    ours.run_forever = ours.close = lambda: None
+    ours.run_until_complete = lambda work: work.close() if asyncio.iscoroutine(work) else None
 
 
 def loop_callback(callback: Callable[[], None]) -> Callable[[], None]:

@@ -172,8 +172,8 @@ async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str) -> 
             group.start_soon(partial(lane.call, name, args, None))
             await eventually_async(lambda: len(server.calls) == 1)
             group.cancel_scope.cancel()
-        assert connection.state is ConnectionState.POISONED
-        assert connection.reason == "the call was cancelled"
+        assert connection.life.state is ConnectionState.POISONED
+        assert connection.life.reason == "the call was cancelled"
         server.wait_finished(1)
         assert gone == [True]
         await works(lane)

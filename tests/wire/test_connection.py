@@ -551,9 +551,9 @@ def test_abandon_is_seen_at_every_moment_of_a_handshake(
             connection.abandon("enough")
             made(stream, *args)
 
-        def slow_connect(stream: DeadlineSocket, address: Any, deadline: float) -> None:
+        def slow_connect(stream: DeadlineSocket, deadline: float) -> None:
             connection.abandon("enough")
-            connect(stream, address, deadline)
+            connect(stream, deadline)
 
         if moment == "before the socket is there":
             monkeypatch.setattr(DeadlineSocket, "__init__", slow_make)

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.linux("a connection that is dissolved before it is closed")
 
+#: family, kind, protocol and name of an address
+TCP = socket.AF_INET, socket.SOCK_STREAM, 0, ""
 #: more than a peer takes that does not read
 LARGE = bytes(8_000_000)
 
@@ -41,9 +43,9 @@ def peer() -> Iterator[socket.socket]:
 
 def stuck(listener: socket.socket) -> tuple[DeadlineSocket, socket.socket]:
     """A stream that holds bytes which its peer has not taken, and the peer."""
-    stream = DeadlineSocket(socket.AF_INET, socket.SOCK_STREAM, 0)
+    stream = DeadlineSocket((*TCP, listener.getsockname()))
     deadline = time.monotonic() + 30.0
-    stream.connect(listener.getsockname(), deadline)
+    stream.connect(deadline)
     accepted, _ = listener.accept()
     assert stream.undelivered == 0
     while not stream.undelivered:
@@ -111,8 +113,8 @@ def test_a_thread_that_waits_is_woken() -> None:
 
 def test_an_ordinary_end_is_no_reset() -> None:
     with peer() as listener:
-        stream = DeadlineSocket(socket.AF_INET, socket.SOCK_STREAM, 0)
-        stream.connect(listener.getsockname(), time.monotonic() + 30.0)
+        stream = DeadlineSocket((*TCP, listener.getsockname()))
+        stream.connect(time.monotonic() + 30.0)
         accepted, _ = listener.accept()
         stream.close()
         assert not drained(accepted)
@@ -122,8 +124,9 @@ PROGRAM = """
 import socket, sys, time
 from aioduco._wire.deadline_socket import DeadlineSocket
 
-stream = DeadlineSocket(socket.AF_INET, socket.SOCK_STREAM, 0)
-stream.connect(("127.0.0.1", int(sys.argv[1])), time.monotonic() + 30.0)
+address = "127.0.0.1", int(sys.argv[1])
+stream = DeadlineSocket((socket.AF_INET, socket.SOCK_STREAM, 0, "", address))
+stream.connect(time.monotonic() + 30.0)
 while not stream.undelivered:
     stream.send_at_once(bytes(8_000_000))
 print("stuck", flush=True)

@@ -10,7 +10,7 @@ import anyio
 import pytest
 
 from aioduco._wire.connection import Connection
-from aioduco._wire.lane import LaneState, WireLane
+from aioduco._wire.lane import WireLane
 from aioduco.errors import ConnectError, ConnectionLost
 from aioduco.testing import eventually, eventually_async, no_leaks
 
@@ -178,7 +178,7 @@ async def test_a_lane_closes_while_its_name_server_hangs(names: Names) -> None:
         group.start_soon(open_)
         await eventually_async(lambda: names.asked == 1)
         group.cancel_scope.cancel()
-    assert lane.state is LaneState.CLOSED
+    assert lane.closed
     assert raised == []
     names.answers.set()
     eventually(lambda: not names.threads[0].is_alive())

@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from aioduco._process.reporting import reporter
-from aioduco._wire.lane import LaneState, WireLane
+from aioduco._wire.lane import WireLane
 from aioduco.errors import (
     ConnectError,
     ConnectionLost,
@@ -95,7 +95,7 @@ async def test_a_lane_that_cannot_open_leaves_nothing() -> None:
         lane = WireLane("test", host, port)
         with pytest.raises(ConnectError, match="refused"):
             await lane.open()
-        assert lane.state is LaneState.CLOSED
+        assert lane.closed
 
 
 async def test_a_lane_whose_controller_does_not_answer_the_handshake() -> None:

@@ -232,7 +232,7 @@ async def test_bytes_that_nobody_asked_for_cost_no_call(call: tuple[str, Any]) -
 
 def idle_connection_has_news(lane: WireLane) -> bool:
     """Whether the lane has seen that something came on its connection, or its end."""
-    return channel(lane).state is ConnectionState.POISONED
+    return channel(lane).life.state is ConnectionState.POISONED
 
 
 # Ends
@@ -346,7 +346,7 @@ async def test_a_connection_that_ends_in_the_answer(end: Script, call: tuple[str
 
 
 def answering(lane: WireLane) -> bool:
-    return channel(lane).progress is Progress.ANSWERING
+    return channel(lane).life.progress is Progress.ANSWERING
 
 
 async def test_a_stop_whose_second_try_finds_nobody_says_that_it_was_sent() -> None:
@@ -379,7 +379,7 @@ async def test_a_lane_comes_back_with_its_controller() -> None:
             assert await lane.call(*COMMAND) == 0
             assert again.names == [COMMAND[0]]
             assert lane.statistics().opened == 2
-            assert channel(lane).state is ConnectionState.IDLE
+            assert channel(lane).life.state is ConnectionState.IDLE
             await lane.aclose()
 
 

@@ -93,8 +93,8 @@ async def test_an_end_of_the_connection_is_noticed_while_it_is_idle() -> None:
         peer.sock.close()
 
     async with opened(closing, honest) as (lane, _):
-        await eventually_async(lambda: channel(lane).reason != "")
-        assert channel(lane).reason == "the controller closed the connection"
+        await eventually_async(lambda: channel(lane).life.reason != "")
+        assert channel(lane).life.reason == "the controller closed the connection"
 
 
 # With a permit
