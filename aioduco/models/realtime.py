@@ -41,6 +41,13 @@ class RealtimeMode(IntEnum):
     TWIST = 4
 
 
+#: by mode, the field of the wire's struct
+_FIELDS = (
+    *("joint_pos_cmd", "joint_vel_cmd", "joint_torq_cmd"),
+    *("cart_pos_tool_wobj_cmd", "cart_vel_tool_wobj_cmd"),
+)
+
+
 @dataclass(frozen=True, slots=True)
 class RealtimePoint:
     """One command of realtime control, made by the class method of its mode.
@@ -115,15 +122,6 @@ class RealtimePoint:
 
     def wire(self) -> rpc.RealTimeControlData:
         """Return the struct of the wire, marked as a new command."""
-        values = list(self.values)
-        match self.mode:
-            case RealtimeMode.JOINT_POSITION:
-                return rpc.RealTimeControlData(joint_pos_cmd=values, status=True)
-            case RealtimeMode.JOINT_VELOCITY:
-                return rpc.RealTimeControlData(joint_vel_cmd=values, status=True)
-            case RealtimeMode.JOINT_TORQUE:
-                return rpc.RealTimeControlData(joint_torq_cmd=values, status=True)
-            case RealtimeMode.POSE:
-                return rpc.RealTimeControlData(cart_pos_tool_wobj_cmd=values, status=True)
-            case RealtimeMode.TWIST:
-                return rpc.RealTimeControlData(cart_vel_tool_wobj_cmd=values, status=True)
+        command = rpc.RealTimeControlData(status=True)
+        setattr(command, _FIELDS[self.mode], list(self.values))
+        return command

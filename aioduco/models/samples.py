@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import time
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
+from aioduco._wire import rpc
 from aioduco.errors import ParameterError, StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Joints, Pose
@@ -14,7 +15,21 @@ from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire import rpc
+
+#: arrays of a status, and what the wire calls them
+_ARRAYS: Final = {
+    "joint_speeds": "jointActualVelocity",
+    "joint_accelerations": "jointActualAccelera",
+    "joint_currents": "jointActualCurrent",
+    "joint_temperatures": "jointTemperature",
+    "driver_temperatures": "driverTemperature",
+    "tool_speed": "cartActualVelocity",
+    "tool_acceleration": "cartActualAccelera",
+    "expected_joint_speeds": "jointExpectVelocity",
+    "expected_joint_accelerations": "jointExpectAccelera",
+    "expected_tool_speed": "cartExpectVelocity",
+    "expected_tool_acceleration": "cartExpectAccelera",
+}
 
 
 class Samples:
@@ -57,55 +72,21 @@ class Samples:
             StaleState: positions are missing: the controller is still starting.
         """
         at = time.monotonic() if at is None else at
-        (
-            speeds,
-            accelerations,
-            currents,
-            temperatures,
-            driver_temperatures,
-            tool_speed,
-            tool_acceleration,
-            expected_speeds,
-            expected_accelerations,
-            expected_tool_speed,
-            expected_tool_acceleration,
-        ) = vectors(
-            wire.jointActualVelocity,
-            wire.jointActualAccelera,
-            wire.jointActualCurrent,
-            wire.jointTemperature,
-            wire.driverTemperature,
-            wire.cartActualVelocity,
-            wire.cartActualAccelera,
-            wire.jointExpectVelocity,
-            wire.jointExpectAccelera,
-            wire.cartExpectVelocity,
-            wire.cartExpectAccelera,
-        )
+        arrays = vectors(*(getattr(wire, name) for name in _ARRAYS.values()))
         return RobotStatus(
             sequence=next(self._status),
             received_at=at,
             joints=joints(wire.jointActualPosition),
-            joint_speeds=speeds,
-            joint_accelerations=accelerations,
-            joint_currents=currents,
-            joint_temperatures=temperatures,
-            driver_temperatures=driver_temperatures,
             pose=pose(wire.cartActualPosition),
-            tool_speed=tool_speed,
-            tool_acceleration=tool_acceleration,
             expected_joints=joints(wire.jointExpectPosition),
-            expected_joint_speeds=expected_speeds,
-            expected_joint_accelerations=expected_accelerations,
             expected_pose=pose(wire.cartExpectPosition),
-            expected_tool_speed=expected_tool_speed,
-            expected_tool_acceleration=expected_tool_acceleration,
             enabled=tuple(wire.slaveReady),
             collision=wire.collision,
             collision_axis=wire.collisionAxis,
             emergency_stop=wire.emcStopSignal,
             state=RobotState(wire.robotState),
             error=wire.robotError,
+            **dict(zip(_ARRAYS, arrays, strict=True)),
         )
 
     def forces(
@@ -117,29 +98,10 @@ class Samples:
         return ForceStatus(next(self._forces), at, tool_, external_)
 
     def io(self, wire: rpc.IOStatus, at: float | None = None) -> IOStatus:
-        """Make a sample from the result of getRobotIOStatus."""
+        """Make a sample from the result of getRobotIOStatus, whose lists are in the same order."""
         at = time.monotonic() if at is None else at
-        return IOStatus(
-            sequence=next(self._io),
-            received_at=at,
-            analog_current_outputs=tuple(wire.analogCurrentOutputs),
-            analog_voltage_outputs=tuple(wire.analogVoltageOutputs),
-            analog_current_inputs=tuple(wire.analogCurrentInputs),
-            analog_voltage_inputs=tuple(wire.analogVoltageInputs),
-            digital_inputs=tuple(wire.digitalInputs),
-            digital_outputs=tuple(wire.digitalOutputs),
-            tool_inputs=tuple(wire.toolIOIn),
-            tool_outputs=tuple(wire.toolIOOut),
-            tool_buttons=tuple(wire.toolButton),
-            function_inputs=tuple(wire.funRegisterInputs),
-            function_outputs=tuple(wire.funRegisterOutputs),
-            bool_inputs=tuple(wire.boolRegisterInputs),
-            bool_outputs=tuple(wire.boolRegisterOutputs),
-            word_inputs=tuple(wire.wordRegisterInputs),
-            word_outputs=tuple(wire.wordRegisterOutputs),
-            float_inputs=tuple(wire.floatRegisterInputs),
-            float_outputs=tuple(wire.floatRegisterOutputs),
-        )
+        lists = (getattr(wire, name) for name in rpc.IOStatus.__match_args__)
+        return IOStatus(next(self._io), at, *map(tuple, lists))
 
 
 def joints(wire: Sequence[float]) -> Joints:

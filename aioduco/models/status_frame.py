@@ -1,15 +1,17 @@
 """The frame that controllers send without a request on TCP port 2001: 1468 bytes.
 
-A table below has the place of each field. Source: two parsers in a public application for a
+Each field is declared with its place. Source: two parsers in a public application for a
 GCR5-910 (robot_dc, duco_2001_monitoring_extended.py and robot_data.py); the vendor does not
 document the port. If one of the parsers reads a field differently, its description says so.
 """
+
+# ruff: noqa: RUF009 - `_at` makes a field of a dataclass
 
 from __future__ import annotations
 
 import math
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 from aioduco.errors import ProtocolError
@@ -28,63 +30,10 @@ Whole = tuple[int, ...]
 _BIGGEST = 3.4028234663852886e38  # largest finite float of four bytes
 
 
-#: by field, its offset [bytes] and its format in the notation of the struct module, little-endian
-_OFFSETS: Final = {
-    "joint_position": (0, "7f"),
-    "joint_velocity": (28, "7f"),
-    "joint_acceleration": (56, "7f"),
-    "joint_torque": (84, "7f"),
-    "joint_position_expected": (112, "7f"),
-    "joint_velocity_expected": (140, "7f"),
-    "joint_acceleration_expected": (168, "7f"),
-    "joint_torque_expected": (196, "7f"),
-    "joint_temperature": (224, "7f"),
-    "joint_current": (252, "7f"),
-    "driver_error": (280, "7I"),
-    "driver_state": (308, "7I"),
-    "tcp_position": (368, "6f"),
-    "tcp_velocity": (392, "6f"),
-    "tcp_acceleration": (416, "6f"),
-    "tcp_force": (440, "6f"),
-    "tcp_position_expected": (464, "6f"),
-    "tcp_velocity_expected": (488, "6f"),
-    "tcp_acceleration_expected": (512, "6f"),
-    "tcp_force_expected": (536, "6f"),
-    "base_force": (560, "6f"),
-    "base_force_expected": (584, "6f"),
-    "tool": (608, "6f"),
-    "work_object": (632, "6f"),
-    "blended_speed": (656, "f"),
-    "global_speed": (660, "B"),
-    "jog_speed": (661, "B"),
-    "function_digital_in": (720, "8B"),
-    "function_digital_out": (728, "8B"),
-    "digital_in": (736, "16B"),
-    "digital_out": (752, "16B"),
-    "analog_in": (768, "8f"),
-    "analog_out": (800, "8f"),
-    "float_register_in": (832, "32f"),
-    "float_register_out": (960, "32f"),
-    "function_bool_in": (1088, "16B"),
-    "function_bool_out": (1104, "16B"),
-    "bool_register_in": (1120, "64B"),
-    "bool_register_out": (1184, "64B"),
-    "word_register_in": (1248, "32H"),
-    "word_register_out": (1312, "32H"),
-    "simulated": (1407, "B"),
-    "tool_digital_in": (1408, "8B"),
-    "tool_digital_out": (1416, "8B"),
-    "tool_analog_in": (1424, "2f"),
-    "tool_analog_out": (1432, "2f"),
-    "tool_buttons": (1440, "2B"),
-    "mode": (1448, "B"),
-    "robot": (1449, "B"),
-    "program": (1450, "B"),
-    "safety": (1451, "B"),
-    "collision": (1452, "B"),
-    "collision_axis": (1453, "B"),
-    "error": (1456, "I"),
-}
+def _at(offset: int, form: str) -> Any:
+    """A field at an offset [bytes], by its format in the notation of the struct module."""
+    default = () if form[:-1] else 0.0 if form == "f" else 0
+    return field(default=default, metadata={"place": (offset, form)})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,60 +80,60 @@ class StatusFrame:
         error: error code of the robot.
     """
 
-    joint_position: Numbers = ()
-    joint_velocity: Numbers = ()
-    joint_acceleration: Numbers = ()
-    joint_torque: Numbers = ()
-    joint_position_expected: Numbers = ()
-    joint_velocity_expected: Numbers = ()
-    joint_acceleration_expected: Numbers = ()
-    joint_torque_expected: Numbers = ()
-    joint_temperature: Numbers = ()
-    joint_current: Numbers = ()
-    driver_error: Whole = ()
-    driver_state: Whole = ()
-    tcp_position: Numbers = ()
-    tcp_velocity: Numbers = ()
-    tcp_acceleration: Numbers = ()
-    tcp_force: Numbers = ()
-    tcp_position_expected: Numbers = ()
-    tcp_velocity_expected: Numbers = ()
-    tcp_acceleration_expected: Numbers = ()
-    tcp_force_expected: Numbers = ()
-    base_force: Numbers = ()
-    base_force_expected: Numbers = ()
-    tool: Numbers = ()
-    work_object: Numbers = ()
-    blended_speed: float = 0.0
-    global_speed: int = 0
-    jog_speed: int = 0
-    function_digital_in: Whole = ()
-    function_digital_out: Whole = ()
-    digital_in: Whole = ()
-    digital_out: Whole = ()
-    analog_in: Numbers = ()
-    analog_out: Numbers = ()
-    float_register_in: Numbers = ()
-    float_register_out: Numbers = ()
-    function_bool_in: Whole = ()
-    function_bool_out: Whole = ()
-    bool_register_in: Whole = ()
-    bool_register_out: Whole = ()
-    word_register_in: Whole = ()
-    word_register_out: Whole = ()
-    simulated: int = 0
-    tool_digital_in: Whole = ()
-    tool_digital_out: Whole = ()
-    tool_analog_in: Numbers = ()
-    tool_analog_out: Numbers = ()
-    tool_buttons: Whole = ()
-    mode: int = 0
-    robot: int = 0
-    program: int = 0
-    safety: int = 0
-    collision: int = 0
-    collision_axis: int = 0
-    error: int = 0
+    joint_position: Numbers = _at(0, "7f")
+    joint_velocity: Numbers = _at(28, "7f")
+    joint_acceleration: Numbers = _at(56, "7f")
+    joint_torque: Numbers = _at(84, "7f")
+    joint_position_expected: Numbers = _at(112, "7f")
+    joint_velocity_expected: Numbers = _at(140, "7f")
+    joint_acceleration_expected: Numbers = _at(168, "7f")
+    joint_torque_expected: Numbers = _at(196, "7f")
+    joint_temperature: Numbers = _at(224, "7f")
+    joint_current: Numbers = _at(252, "7f")
+    driver_error: Whole = _at(280, "7I")
+    driver_state: Whole = _at(308, "7I")
+    tcp_position: Numbers = _at(368, "6f")
+    tcp_velocity: Numbers = _at(392, "6f")
+    tcp_acceleration: Numbers = _at(416, "6f")
+    tcp_force: Numbers = _at(440, "6f")
+    tcp_position_expected: Numbers = _at(464, "6f")
+    tcp_velocity_expected: Numbers = _at(488, "6f")
+    tcp_acceleration_expected: Numbers = _at(512, "6f")
+    tcp_force_expected: Numbers = _at(536, "6f")
+    base_force: Numbers = _at(560, "6f")
+    base_force_expected: Numbers = _at(584, "6f")
+    tool: Numbers = _at(608, "6f")
+    work_object: Numbers = _at(632, "6f")
+    blended_speed: float = _at(656, "f")
+    global_speed: int = _at(660, "B")
+    jog_speed: int = _at(661, "B")
+    function_digital_in: Whole = _at(720, "8B")
+    function_digital_out: Whole = _at(728, "8B")
+    digital_in: Whole = _at(736, "16B")
+    digital_out: Whole = _at(752, "16B")
+    analog_in: Numbers = _at(768, "8f")
+    analog_out: Numbers = _at(800, "8f")
+    float_register_in: Numbers = _at(832, "32f")
+    float_register_out: Numbers = _at(960, "32f")
+    function_bool_in: Whole = _at(1088, "16B")
+    function_bool_out: Whole = _at(1104, "16B")
+    bool_register_in: Whole = _at(1120, "64B")
+    bool_register_out: Whole = _at(1184, "64B")
+    word_register_in: Whole = _at(1248, "32H")
+    word_register_out: Whole = _at(1312, "32H")
+    simulated: int = _at(1407, "B")
+    tool_digital_in: Whole = _at(1408, "8B")
+    tool_digital_out: Whole = _at(1416, "8B")
+    tool_analog_in: Numbers = _at(1424, "2f")
+    tool_analog_out: Numbers = _at(1432, "2f")
+    tool_buttons: Whole = _at(1440, "2B")
+    mode: int = _at(1448, "B")
+    robot: int = _at(1449, "B")
+    program: int = _at(1450, "B")
+    safety: int = _at(1451, "B")
+    collision: int = _at(1452, "B")
+    collision_axis: int = _at(1453, "B")
+    error: int = _at(1456, "I")
 
     @classmethod
     def decode(cls, data: bytes) -> StatusFrame:
@@ -225,8 +174,9 @@ def _single(value: float) -> float:
     return value if abs(value) <= _BIGGEST or math.isnan(value) else math.copysign(math.inf, value)
 
 
-#: for each field: name, offset, format, and number of elements, 0 for a single number
+#: for each field: name, offset, format (little-endian), and number of elements, 0 for one number
 _LAYOUT: Final = tuple(
-    (name, offset, struct.Struct(f"<{form}"), int(form[:-1] or 0))
-    for name, (offset, form) in _OFFSETS.items()
+    (each.name, offset, struct.Struct(f"<{form}"), int(form[:-1] or 0))
+    for each in fields(StatusFrame)
+    for offset, form in (each.metadata["place"],)
 )

@@ -66,10 +66,10 @@ def public(frame: bytes) -> dict[str, tuple[Any, ...]]:
 
 
 def test_every_field_is_where_the_public_layout_has_it() -> None:
-    ours = sorted(status_frame._OFFSETS.values())
+    ours = sorted((offset, form.format[1:]) for _, offset, form, _ in status_frame._LAYOUT)
     theirs = [(offset, "8B" if form == "8s" else form) for offset, _, form in FIELDS]
     assert ours == theirs
-    assert set(status_frame._OFFSETS) == set(StatusFrame.__dataclass_fields__)
+    assert [name for name, *_ in status_frame._LAYOUT] == [*StatusFrame.__dataclass_fields__]
 
 
 def test_a_frame_is_read_as_it_was_written() -> None:
