@@ -79,16 +79,18 @@ OBJECTS = (
     Mirror(Events, "Events", left_out={"close", "tell"}),
     Mirror(Recording, "Recording", "Started", left_out={"start", "stop"}),
     Mirror(Publication, "Publication", "Started", left_out={"start", "stop"}),
-    Mirror(PolledGripper, "GripperCalls", left_out={"start", "aclose", "carrying"}),
+    Mirror(PolledGripper, "GripperCalls", "Block", left_out={"start", "aclose", "carrying"}),
     Mirror(
         Task,
         "TaskCalls",
+        "Block",
         left_out={"result", "wait", "progress", "time_over", "hold_at_end", "release_clock"},
     ),
-    Mirror(MotionPath, "MotionPathCalls", left_out={"tasks", "add"}),
+    Mirror(MotionPath, "MotionPathCalls", "Block", left_out={"tasks", "add"}),
     Mirror(
         Stream,
         "StreamCalls",
+        "Block",
         left_out={"follow", "ticks"},
         on_loop={"state", "reason", "commanded", "taken", "pid"},
         direct={"halt"},
@@ -584,7 +586,7 @@ class Generator:
 
     def objects(self) -> str:
         """The whole text of the module of what a robot hands out."""
-        self.run_time.add("from aioduco.sync._blocking import Blocking, Started")
+        self.run_time.add("from aioduco.sync._blocking import Block, Blocking, Started")
         lines = [line for mirror in OBJECTS for line in self.object(mirror)]
         title = "What a robot hands out to programs that wait: feed, tasks, streams, recordings."
         return self.text(title, "the asyncio interface", lines)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from aioduco.sync._runner import Runner
 
-__all__ = ["Blocking", "Started"]
+__all__ = ["Block", "Blocking", "Started"]
 
 T = TypeVar("T")
 
@@ -37,7 +37,29 @@ class Blocking:
         return self._runner.call(work)
 
 
-class Started(Blocking):
+class Block(Blocking):
+    """What is used in `with`, which calls `_enter` and `_leave`."""
+
+    def __enter__(self) -> Self:
+        self._enter()
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._leave(exc)
+
+    def _enter(self) -> None:
+        """Begin."""
+
+    def _leave(self, exc: BaseException | None) -> None:
+        """End, after an error of the block or without one."""
+
+
+class Started(Block):
     """A recording or a publication: `with` or `start` begins it."""
 
     def start(self) -> Self:
@@ -59,13 +81,8 @@ class Started(Blocking):
         if self._runner.running:
             self._runner.call(self._made.stop())
 
-    def __enter__(self) -> Self:
-        return self.start()
+    def _enter(self) -> None:
+        self.start()
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def _leave(self, exc: BaseException | None) -> None:  # noqa: ARG002
         self.stop()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.sync._blocking import Blocking, Started
+from aioduco.sync._blocking import Block, Blocking, Started
 from aioduco.sync._feeds import Subscription, reading
 
 if TYPE_CHECKING:
@@ -227,7 +227,7 @@ class Publication(Started):
         return self._made.error
 
 
-class GripperCalls(Blocking):
+class GripperCalls(Block):
     """What `Gripper` only passes on to the one for asyncio programs."""
 
     _made: AioPolledGripper
@@ -318,7 +318,7 @@ class GripperCalls(Blocking):
         self._runner.call_sync(self._made.check_held)
 
 
-class TaskCalls(Blocking):
+class TaskCalls(Block):
     """What `Task` only passes on to the one for asyncio programs."""
 
     _made: AioTask
@@ -447,7 +447,7 @@ class TaskCalls(Blocking):
         self._call(self._made.resume())
 
 
-class MotionPathCalls(Blocking):
+class MotionPathCalls(Block):
     """What `MotionPath` only passes on to the one for asyncio programs."""
 
     _made: AioMotionPath
@@ -463,7 +463,7 @@ class MotionPathCalls(Blocking):
         return self._made.outcomes
 
 
-class StreamCalls(Blocking):
+class StreamCalls(Block):
     """What `Stream` only passes on to the one for asyncio programs."""
 
     _made: AioStream

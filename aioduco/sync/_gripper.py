@@ -8,7 +8,6 @@ from aioduco.sync._generated_objects import GripperCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
     from typing import Self
 
     from aioduco import robot as aio_robot
@@ -59,13 +58,8 @@ class Gripper(GripperCalls):
         if self._runner.running:
             self._runner.call(self._made.aclose())
 
-    def __enter__(self) -> Self:
-        return self.start()
+    def _enter(self) -> None:
+        self.start()
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def _leave(self, exc: BaseException | None) -> None:  # noqa: ARG002
         self.shut_down()

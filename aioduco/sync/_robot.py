@@ -6,18 +6,15 @@ import warnings
 from typing import TYPE_CHECKING
 
 from aioduco.models.ranges import WAIT
-from aioduco.sync._blocking import Blocking
+from aioduco.sync._blocking import Block
 
 if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
     from aioduco import robot as aio_robot
 
 __all__ = ["RobotLifecycle"]
 
 
-class RobotLifecycle(Blocking):
+class RobotLifecycle(Block):
     """Opening and closing a robot, by `with` or by a call."""
 
     _made: aio_robot.Robot
@@ -63,16 +60,10 @@ class RobotLifecycle(Blocking):
         async def __aexit__(self, *_: object) -> None:
             """Do nothing: Python looks this method up before it calls `__aenter__`."""
 
-    def __enter__(self) -> Self:
+    def _enter(self) -> None:
         self.open()
-        return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def _leave(self, exc: BaseException | None) -> None:  # noqa: ARG002
         self.close()
 
     def sleep(self, seconds: float) -> None:

@@ -14,8 +14,6 @@ from aioduco.sync._generated_objects import OffsetStreamCalls, StreamCalls, Trac
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable, Iterator
-    from types import TracebackType
-    from typing import Self
 
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.ticks import Tick
@@ -40,7 +38,7 @@ class Stream(StreamCalls):
     def __repr__(self) -> str:
         return self._runner.call_sync(lambda: repr(self._made))
 
-    def __enter__(self) -> Self:
+    def _enter(self) -> None:
         """Start the worker and connect it.
 
         Raises:
@@ -50,14 +48,8 @@ class Stream(StreamCalls):
             WorkerFailed: no worker could be started.
         """
         self._runner.call(self._open(), undo=lambda _: self._close(KeyboardInterrupt()))
-        return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def _leave(self, exc: BaseException | None) -> None:
         """End the stream and wait until its worker has exited.
 
         Raises:
@@ -70,13 +62,13 @@ class Stream(StreamCalls):
 
     async def _open(self) -> None:
         await self._made.__aenter__()
-        self._runner.at_close(self._leave)
+        self._runner.at_close(self._end)
 
     async def _close(self, exc: BaseException | None) -> None:
         await self._made.__aexit__(None if exc is None else type(exc), exc, None)
-        self._runner.remove_at_close(self._leave)
+        self._runner.remove_at_close(self._end)
 
-    async def _leave(self) -> None:
+    async def _end(self) -> None:
         """Close the stream after the robot's closing has ended it."""
         try:
             await self._made.__aexit__(None, None, None)

@@ -17,8 +17,6 @@ from aioduco.sync._generated_objects import MotionPathCalls, TaskCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable, Iterator
-    from types import TracebackType
-    from typing import Self
 
     from aioduco.models.enums import Outcome, TaskState
     from aioduco.supervision import command as aio_command
@@ -52,15 +50,7 @@ class Task(TaskCalls):
     def __hash__(self) -> int:
         return hash(self._made)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def _leave(self, exc: BaseException | None) -> None:
         if exc is not None:
             if not self.done:
                 super()._call(self._made._on_wait_cancelled())
@@ -243,19 +233,13 @@ class MotionPath(MotionPathCalls):
         work = self._made.add(command)
         return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
-    def __enter__(self) -> Self:
+    def _enter(self) -> None:
         self._runner.call(self._made.__aenter__())
-        return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def _leave(self, exc: BaseException | None) -> None:
         for task in self._made.tasks:
             self._runner.holds(task)
-        self._runner.call(self._made.__aexit__(exc_type, exc, traceback))
+        self._runner.call(self._made.__aexit__(None if exc is None else type(exc), exc, None))
 
 
 def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:
