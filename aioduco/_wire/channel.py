@@ -11,17 +11,9 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from aioduco._wire import codec
+from aioduco._wire import codec, failures
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.endpoint import Lookup
-from aioduco._wire.failures import (
-    DeadlinePassed,
-    Ended,
-    failure,
-    may_send_again,
-    of_two,
-    reason_of,
-)
 from aioduco._wire.framing import Malformed
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.owner_loop import loop_callback
@@ -75,13 +67,13 @@ class Call:
 
     def failed(self, progress: Progress, exc: BaseException, reason: str) -> ConnectionLost:
         """Make its error after its connection failed or was given up, see `failure`."""
-        error = failure(self.function, progress, exc, reason)
+        error = failures.failure(self.function, progress, exc, reason)
         error.__cause__ = exc
         return error
 
     def may_move(self, progress: Progress) -> bool:
         """Whether it may be sent on another connection, since its own failed."""
-        again = bool(self.further) or may_send_again(self.function, progress)
+        again = bool(self.further) or failures.may_send_again(self.function, progress)
         return again and not self.fresh and not self.late()
 
 
@@ -112,9 +104,8 @@ class LaneCall(Call):
     error: BaseException | None = None
 
     def __repr__(self) -> str:
-        if self.ended_at is not None:
-            return f"<LaneCall {self.name} over>"
-        return f"<LaneCall {self.name} {'handed over' if self.handed_over else 'not sent yet'}>"
+        sent = "handed over" if self.handed_over else "not sent yet"
+        return f"<LaneCall {self.name} {sent if self.ended_at is None else 'over'}>"
 
     @property
     def undelivered(self) -> int:
@@ -174,7 +165,9 @@ class LaneCall(Call):
         if self.carrier is None:
             self.end(error=NotSent(f"{self.name} was not sent, since {reason}"))
         else:
-            self.carrier.give_up(self, reason, DeadlinePassed() if late else Ended())
+            self.carrier.give_up(
+                self, reason, failures.DeadlinePassed() if late else failures.Ended()
+            )
 
     def end(self, value: Any = None, error: BaseException | None = None) -> None:
         """Note the outcome, and wake the task that waits for it."""
@@ -320,7 +313,7 @@ class Channel(Carrier):
     def expire(self, call: LaneCall) -> None:
         # a connection that is being opened for it has the same deadline
         if self.call is call and self._opening is None:
-            self._lost(DeadlinePassed())
+            self._lost(failures.DeadlinePassed())
 
     def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
         """End a call that was abandoned, or whose lane is closed; its connection is dissolved."""
@@ -331,7 +324,7 @@ class Channel(Carrier):
             self._opening.cancel()
             self._opening, progress = None, Progress.NOTHING_SENT
         self._drop(reason)
-        self._end(error=of_two(call.first, call.failed(progress, exc, reason)))
+        self._end(error=failures.of_two(call.first, call.failed(progress, exc, reason)))
 
     # Its connection
 
@@ -350,7 +343,7 @@ class Channel(Carrier):
     def close(self, reason: str) -> None:
         """Close the connection; on the loop."""
         if self.call is not None:
-            self.give_up(self.call, reason, Ended())
+            self.give_up(self.call, reason, failures.Ended())
         stream = self._stream
         if stream is not None and self.life.state is ConnectionState.IDLE:
             self._stream = None
@@ -368,7 +361,7 @@ class Channel(Carrier):
         """In a forked child: close the child's copy of the socket; the parent's stays open."""
         stream, self._stream = self._stream, None
         if stream is not None:
-            stream.close_copy()
+            stream.socket.close()
 
     async def closed(self) -> None:
         """Wait until nothing runs for it any more."""
@@ -387,9 +380,9 @@ class Channel(Carrier):
                 self.send(call)
         except ConnectError as exc:
             self._opening = None
-            self._end(error=of_two(call.first, exc))
+            self._end(error=failures.of_two(call.first, exc))
         except BaseException:
-            self.give_up(call, "the wait for its connection was interrupted", Ended())
+            self.give_up(call, "the wait for its connection was interrupted", failures.Ended())
             raise
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
@@ -425,7 +418,7 @@ class Channel(Carrier):
             data = stream.receive_at_once()
         except BlockingIOError:
             return
-        except (Ended, OSError) as exc:
+        except (failures.Ended, OSError) as exc:
             self._lost(exc)
             return
         self._received(data)
@@ -460,9 +453,9 @@ class Channel(Carrier):
                 if self.call is not call or self._stream is not stream:
                     return
                 if not data:
-                    raise Ended  # noqa: TRY301  # one way out for all failures
+                    raise failures.Ended  # noqa: TRY301  # one way out for all failures
                 self._received(data)
-        except (Ended, OSError) as exc:
+        except (failures.Ended, OSError) as exc:
             if self.call is call and self._stream is stream:
                 self._lost(exc)
 
@@ -471,7 +464,7 @@ class Channel(Carrier):
     def _lost(self, exc: BaseException) -> None:
         """Drop a connection that failed; its call moves to another one, or has an error."""
         call, progress = self.call, self.life.progress
-        reason = self._drop(reason_of(exc, progress))
+        reason = self._drop(failures.reason_of(exc, progress))
         if call is None:
             return
         error = call.failed(progress, exc, reason)
@@ -479,7 +472,7 @@ class Channel(Carrier):
             call.first = error
             self._open_for(call)
         else:
-            self._end(error=of_two(call.first, error))
+            self._end(error=failures.of_two(call.first, error))
 
     def _drop(self, reason: str) -> str:
         """Dissolve the connection, and return why it is not used any more."""

@@ -277,10 +277,8 @@ class Exchange:
             further: functions that are called after it, with their encoded arguments.
         """
         self._answers, self._data, self.end = [], b"", 0
-        self._last = self._last % LAST_SEQUENCE + 1
-        self._readers = [ReplyReader(function, self._last)]
-        whole = message(function, self._last, arguments)
-        for each, encoded in further:
+        self._readers, whole = [], b""
+        for each, encoded in ((function, arguments), *further):
             self._last = self._last % LAST_SEQUENCE + 1
             self._readers.append(ReplyReader(each, self._last))
             whole += message(each, self._last, encoded)

@@ -351,7 +351,7 @@ class Connection:
         self._life.poison("it belongs to the process that forked this one")
         stream, self._stream = self._stream, None
         if stream is not None:
-            stream.close_copy()
+            stream.socket.close()
 
     def close(self) -> None:
         """Close the connection; on the owner's thread, or on any while no call is under way."""

@@ -237,16 +237,12 @@ class DeadlineSocket:
     def discard(self) -> None:
         """Close the socket and discard undelivered bytes; while no other thread uses it."""
         disconnect(self.socket.fileno())
-        self.close_copy()
-
-    def close_copy(self) -> None:
-        """Close a forked child's copy of the socket only: the parent continues to use its own."""
         self.socket.close()
 
     def close(self) -> None:
         """End an idle connection in the ordinary way; never while another thread uses it."""
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DELIVER)
-        self.close_copy()
+        self.socket.close()
 
     def _limit_to(self, deadline: float | None) -> None:
         left = math.inf if deadline is None else deadline - time.monotonic()

@@ -11,6 +11,7 @@ import socket
 import threading
 import time
 from collections import deque
+from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -51,6 +52,9 @@ class Lookup:
     """The resolution of a name, on a thread of its own: nothing can interrupt it.
 
     Neither side waits for a lock, so that a signal handler may begin one and wait for it.
+
+    Raises:
+        RuntimeError: the system has no more threads.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -62,13 +66,6 @@ class Lookup:
         self._waiting: deque[Callable[[], object]] = deque()
         #: whether the system has answered
         self.over: bool = False
-
-    def start(self) -> None:
-        """Begin.
-
-        Raises:
-            RuntimeError: the system has no more threads.
-        """
         # a daemon: a program whose name server hangs must still be able to end
         threading.Thread(target=self._run, name="aioduco-resolve", daemon=True).start()
 
@@ -122,6 +119,7 @@ class Lookup:
             callback()
 
 
+@dataclass(slots=True)
 class Route:
     """The way to one host; connections that share it begin with the address that connected last.
 
@@ -129,10 +127,7 @@ class Route:
         address: the address that connected last, in the form of `socket.getaddrinfo`; None before.
     """
 
-    __slots__ = ("address",)
-
-    def __init__(self) -> None:
-        self.address: Any = None
+    address: Any = None
 
     def tries(self, found: Iterable[Address], deadline: float) -> Iterator[tuple[Address, float]]:
         """Yield each address, and the time until which to try it [s of `time.monotonic`].
@@ -210,12 +205,10 @@ class Endpoint:
             pass  # it is a name
         lookup = self._lookup
         if lookup is None or lookup.over:
-            lookup = Lookup(self.host, self.port)
             try:
-                lookup.start()
+                lookup = self._lookup = Lookup(self.host, self.port)
             except RuntimeError as exc:
                 raise self.refused(exc) from exc
-            self._lookup = lookup
         return lookup
 
     def refused(self, error: BaseException) -> ConnectError:

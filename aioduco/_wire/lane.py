@@ -117,13 +117,14 @@ class WireLane:
         self.observers: list[Trace] = []
         self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop
         self._trace = trace
+        self._open = False
         self.closed: bool = False
         self._functions = idl.functions()
         self._endpoint = Endpoint(host, port, connect_timeout, name, route, trace)
         self._make: type[Channel | PoolThread] = PoolThread if blocks else Channel
         self._wants_spare = spare
         self._threads = ThreadCalls(self._endpoint)
-        #: the loop on which its connections are; None until it is opened
+        #: the loop on which its connections are
         self._loop: asyncio.AbstractEventLoop | None = None
         self._carriers: list[Channel | PoolThread] = []
         self._waiting: deque[LaneCall] = deque()
@@ -146,10 +147,6 @@ class WireLane:
             stuck=int(self._endpoint.hanging),
         )
 
-    @property
-    def _open(self) -> bool:
-        return getattr(self, "_loop", None) is not None and not self.closed
-
     def __repr__(self) -> str:
         figures = self.statistics()
         state = "OPEN" if self._open else "CLOSED" if self.closed else "NEW"
@@ -159,7 +156,7 @@ class WireLane:
         )
 
     def __del__(self) -> None:
-        if self._open and not self.owner_loop.in_forked_child:
+        if getattr(self, "_open", False) and not self.owner_loop.in_forked_child:
             unclosed = f"unclosed {self!r}"
             self._threads.close()
             for carrier in self._carriers:
@@ -179,9 +176,10 @@ class WireLane:
         Raises:
             ConnectError: there is no controller, or it does not answer in time.
         """
-        if self.closed or self._loop is not None:
+        if self.closed or self._open:
             raise RuntimeError(f"{self!r} can be opened once")
         loop = self._loop = self.owner_loop.require("open")
+        self._open = True
         deadline = time.monotonic() + self._endpoint.connect_timeout
         try:
             await self._carrier(loop).open(deadline)
@@ -195,7 +193,7 @@ class WireLane:
         """Close every connection and end every thread. Calls under way fail."""
         if self.closed:
             return
-        self.closed = True
+        self._open, self.closed = False, True
         self._deadlines.stop()
         self._threads.close()
         while self._waiting:

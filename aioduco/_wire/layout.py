@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import struct
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._wire.framing import FIXED_WIDTHS, FORMATS, TType
@@ -118,7 +119,7 @@ def _reader(spec: Mapping[int, Any], data: bytes | bytearray) -> Reader | None:
         place = _place(kind, data, 3, formats, 0)
         if place is None:
             return None
-        build = _one if isinstance(place[0], int) else list
+        build = itemgetter(0) if isinstance(place[0], int) else list
     unpack = struct.Struct("!3x" + "".join(formats)).unpack_from
     return lambda reply, start: build(unpack(reply, start))
 
@@ -158,10 +159,6 @@ def _place(
     formats.append(f"5x{size}{FORMATS[data[at]]}")
     end = at + 5 + size * FIXED_WIDTHS[data[at]]
     return slice(count, count + size), end, count + size
-
-
-def _one(numbers: tuple[Any, ...]) -> Any:
-    return numbers[0]
 
 
 def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], Any]:

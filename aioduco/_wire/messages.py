@@ -37,9 +37,6 @@ class MessageType(enum.IntEnum):
     ONEWAY = 4
 
 
-_KINDS: Final = {int(kind): kind for kind in MessageType}
-
-
 @dataclass(frozen=True, slots=True)
 class Message:
     """One message of the wire.
@@ -140,9 +137,9 @@ class Inbox:
         (first,) = struct.unpack_from("!I", data)
         if first & _VERSION_MASK != _VERSION:
             raise Malformed(f"{bytes(data[:16])!r} begins no message of the strict binary protocol")
-        kind = _KINDS.get(first & 0xFF)
-        if kind is None or kind not in self._kinds:
-            raise Malformed(f"a message of type {first & 0xFF} is not taken here")
+        kind = first & 0xFF
+        if kind not in self._kinds:
+            raise Malformed(f"a message of type {kind} is not taken here")
         if size < 8:
             return None
         (length,) = struct.unpack_from("!i", data, 4)
@@ -158,4 +155,4 @@ class Inbox:
         (seqid,) = struct.unpack_from("!i", data, 8 + length)
         self._body = start
         self._scanner = StructScanner({}, start, self._bounds)
-        return (kind, name, seqid)
+        return (MessageType(kind), name, seqid)

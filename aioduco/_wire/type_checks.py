@@ -36,7 +36,6 @@ class TypeMismatch(Exception):
         self.path = ""
         self.value = value
         self.expected = expected
-        super().__init__(value, expected)
 
 
 #: number of bits of each whole-number type of the wire
