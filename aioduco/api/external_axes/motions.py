@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
+from aioduco.api.arguments import frames, limits, outputs
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
@@ -130,13 +131,10 @@ class AxisMotions(Section):
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
         q = ranges.JOINTS("joints", joints)
-        v_ = ranges.EAXIS_JOINT_SPEED("v", v)
-        a_ = ranges.EAXIS_JOINT_ACCELERATION("a", a)
+        v_, a_, r_ = limits(ranges.EAXIS_JOINT_SPEED, ranges.EAXIS_JOINT_ACCELERATION, v, a, r)
         axes = _axes(scheme_name, epose, eaxis_v)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        op_ = wire_op("op", op, joint_motion=True)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(calls.movej2_eaxis(q, v_, a_, r_, *axes, False, op_, def_acc_), r_)
+        end = outputs(op, def_acc, joint_motion=True)
+        return self._motion(calls.movej2_eaxis(q, v_, a_, r_, *axes, *end), r_)
 
     def movej2_pose_eaxis(
         self,
@@ -181,18 +179,11 @@ class AxisMotions(Section):
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
         p = ranges.POSE("pose", pose)
-        v_ = ranges.EAXIS_JOINT_SPEED("v", v)
-        a_ = ranges.EAXIS_JOINT_ACCELERATION("a", a)
+        v_, a_, r_ = limits(ranges.EAXIS_JOINT_SPEED, ranges.EAXIS_JOINT_ACCELERATION, v, a, r)
         axes = _axes(scheme_name, epose, eaxis_v)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op, joint_motion=True)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movej2_pose_eaxis(p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_),
-            r_,
-        )
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc, joint_motion=True)
+        return self._motion(calls.movej2_pose_eaxis(p, v_, a_, r_, *there, *axes, *end), r_)
 
     def movel_eaxis(
         self,
@@ -235,17 +226,11 @@ class AxisMotions(Section):
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
         p = ranges.POSE("pose", pose)
-        v_ = ranges.EAXIS_LINE_SPEED("v", v)
-        a_ = ranges.EAXIS_LINE_ACCELERATION("a", a)
+        v_, a_, r_ = limits(ranges.EAXIS_LINE_SPEED, ranges.EAXIS_LINE_ACCELERATION, v, a, r)
         axes = _axes(scheme_name, epose, eaxis_v)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movel_eaxis(p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_), r_
-        )
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
+        return self._motion(calls.movel_eaxis(p, v_, a_, r_, *there, *axes, *end), r_)
 
     def movec_eaxis(
         self,
@@ -293,21 +278,12 @@ class AxisMotions(Section):
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
         p1, p2 = ranges.POSE("via", via), ranges.POSE("pose", pose)
-        v_ = ranges.EAXIS_LINE_SPEED("v", v)
-        a_ = ranges.EAXIS_LINE_ACCELERATION("a", a)
+        v_, a_, r_ = limits(ranges.EAXIS_LINE_SPEED, ranges.EAXIS_LINE_ACCELERATION, v, a, r)
         axes = _axes(scheme_name, epose, eaxis_v)
-        r_ = ranges.BLEND_RADIUS("r", r)
         mode_ = ranges.ARC_MODE("mode", mode)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movec_eaxis(
-                p1, p2, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_, mode_
-            ),
-            r_,
-        )
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
+        return self._motion(calls.movec_eaxis(p1, p2, v_, a_, r_, *there, *axes, *end, mode_), r_)
 
     def move_circle_eaxis(
         self,
@@ -354,20 +330,13 @@ class AxisMotions(Section):
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """
         p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
-        v_ = ranges.EAXIS_LINE_SPEED("v", v)
-        a_ = ranges.EAXIS_LINE_ACCELERATION("a", a)
+        v_, a_, r_ = limits(ranges.EAXIS_LINE_SPEED, ranges.EAXIS_LINE_ACCELERATION, v, a, r)
         axes = _axes(scheme_name, epose, eaxis_v)
-        r_ = ranges.BLEND_RADIUS("r", r)
         mode_ = ranges.CIRCLE_MODE("mode", mode)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
         return self._motion(
-            calls.move_circle_eaxis(
-                p1_, p2_, v_, a_, r_, mode_, near, tool_, wobj_, *axes, False, op_, def_acc_
-            ),
-            r_,
+            calls.move_circle_eaxis(p1_, p2_, v_, a_, r_, mode_, *there, *axes, *end), r_
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
+from aioduco.api.arguments import frames, line, outputs
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
@@ -67,17 +68,11 @@ class Curves(Section):
         Manual section 1.3.5.
         """
         p1, p2 = ranges.POSE("via", via), ranges.POSE("pose", pose)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        v_, a_, r_ = line(v, a, r)
         mode_ = ranges.ARC_MODE("mode", mode)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movec(p1, p2, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_), r_
-        )
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
+        return self._motion(calls.movec(p1, p2, v_, a_, r_, mode_, *there, *end), r_)
 
     def move_circle(
         self,
@@ -118,20 +113,11 @@ class Curves(Section):
         Manual section 1.3.5.
         """
         p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        v_, a_, r_ = line(v, a, r)
         mode_ = ranges.CIRCLE_MODE("mode", mode)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.move_circle(
-                p1_, p2_, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_
-            ),
-            r_,
-        )
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
+        return self._motion(calls.move_circle(p1_, p2_, v_, a_, r_, mode_, *there, *end), r_)
 
     def spline(
         self,
@@ -282,13 +268,8 @@ class Curves(Section):
         radius_ = ranges.SPIRAL_RADIUS("radius", radius)
         v_ = ranges.LINE_SPEED("v", v)
         a_ = ranges.LINE_ACCELERATION("a", a)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
         return self._motion(
-            calls.move_spiral(
-                *(p1, p2, rev_, length_, radius_, mode_, v_, a_),
-                *(near, tool_, wobj_, False, op_, def_acc_),
-            )
+            calls.move_spiral(p1, p2, rev_, length_, radius_, mode_, v_, a_, *there, *end)
         )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
+from aioduco.api.arguments import frames, limits, outputs
 from aioduco.api.section import Section
 from aioduco.models import ranges
-from aioduco.models.op import wire_op
 from aioduco.supervision.task_state import JointEta
 
 if TYPE_CHECKING:
@@ -52,15 +52,12 @@ class JointMotions(Section):
         Manual section 1.3.5.
         """
         q = ranges.JOINTS("joints", joints)
-        v_ = ranges.JOINT_SPEED("v", v)
-        a_ = ranges.JOINT_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        op_ = wire_op("op", op, joint_motion=True)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        v_, a_, r_ = limits(ranges.JOINT_SPEED, ranges.JOINT_ACCELERATION, v, a, r)
+        end = outputs(op, def_acc, joint_motion=True)
         return self._motion(
-            calls.movej2(q, v_, a_, r_, False, op_, def_acc_),
+            calls.movej2(q, v_, a_, r_, *end),
             r_,
-            eta=JointEta(q, v_, None if def_acc_ else a_),
+            eta=JointEta(q, v_, None if end[2] else a_),
         )
 
     def movej_pose2(
@@ -98,16 +95,10 @@ class JointMotions(Section):
         Manual section 1.3.5.
         """
         p = ranges.POSE("pose", pose)
-        v_ = ranges.JOINT_SPEED("v", v)
-        a_ = ranges.JOINT_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op, joint_motion=True)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movej_pose2(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
-        )
+        v_, a_, r_ = limits(ranges.JOINT_SPEED, ranges.JOINT_ACCELERATION, v, a, r)
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc, joint_motion=True)
+        return self._motion(calls.movej_pose2(p, v_, a_, r_, *there, *end), r_)
 
     def movej(
         self,
@@ -144,9 +135,8 @@ class JointMotions(Section):
         q = ranges.JOINTS("joints", joints)
         v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
         r_ = ranges.BLEND_RADIUS("r", r)
-        op_ = wire_op("op", op, joint_motion=True)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(calls.movej(q, v_, a_, r_, False, op_, def_acc_), r_)
+        end = outputs(op, def_acc, joint_motion=True)
+        return self._motion(calls.movej(q, v_, a_, r_, *end), r_)
 
     def movej_pose(
         self,
@@ -191,10 +181,6 @@ class JointMotions(Section):
         p = ranges.POSE("pose", pose)
         v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
         r_ = ranges.BLEND_RADIUS("r", r)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op, joint_motion=True)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movej_pose(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
-        )
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc, joint_motion=True)
+        return self._motion(calls.movej_pose(p, v_, a_, r_, *there, *end), r_)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
+from aioduco.api.arguments import frames, line, outputs
 from aioduco.api.section import Section
 from aioduco.models import ranges
-from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
@@ -57,16 +57,10 @@ class Lines(Section):
         Manual section 1.3.5.
         """
         p = ranges.POSE("pose", pose)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.movel(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
-        )
+        v_, a_, r_ = line(v, a, r)
+        there = frames(q_near, tool, wobj)
+        end = outputs(op, def_acc)
+        return self._motion(calls.movel(p, v_, a_, r_, *there, *end), r_)
 
     def tcp_move(
         self,
@@ -100,13 +94,10 @@ class Lines(Section):
         Manual section 1.3.5.
         """
         p = ranges.POSE("offset", offset)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        v_, a_, r_ = line(v, a, r)
         tool_ = ranges.FRAME("tool", tool)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(calls.tcp_move(p, v_, a_, r_, tool_, False, op_, def_acc_), r_)
+        end = outputs(op, def_acc)
+        return self._motion(calls.tcp_move(p, v_, a_, r_, tool_, *end), r_)
 
     def tcp_move_2p(
         self,
@@ -146,15 +137,10 @@ class Lines(Section):
         Manual section 1.3.5.
         """
         p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        v_, a_, r_ = line(v, a, r)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.tcp_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_), r_
-        )
+        end = outputs(op, def_acc)
+        return self._motion(calls.tcp_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, *end), r_)
 
     def wobj_move(
         self,
@@ -189,13 +175,10 @@ class Lines(Section):
         Manual section 1.3.5.
         """
         p = ranges.POSE("offset", offset)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        v_, a_, r_ = line(v, a, r)
         wobj_ = ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(calls.wobj_move(p, v_, a_, r_, wobj_, False, op_, def_acc_), r_)
+        end = outputs(op, def_acc)
+        return self._motion(calls.wobj_move(p, v_, a_, r_, wobj_, *end), r_)
 
     def wobj_move_2p(
         self,
@@ -235,12 +218,7 @@ class Lines(Section):
         Manual section 1.3.5.
         """
         p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        v_, a_, r_ = line(v, a, r)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
-        return self._motion(
-            calls.wobj_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_), r_
-        )
+        end = outputs(op, def_acc)
+        return self._motion(calls.wobj_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, *end), r_)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
+from aioduco.api.arguments import frames
 from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -109,13 +110,9 @@ class ServoMotions(Section):
         p = ranges.POSE("pose", pose)
         v_ = ranges.JOINT_SPEED("v", v)
         a_ = ranges.JOINT_ACCELERATION("a", a)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        there = frames(q_near, tool, wobj)
         tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
-        return self._motion(
-            calls.servoj_pose(p, v_, a_, near, tool_, wobj_, False, *tuning),
-            superseded=True,
-        )
+        return self._motion(calls.servoj_pose(p, v_, a_, *there, False, *tuning), superseded=True)
 
     def servo_tcp(
         self,
@@ -216,12 +213,9 @@ class ServoMotions(Section):
         p = ranges.POSE("pose", pose)
         v_ = ranges.SERVO_SPEED("v", v)
         a_ = ranges.SERVO_ACCELERATION("a", a)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
-        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        there = frames(q_near, tool, wobj)
         tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
-        return self._motion(
-            calls.servol(p, v_, a_, near, tool_, wobj_, False, *tuning), superseded=True
-        )
+        return self._motion(calls.servol(p, v_, a_, *there, False, *tuning), superseded=True)
 
 
 def _tuning(

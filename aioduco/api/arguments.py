@@ -1,0 +1,41 @@
+"""Arguments that motions have in common: each group is checked, in the order of the wire."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.models import ranges
+from aioduco.models.op import wire_op
+
+if TYPE_CHECKING:
+    from aioduco._wire import rpc
+    from aioduco.models.op import Op
+    from aioduco.models.pose import JointsLike
+    from aioduco.models.rules import Number
+
+__all__ = ["frames", "limits", "line", "outputs"]
+
+
+def limits(
+    speed: Number, acceleration: Number, v: float, a: float, r: float
+) -> tuple[float, float, float]:
+    """Speed and acceleration by their ranges, and the blend radius [m]."""
+    return speed("v", v), acceleration("a", a), ranges.BLEND_RADIUS("r", r)
+
+
+def line(v: float, a: float, r: float) -> tuple[float, float, float]:
+    """Speed [m/s], acceleration [m/s²] and blend radius [m] of a path of the tool."""
+    return limits(ranges.LINE_SPEED, ranges.LINE_ACCELERATION, v, a, r)
+
+
+def frames(q_near: JointsLike | None, tool: str, wobj: str) -> tuple[list[float], str, str]:
+    """The joints to which the solution is to be near, the names of tool and work object."""
+    near = ranges.JOINTS_NEAR("q_near", q_near)
+    return near, ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+
+
+def outputs(
+    op: Op | None, def_acc: bool, *, joint_motion: bool = False
+) -> tuple[bool, rpc.Op, bool]:
+    """False for `block`, the outputs to set, and whether the acceleration is the default."""
+    return False, wire_op("op", op, joint_motion=joint_motion), ranges.FLAG("def_acc", def_acc)
