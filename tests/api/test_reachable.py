@@ -12,6 +12,7 @@ import pytest
 
 import aioduco
 from aioduco._wire import idl
+from aioduco.api import arguments
 from aioduco.api.section import Section
 from api.cases import DATA, MANUAL, NOBODY
 
@@ -111,7 +112,11 @@ def test_each_parameter_is_checked(name: str) -> None:
         if parameter != "timeout" and (name, parameter) not in TURNED:
             alone = rf'\(\s*"{parameter}",'
             together = rf'ranges\.[a-z_]+\([^"()]*\b{parameter}\b'
-            assert re.search(f"{alone}|{together}", source), parameter
+            # what motions have in common
+            group = rf'\b({"|".join(arguments.__all__)})\([^"()]*\b{parameter}\b'
+            if not re.search(f"{alone}|{together}", source):
+                assert re.search(group, source), parameter
+                assert re.search(alone, inspect.getsource(arguments)), parameter
 
 
 @pytest.mark.parametrize("name", WIRE)
