@@ -66,9 +66,12 @@ USED = {
     "aioduco",
     "aioduco._process",
     "aioduco._process.platform",
+    "aioduco._process.reporting",  # for what traces the connections, as the next one
+    "aioduco._process.scheduling",
     "aioduco._wire",
     "aioduco.errors",
-    "aioduco._process.scheduling",
+    "aioduco.models",
+    "aioduco.models.trace",
     "aioduco.streaming",
     "aioduco.supervision",
     "aioduco.supervision.unanswered",  # the machine that brings the arm to rest, which is pure
