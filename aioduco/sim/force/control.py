@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from aioduco.kinematics.forward import frames
+from aioduco.kinematics.rates import ArmRates
 from aioduco.models.rotation import rpy_from_matrix
 from aioduco.sim.force.conditions import Conditions
-from aioduco.sim.force.offset import FlangeOffset, OutOfReach, motion_of
+from aioduco.sim.force.offset import FlangeOffset, OutOfReach
 from aioduco.sim.force.sensor import DOWN, ForceAxes, ForceSensor
 
 if TYPE_CHECKING:
@@ -166,8 +166,7 @@ class ForceControl:
 
     def turn(self, sensed: SensedState) -> Array:
         """Give the flange's rotation in the base frame. Shape (3, 3)."""
-        rotation: Array = frames(self._arm.geometry, sensed.q)[6, :3, :3]
-        return rotation
+        return np.array(ArmRates(self._arm.geometry, sensed.q.tolist()).rotation)
 
     def start(self, setpoint: JointSetPoint) -> None:
         """Begin at the set-point of the motions."""
@@ -217,20 +216,20 @@ class ForceControl:
         Position and speed are along the work object's axes, the force along those of fc_config.
         """
         axes = self.axes
-        chain = frames(self._arm.geometry, sensed.q)
+        rates = ArmRates(self._arm.geometry, sensed.q.tolist())
+        flange = np.array(rates.rotation)
         if quantity == "ft":
-            flange = chain[6, :3, :3]
             return axes.seen(self.sensor.external(sensed.wrench, flange), flange)
         into = axes.wobj[:3, :3].T
+        arm = flange.dot(axes.tip[:3, 3])
         if quantity == "pos":
-            tip = chain[6] @ axes.tip
-            place: list[float] = (into @ (tip[:3, 3] - axes.wobj[:3, 3])).tolist()
-            angles: list[float] = rpy_from_matrix(into @ tip[:3, :3]).tolist()
+            place: list[float] = into.dot(arm + rates.position - axes.wobj[:3, 3]).tolist()
+            angles: list[float] = rpy_from_matrix(into @ flange @ axes.tip[:3, :3]).tolist()
             return place + angles
-        chain[6, :3, 3] += chain[6, :3, :3] @ axes.tip[:3, 3]
-        linear, angular = motion_of(chain, sensed.qd)
-        speeds: list[float] = [*(into @ linear).tolist(), *(into @ angular).tolist()]
-        return speeds
+        twist = rates.of_flange(sensed.qd.tolist())
+        angular = twist[3:]
+        speeds: list[float] = into.dot(twist[:3] + np.cross(angular, arm)).tolist()
+        return speeds + into.dot(angular).tolist()
 
     def _guarded(self, sensed: SensedState, external: list[float]) -> str:
         guard = self.guard

@@ -11,47 +11,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.kinematics.forward import frames
+from aioduco.kinematics.rates import ArmRates
 from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.kinematics import Arm
+    from aioduco.kinematics.single import Rows
     from aioduco.models.rotation import Array
 
-__all__ = ["FlangeOffset", "OutOfReach", "motion_of"]
+__all__ = ["FlangeOffset", "OutOfReach"]
 
 _FASTER = 1.02  # share of a joint's largest speed that a set-point may have, for rounding
 _BRAKING = 0.5  # share of the drives' acceleration that slowing down uses
-_NOWHERE = np.zeros(3)
+_NOWHERE = (0.0, 0.0, 0.0)
+_NOTHING = (0.0,) * 6
 _STRAIGHT = np.eye(3)
-_NOWHERE.flags.writeable = _STRAIGHT.flags.writeable = False
+_STRAIGHT.flags.writeable = False
 
 
 class OutOfReach(Exception):
     """The joints cannot follow the offset."""
-
-
-def motion_of(chain: Array, qd: Array) -> tuple[list[float], list[float]]:
-    """Give speed [m/s] and angular speed [rad/s] of the last frame of a chain, in the base.
-
-    Args:
-        chain: as `kinematics.forward.frames` gives it. Shape (7, 4, 4).
-        qd: joint speeds [rad/s]. Shape (6,).
-    """
-    jacobian = _jacobian(chain)
-    twist: list[float] = jacobian.dot(qd).tolist()
-    return twist[:3], twist[3:]
-
-
-def _jacobian(chain: Array) -> Array:
-    axes, arms = chain[:6, :3, 2].tolist(), (chain[6, :3, 3] - chain[:6, :3, 3]).tolist()
-    columns = [
-        (y * c - z * b, z * a - x * c, x * b - y * a, x, y, z)
-        for (x, y, z), (a, b, c) in zip(axes, arms, strict=True)
-    ]
-    return np.array(columns).T
 
 
 def _turned(a: float, b: float, c: float, time: float) -> Array:
@@ -72,7 +53,8 @@ def _turned(a: float, b: float, c: float, time: float) -> Array:
 class FlangeOffset:
     """Adds the motion of the flange by force control to set-points, cycle by cycle.
 
-    Small matrices are multiplied by `dot`, which takes a third of the time of `@`.
+    Plain floats, and `dot` for small matrices: for so few numbers arrays take several times as long,
+    and `@` takes three times as long as `dot`.
 
     Args:
         arm: the arm.
@@ -82,17 +64,18 @@ class FlangeOffset:
     def __init__(self, arm: Arm, cycle: float) -> None:
         self._arm = arm
         self._cycle = cycle
-        self._fastest = [_FASTER * speed for speed in arm.velocity]
-        self._braking = [_BRAKING * rate for rate in arm.acceleration]
-        self._hard = np.array(self._braking)
-        self._shift: Array = _NOWHERE
+        fastest = [_FASTER * speed for speed in arm.velocity]
+        braking = [_BRAKING * rate for rate in arm.acceleration]
+        self._bounds = tuple(zip(fastest, braking, arm.lower, arm.upper, strict=True))
+        self._hard = np.array(braking)
+        self._shift: Sequence[float] = _NOWHERE
         self._turn: Array = _STRAIGHT
-        self._speed = (0.0,) * 6
-        self._twist: Sequence[float] = (0.0,) * 6
+        self._speed: Sequence[float] = _NOTHING
+        self._twist: Sequence[float] = _NOTHING
         self._none = True
         self._last = JointSetPoint.at_rest(np.zeros(6))
-        self._at: Array = np.zeros(6)
-        self._chain: Array = frames(arm.geometry, self._at)
+        self._at: Array = self._last.q
+        self._nominal = ArmRates(arm.geometry, self._at.tolist())
         self.flange: Array = _STRAIGHT
 
     @property
@@ -108,14 +91,14 @@ class FlangeOffset:
     def begin(self, setpoint: JointSetPoint) -> None:
         """Begin without an offset, at a set-point of the motions."""
         self.drop_offset()
-        self._twist = (0.0,) * 6
+        self._twist = _NOTHING
         self._last = setpoint
-        self.flange = self._frames(setpoint.q)[6, :3, :3]
+        self.flange = np.array(self._of_motions(setpoint.q).rotation)
 
     def drop_offset(self) -> None:
         """Drop the offset: the motions restart from where the offset has moved the arm."""
         self._shift, self._turn, self._none = _NOWHERE, _STRAIGHT, True
-        self._speed = (0.0,) * 6
+        self._speed = _NOTHING
 
     def move(self, twist: Sequence[float], tip: Array) -> None:
         """Move the tool's tip for one cycle.
@@ -126,18 +109,21 @@ class FlangeOffset:
             tip: the tip in the flange's frame [m]. Shape (3,).
         """
         u, v, w, a, b, c = twist
-        mean = [0.5 * (before + now) for before, now in zip(self._twist, twist, strict=True)]
+        l, m, n, i, j, k = self._twist
+        half = 0.5 * self._cycle
+        x, y, z = self._shift
+        x, y, z = x + half * (l + u), y + half * (m + v), z + half * (n + w)
         self._twist = twist
-        step = self._cycle * np.array(mean[:3])
-        if a or b or c or any(mean[3:]):
+        if a or b or c or i or j or k:
             # The rotation is about the tip: the flange moves round it.
             arm = self.flange.dot(tip)
-            x, y, z = arm.tolist()
-            turned = _turned(mean[3], mean[4], mean[5], self._cycle)
-            step += arm - turned.dot(arm)
+            turned = _turned(0.5 * (i + a), 0.5 * (j + b), 0.5 * (k + c), self._cycle)
+            dx, dy, dz = (arm - turned.dot(arm)).tolist()
+            x, y, z = x + dx, y + dy, z + dz
             self._turn = turned.dot(self._turn)
-            u, v, w = u - (b * z - c * y), v - (c * x - a * z), w - (a * y - b * x)
-        self._shift = self._shift + step
+            dx, dy, dz = arm.tolist()
+            u, v, w = u - (b * dz - c * dy), v - (c * dx - a * dz), w - (a * dy - b * dx)
+        self._shift = (x, y, z)
         self._speed = (u, v, w, a, b, c)
         self._none = False
 
@@ -147,38 +133,70 @@ class FlangeOffset:
         Raises:
             OutOfReach: a joint would have to turn too fast, or beyond its limit.
         """
+        same = setpoint.q is self._at
+        nominal = self._of_motions(setpoint.q)
+        rotation: Rows = nominal.rotation
         if self._none:
             self._last = setpoint
-            self.flange = self._frames(setpoint.q)[6, :3, :3]
+            self.flange = np.array(rotation)
             return setpoint
-        last = self._last
-        if setpoint.q is self._at and not (any(self._speed) or last.qd.any() or setpoint.qd.any()):
-            return last
-        nominal = self._frames(setpoint.q)
-        speed = np.array(self._speed)
-        if setpoint.qd.any():
-            linear, angular = motion_of(nominal, setpoint.qd)
-            speed[:3] += linear
-            speed[3:] += self._turn.dot(angular)
-        flange = self._turn.dot(nominal[6, :3, :3])
-        guess = last.q + self._cycle * (last.qd + 0.5 * self._cycle * last.qdd)
-        chain = frames(self._arm.geometry, guess)
-        (_, c, d), (e, _, f), (g, h, _) = flange.dot(chain[6, :3, :3].T).tolist()
-        x, y, z = (nominal[6, :3, 3] + self._shift - chain[6, :3, 3]).tolist()
-        # One step of Newton's method from the extrapolated last cycle: its error is negligible.
-        wanted = np.empty((6, 2))
-        wanted[:, 0] = (x, y, z, 0.5 * (h - f), 0.5 * (d - g), 0.5 * (e - c))
-        wanted[:, 1] = speed
-        try:
-            steps = np.linalg.solve(_jacobian(chain), wanted)
-        except np.linalg.LinAlgError as exc:
-            raise OutOfReach("force control comes to a singularity") from exc
-        q, qd = guess + steps[:, 0], np.array(steps[:, 1], dtype=float)
+        speed = self._speed
+        moving = any(rates := setpoint.qd.tolist())
+        if same and not (moving or any(speed) or self._last.qd.any()):
+            return self._last
+        flange = np.array(rotation)
+        if self._turn is not _STRAIGHT:
+            flange = self._turn.dot(flange)
+            rotation = flange.tolist()
+        if moving:
+            u, v, w, a, b, c = nominal.of_flange(rates)
+            if self._turn is not _STRAIGHT:
+                a, b, c = self._turn.dot((a, b, c)).tolist()
+            x, y, z, i, j, k = speed
+            speed = (x + u, y + v, z + w, a + i, b + j, c + k)
+        q, qd = self._solve(nominal.position, rotation, speed)
         self._check(q, qd)
-        self._last = JointSetPoint(q, qd, (qd - last.qd) / self._cycle)
-        self._speed = (0.0,) * 6
+        # One array for all three: an array's views cost a tenth of an array.
+        both = np.array((q, qd, qd))
+        both[2] -= self._last.qd
+        both[2] /= self._cycle
+        self._last = JointSetPoint(both[0], both[1], both[2])
+        self._speed = _NOTHING
         self.flange = flange
         return self._last
+
+    def _solve(
+        self, at: Sequence[float], rotation: Rows, speed: Sequence[float]
+    ) -> tuple[list[float], tuple[float, ...]]:
+        """Give joints and joint speeds for a flange by the motions, and its speed with the offset.
+
+        It is one step of Newton's method from the extrapolated last cycle: its error is negligible.
+        """
+        cycle, last = self._cycle, self._last
+        curve = 0.5 * cycle * cycle
+        guess = [
+            q + cycle * qd + curve * qdd
+            for q, qd, qdd in zip(last.q.tolist(), last.qd.tolist(), last.qdd.tolist(), strict=True)
+        ]
+        near = ArmRates(self._arm.geometry, guess)
+        (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation
+        (n00, n01, n02), (n10, n11, n12), (n20, n21, n22) = near.rotation
+        x, y, z = at
+        dx, dy, dz = self._shift
+        nx, ny, nz = near.position
+        missing = (
+            x + dx - nx,
+            y + dy - ny,
+            z + dz - nz,
+            0.5 * (n10 * r20 + n11 * r21 + n12 * r22 - n20 * r10 - n21 * r11 - n22 * r12),
+            0.5 * (n20 * r00 + n21 * r01 + n22 * r02 - n00 * r20 - n01 * r21 - n02 * r22),
+            0.5 * (n00 * r10 + n01 * r11 + n02 * r12 - n10 * r00 - n11 * r01 - n12 * r02),
+        )
+        try:
+            steps, qd = near.of_joints(missing), near.of_joints(speed)
+        except ZeroDivisionError as exc:
+            raise OutOfReach("force control comes to a singularity") from exc
+        return [q + step for q, step in zip(guess, steps, strict=True)], qd
 
     def slow_down(self) -> JointSetPoint:
         """Slow the joints down for one cycle, whatever the set-points of the motions."""
@@ -192,20 +210,19 @@ class FlangeOffset:
             self._last = JointSetPoint(q, qd, -last.qd / left)
         return self._last
 
-    def _frames(self, q: Array) -> Array:
+    def _of_motions(self, q: Array) -> ArmRates:
         if q is not self._at:
-            self._at, self._chain = q, frames(self._arm.geometry, q)
-        return self._chain
+            self._at, self._nominal = q, ArmRates(self._arm.geometry, q.tolist())
+        return self._nominal
 
-    def _check(self, q: Array, qd: Array) -> None:
-        # Plain floats: half the time of arrays of six.
-        for i, (angle, rate) in enumerate(zip(q.tolist(), qd.tolist(), strict=True)):
+    def _check(self, q: Sequence[float], qd: Sequence[float]) -> None:
+        for i, (angle, rate, bound) in enumerate(zip(q, qd, self._bounds, strict=True)):
+            fastest, braking, lower, upper = bound
             speed = abs(rate)
-            if not speed <= self._fastest[i]:
+            if not speed <= fastest:
                 raise OutOfReach(
                     f"force control: joint {i + 1} would have to turn at {speed:.3f} rad/s"
                 )
             # The joint must be able to stop before its limit.
-            rest = angle + 0.5 * rate * speed / self._braking[i]
-            if not self._arm.lower[i] <= rest <= self._arm.upper[i]:
+            if not lower <= angle + 0.5 * rate * speed / braking <= upper:
                 raise OutOfReach(f"force control: joint {i + 1} comes to its limit")
