@@ -1,8 +1,8 @@
 """Speeds of flange and joints of one configuration, in plain floats and in closed form.
 
-For a caller that needs both directions once a cycle this takes a tenth of the time of matrices. It
-works in the arm's plane, which turns with joint 1: along e, forward in the plane; h, its normal, the
-axis of joints 2, 3 and 4; and up.
+For a caller that needs both directions once a cycle this takes a tenth of the time of matrices.
+The directions of its vectors turn with joint 1: e, forward in the arm's plane; h, the plane's
+normal and the direction of joints 2, 3 and 4; and up.
 """
 
 from __future__ import annotations

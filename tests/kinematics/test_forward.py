@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from aioduco.errors import ParameterError
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import bias_acceleration, singular_values
+from aioduco.kinematics.rates import ArmRates
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.physics.model import mjcf
 
@@ -148,3 +149,19 @@ def test_each_singularity_is_named(name: str, q: list[float | None]) -> None:
 def test_joints_of_another_number_are_refused() -> None:
     with pytest.raises(ParameterError, match=r"\(7,\)"):
         arm("gcr5_910").fkine(np.zeros(7))
+
+
+def test_rates_in_plain_floats_are_those_of_the_matrices(any_arm: Arm) -> None:
+    speeds = np.random.default_rng(2).uniform(-3, 3, (50, 6))
+    for q, qd in zip(configurations(), speeds, strict=True):
+        rates, flange = ArmRates(any_arm.geometry, q.tolist()), any_arm.fkine(q)
+        twist = any_arm.jacobian(q) @ qd
+        np.testing.assert_allclose(rates.position, flange[:3, 3], atol=1e-13)
+        np.testing.assert_allclose(rates.rotation, flange[:3, :3], atol=1e-13)
+        np.testing.assert_allclose(rates.of_flange(qd.tolist()), twist, atol=1e-12)
+        np.testing.assert_allclose(rates.of_joints(twist.tolist()), qd, atol=1e-9)
+
+
+def test_joint_speeds_at_a_singularity_are_refused(any_arm: Arm) -> None:
+    with pytest.raises(ZeroDivisionError):
+        ArmRates(any_arm.geometry, [0.0] * 6).of_joints([0.1] * 6)

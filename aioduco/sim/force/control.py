@@ -229,7 +229,8 @@ class ForceControl:
         twist = rates.of_flange(sensed.qd.tolist())
         angular = twist[3:]
         speeds: list[float] = into.dot(twist[:3] + np.cross(angular, arm)).tolist()
-        return speeds + into.dot(angular).tolist()
+        turning: list[float] = into.dot(angular).tolist()
+        return speeds + turning
 
     def _guarded(self, sensed: SensedState, external: list[float]) -> str:
         guard = self.guard
@@ -256,7 +257,11 @@ class ForceControl:
             speeds = law.speed(law.axes.seen(external, flange))
             if any(speeds):
                 turn = law.axes.turn(flange)
-                wanted = [*turn.dot(speeds[:3]).tolist(), *turn.dot(speeds[3:]).tolist()]
+                linear, angular = speeds[:3], speeds[3:]
+                wanted = [
+                    *(turn.dot(linear).tolist() if any(linear) else linear),
+                    *(turn.dot(angular).tolist() if any(angular) else angular),
+                ]
         if wanted is _NOTHING:
             if self._twist is _NOTHING:
                 return
@@ -269,10 +274,13 @@ class ForceControl:
     def _approach(self, wanted: Sequence[float]) -> list[float]:
         share = self._cycle / (self._cycle + _LAG)
         now: list[float] = []
-        for start, most in zip((0, 3), _ACCELERATION, strict=True):
-            last = self._twist[start : start + 3]
-            change = [share * (b - a) for a, b in zip(last, wanted[start : start + 3], strict=True)]
-            length = math.hypot(*change)
-            scale = 1.0 if length <= most * self._cycle else most * self._cycle / length
-            now += [a + scale * b for a, b in zip(last, change, strict=True)]
+        for start, most in ((0, _ACCELERATION[0]), (3, _ACCELERATION[1])):
+            a, b, c = self._twist[start : start + 3]
+            u, v, w = wanted[start : start + 3]
+            u, v, w = share * (u - a), share * (v - b), share * (w - c)
+            length = math.sqrt(u * u + v * v + w * w)
+            if length > most * self._cycle:
+                scale = most * self._cycle / length
+                u, v, w = scale * u, scale * v, scale * w
+            now += (a + u, b + v, c + w)
         return now

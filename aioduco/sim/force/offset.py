@@ -53,8 +53,8 @@ def _turned(a: float, b: float, c: float, time: float) -> Array:
 class FlangeOffset:
     """Adds the motion of the flange by force control to set-points, cycle by cycle.
 
-    Plain floats, and `dot` for small matrices: for so few numbers arrays take several times as long,
-    and `@` takes three times as long as `dot`.
+    Plain floats, and `dot` for small matrices: for so few numbers arrays take several times as
+    long, and `@` takes three times as long as `dot`.
 
     Args:
         arm: the arm.
@@ -109,10 +109,10 @@ class FlangeOffset:
             tip: the tip in the flange's frame [m]. Shape (3,).
         """
         u, v, w, a, b, c = twist
-        l, m, n, i, j, k = self._twist
+        r, s, t, i, j, k = self._twist
         half = 0.5 * self._cycle
         x, y, z = self._shift
-        x, y, z = x + half * (l + u), y + half * (m + v), z + half * (n + w)
+        x, y, z = x + half * (r + u), y + half * (s + v), z + half * (t + w)
         self._twist = twist
         if a or b or c or i or j or k:
             # The rotation is about the tip: the flange moves round it.
@@ -156,11 +156,9 @@ class FlangeOffset:
             speed = (x + u, y + v, z + w, a + i, b + j, c + k)
         q, qd = self._solve(nominal.position, rotation, speed)
         self._check(q, qd)
-        # One array for all three: an array's views cost a tenth of an array.
-        both = np.array((q, qd, qd))
-        both[2] -= self._last.qd
-        both[2] /= self._cycle
-        self._last = JointSetPoint(both[0], both[1], both[2])
+        cycle = self._cycle
+        qdd = [(b - a) / cycle for a, b in zip(self._last.qd.tolist(), qd, strict=True)]
+        self._last = JointSetPoint(*np.array((q, qd, qdd)))
         self._speed = _NOTHING
         self.flange = flange
         return self._last
