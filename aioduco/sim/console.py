@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.models.enums import OperationMode
@@ -56,9 +57,18 @@ def _numbers(words: list[str], *counts: int) -> list[float]:
         numbers = [float(word) for word in words]
     except ValueError:
         raise _Misuse(f"{' '.join(words)!r} are no numbers") from None
+    if any(map(math.isnan, numbers)):
+        raise _Misuse(f"{' '.join(words)!r} are no numbers")
     if len(numbers) not in counts:
         raise _Misuse(f"{len(numbers)} numbers")
     return numbers
+
+
+def _whole(word: str) -> int:
+    (number,) = _numbers([word], 1)
+    if not number.is_integer():
+        raise _Misuse(f"{word} is no whole number")
+    return int(number)
 
 
 def _signal(words: list[str]) -> tuple[int | str, list[str]]:
@@ -88,7 +98,7 @@ def _input(sim: Simulator, words: list[str]) -> None:
     if isinstance(signal, int):
         sim.set_digital_input(signal, on)
     else:
-        sim.set_tool_digital_input(int(_numbers([signal.removeprefix("tool ")], 1)[0]), on)
+        sim.set_tool_digital_input(_whole(signal.removeprefix("tool ")), on)
 
 
 def _output(sim: Simulator, words: list[str]) -> str:
@@ -97,13 +107,13 @@ def _output(sim: Simulator, words: list[str]) -> str:
     if isinstance(signal, int):
         on = sim.get_digital_output(signal)
     else:
-        on = sim.signals.tool_out[int(_numbers([signal.removeprefix("tool ")], 1)[0])]
+        on = sim.signals.tool_out[_whole(signal.removeprefix("tool "))]
     return "on" if on else "off"
 
 
 def _voltage(sim: Simulator, words: list[str]) -> None:
-    num, volts = _numbers(words, 2)
-    sim.signals.voltage_in[int(num)] = volts
+    _, volts = _numbers(words, 2)
+    sim.signals.voltage_in[_whole(words[0])] = volts
 
 
 def _rule(sim: Simulator, words: list[str]) -> None:
@@ -130,7 +140,8 @@ def _push(sim: Simulator, words: list[str]) -> None:
 
 
 def _collide(sim: Simulator, words: list[str]) -> None:
-    sim.collide(int(_numbers(words, 1)[0]))
+    _numbers(words, 1)
+    sim.collide(_whole(words[0]))
 
 
 def _load(sim: Simulator, words: list[str]) -> None:

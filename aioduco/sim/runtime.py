@@ -303,7 +303,12 @@ class SimulationRuntime:
 
         Returns:
             Whether the condition holds.
+
+        Raises:
+            ValueError: `timeout` is not a number.
         """
+        if math.isnan(timeout):
+            raise ValueError("timeout is nan, but must be a time [s]")
         end = self.snapshot.time + timeout
         with self._snapshot_ready:
             self._watchers += 1
@@ -342,7 +347,12 @@ class SimulationRuntime:
         """Hold simulated time at `at` [s], or now if later, until the returned function is called.
 
         Unless `lasting`, simulated time resumes after two seconds of real time in any case.
+
+        Raises:
+            ValueError: `at` is not a number.
         """
+        if math.isnan(at):
+            raise ValueError("at is nan, but must be a time [s]: nothing is held")
         key = object()
 
         def release_hold() -> None:

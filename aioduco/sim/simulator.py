@@ -53,6 +53,9 @@ if TYPE_CHECKING:
 CYCLE = 0.001
 #: delay with which a heartbeat may arrive [s]; 0 if strict. An assumption
 HEARTBEAT_SLACK = 0.5
+#: largest force and torque of a push [N, N m]; largest load [kg], and distance of its centre [m]:
+#: far beyond what an arm bears, and still safe to compute with
+_LARGEST_PUSH, _HEAVIEST, _FARTHEST = 1e4, 1000.0, 10.0
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
@@ -184,7 +187,7 @@ class Simulator:
             rules=SignalRules(),
             forgiving=Forgiving(strict=strict),
         )
-        self._speed = speed
+        self._speed = checked_speed(speed)
         self._observer: Observer | None = None
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
@@ -498,10 +501,19 @@ class Simulator:
         """Push at the flange from now on, like a person that guides the arm by hand.
 
         Args:
-            wrench: force [N], then torque [N m], in the base frame; six zeros to end the push.
+            wrench: force [N], then torque [N m], in the base frame, each at most 10,000; six zeros
+                to end the push.
+
+        Raises:
+            ValueError: `wrench` is not six such numbers; the push is as before.
         """
         if len(wrench) != 6:
             raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
+        if not all(abs(each) <= _LARGEST_PUSH for each in wrench):
+            raise ValueError(
+                f"wrench is {list(wrench)}, but must be numbers from -{_LARGEST_PUSH:g} to "
+                f"{_LARGEST_PUSH:g} [N, N m]: the push is as before"
+            )
         self._running().runtime.push(wrench)
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
@@ -512,11 +524,22 @@ class Simulator:
         the controller takes the difference for an external force, as a real one does.
 
         Args:
-            mass: mass of the load, a point without inertia of its own [kg]; zero for no load.
-            centre: its centre of mass in the frame of the flange [m].
+            mass: mass of the load, a point without inertia of its own, at most 1000 [kg]; zero for
+                no load.
+            centre: its centre of mass in the frame of the flange, at most 10 m along each axis [m].
+
+        Raises:
+            ValueError: One of the numbers is none of these; the load is as before.
         """
-        if not (math.isfinite(mass) and mass >= 0.0) or len(centre) != 3:
-            raise ValueError(f"a load of {mass} kg at {centre} cannot be")
+        if not 0.0 <= mass <= _HEAVIEST:
+            raise ValueError(
+                f"mass is {mass}, but must be from 0 to {_HEAVIEST:g} kg: the load is as before"
+            )
+        if len(centre) != 3 or not all(abs(each) <= _FARTHEST for each in centre):
+            raise ValueError(
+                f"centre is {tuple(centre)}, but must be three numbers from -{_FARTHEST:g} to "
+                f"{_FARTHEST:g} m: the load is as before"
+            )
         self._running().runtime.carry(mass, centre)
 
     # -- step by step ---------------------------------------------------------------------------
@@ -545,7 +568,7 @@ class Simulator:
             ValueError: `cycles` is less than 1.
             RuntimeError: simulated time is not locked.
         """
-        if cycles < 1:
+        if not cycles >= 1:
             raise ValueError(f"cycles is {cycles}, but must be at least 1")
         self._running().runtime.advance(cycles)
 

@@ -7,12 +7,16 @@ import socket
 from contextlib import closing
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
+from aioduco.kinematics import arm
 from aioduco.models.enums import OperationMode, TaskState
 from aioduco.sim.cabinet.signals import Signals
 from aioduco.sim.console import COMMANDS, Console
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.server.line_server import LineServer
 from aioduco.sim.simulator import READY, Simulator
 
@@ -124,12 +128,72 @@ def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
         ("collide 9", "joint is 9"),
         ("rule 1 99", "input is 99"),
         ("speed -1", "speed"),
+        ("speed nan", "'nan' are no numbers"),
+        ("push nan 0 0", "'nan 0 0' are no numbers"),
+        ("push 0 inf 0", "wrench is [0.0, inf, 0.0, 0.0"),
+        ("push 0 0 1e300", "the push is as before"),
+        ("load inf", "mass is inf"),
+        ("load 1 inf 0 0", "centre is (inf, 0.0, 0.0)"),
+        ("load 1e9", "the load is as before"),
+        ("voltage 1 nan", "'1 nan' are no numbers"),
+        ("voltage 1 inf", "signal 1 would be inf"),
+        ("voltage 1.5 1", "1.5 is no whole number"),
+        ("collide inf", "inf is no whole number"),
+        ("collide 2.7", "2.7 is no whole number"),
+        ("rule 1 2 nan", "'nan' are no numbers"),
+        ("rule 1 2 inf", "after is inf"),
     ],
 )
 def test_a_command_that_makes_no_sense_says_so(sim: Simulator, line: str, said: str) -> None:
     answer = Console(sim).answer(line)
     assert answer.startswith("error: ")
     assert said in answer
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_no_number_enters_that_is_none(sim: Simulator, bad: float) -> None:
+    rail = {"rail": [(-1.0, 1.0, 0.5, 2.0, 0.0, bad)]}
+    refused: list[Callable[[], object]] = [
+        lambda: sim.push([0.0, 0.0, 0.0, 0.0, 0.0, bad]),
+        lambda: sim.load(bad),
+        lambda: sim.load(1.0, (0.0, bad, 0.0)),
+        lambda: sim.rule(1, 2, after=bad),
+        lambda: sim.collide(bad),  # type: ignore[arg-type]
+        lambda: sim.signals.voltage_in.__setitem__(1, bad),
+        lambda: sim.signals.tool_voltage_in.__setitem__(1, bad),
+        lambda: Simulator(joints=[bad] * 6),
+        lambda: Simulator(mounting=(0.0, 0.0, bad, 0.0, 0.0, 0.0)),
+        lambda: Simulator(pedestal=bad),
+        lambda: Simulator(cycle=bad),
+        lambda: Simulator(vibration_time=bad),
+        lambda: Simulator(program_lag=bad),
+        lambda: Simulator(heartbeat_slack=bad),
+        lambda: Simulator(values={"a": [1.0, bad]}),
+        lambda: Simulator(external_axes=rail),
+    ]
+    if math.isnan(bad):
+        refused += [
+            lambda: Simulator(speed=bad),
+            lambda: setattr(sim, "speed", bad),
+            lambda: sim.clock.hold(bad),
+            lambda: sim.wait_until(lambda: False, bad),
+            lambda: sim.advance(bad),  # type: ignore[arg-type]
+        ]
+    before = sim.joints
+    for number, enter in enumerate(refused):
+        with pytest.raises(ValueError, match=r"is|would|must|finite"):
+            pytest.fail(f"number {number} was taken: {enter()}")
+    sim.wait_until(lambda: sim.time > 0.1)
+    assert sim.joints == pytest.approx(before, abs=1e-4)
+
+
+def test_what_cannot_be_computed_is_said_and_moves_nothing() -> None:
+    world = World(arm("gcr5_910"), q=np.array(READY))
+    stand = JointSetPoint.at_rest(np.array(READY))
+    world.step(stand)
+    world.data.xfrc_applied[:] = math.nan
+    with pytest.raises(ArithmeticError, match="too large to compute with"):
+        world.step(stand)
 
 
 def test_lines_are_answered_in_order_until_the_port_is_closed() -> None:

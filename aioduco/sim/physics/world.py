@@ -196,14 +196,19 @@ class World:
         return slice(free[name], free[name] + 7)
 
     def step(self, setpoint: JointSetPoint) -> None:
-        """Advance by one time step, towards a set-point for its end."""
-        data = self.data
+        """Advance by one time step, towards a set-point for its end.
+
+        Raises:
+            ArithmeticError: forces or speeds are too large to compute with.
+        """
+        data, began = self.data, self.data.time
         if self.hand is not None:
             self.hand.step(self._timestep)
         if self._braked:
             # The brakes carry the weight, up to their torque: MuJoCo's friction would creep.
             np.clip(self._bias, -self._hold, self._hold, out=self._applied)
             mujoco.mj_step(self.model, data)
+            self._check(began)
             self._target = self._torque = self._external = np.zeros(6)
             return
         known = self._known
@@ -217,12 +222,18 @@ class World:
         before = self._known_qvel.copy()
         # This releases the GIL for a few microseconds, so that waiting threads may run.
         mujoco.mj_step(self.model, data)
+        self._check(began)
         change = self._known_qvel - before
         # MuJoCo reports the torques for the speed at the beginning of the step. But it integrates
         # with the damping for the speed at the end, unless the drive is at its limit.
         force = self._force
         self._torque = force - self._drag * change[:6] * (np.abs(force) < self._effort)
         self._external = known.torque(change / self._timestep) - self._torque
+
+    def _check(self, began: float) -> None:
+        """Refuse a step that MuJoCo gave up: it then begins again with everything at its start."""
+        if self.data.time <= began:
+            raise ArithmeticError("forces or speeds in the scene are too large to compute with")
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Mount a load at the flange, and add it to the servos' model.
