@@ -20,6 +20,8 @@ __all__ = ["ToolPath", "followed", "poses_along"]
 
 _STEP, _TURN = 0.004, 0.02  # between two poses [m, rad]
 _LEVER = 0.2  # length that a turn counts as, for a tool that turns more than it moves [m/rad]
+_POINT = 1e-6  # points that are nearer to each other are the same [m]
+_STRAIGHT = 1e-6  # sine of the angle below which three points are on a line
 _JUMP = 0.2  # largest turn of a joint between two poses on one branch [rad]
 
 
@@ -72,7 +74,9 @@ def _arc(one: Points, two: Points, three: Points) -> tuple[Points, Points, float
     a, b = two - one, three - one
     normal = np.cross(a, b)
     size = float(normal @ normal)
-    if size < 1e-12:
+    shortest = min(float(np.linalg.norm(side)) for side in (a, b, three - two))
+    # By the angle, as the controller judges it: a small arc is one, too.
+    if shortest < _POINT or size < (_STRAIGHT * np.linalg.norm(a) * np.linalg.norm(b)) ** 2:
         raise ParameterError("via", two.tolist(), "off the line from the start to the end [m]")
     centre = one + np.cross((a @ a) * b - (b @ b) * a, normal) / (2.0 * size)
     spoke = one - centre

@@ -42,7 +42,7 @@ class Bank(Generic[T]):
     def __setitem__(self, num: int, value: T) -> None:
         if num not in self:
             raise IndexError(f"there is no signal {num}; there are 1 to {len(self._values)}")
-        if isinstance(self._zero, float) and not math.isfinite(value):
+        if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"signal {num} would be {value}, but must be a finite number")
         self._values[num - 1] = value
 

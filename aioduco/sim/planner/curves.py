@@ -41,6 +41,7 @@ __all__ = [
 ]
 
 POINT = 1e-6  # positions closer than this are the same point [m]
+ANGLE = 1e-6  # a smaller turn is none: its direction is a difference of rounding [rad]
 _TABLE = 2000  # number of steps in which a curve's length is measured
 
 
@@ -79,7 +80,8 @@ def _poses(rotations: Array, points: Array) -> Array:
 class StraightLine:
     """A straight line; the orientation turns at a constant rate the shorter way.
 
-    If start and end are the same point, it only turns, and its length is the angle.
+    If start and end are the same point, it only turns, and its length is the angle; zero if it does
+    not turn either.
 
     Attributes:
         start: first pose. Shape (4, 4).
@@ -98,7 +100,8 @@ class StraightLine:
         """Go straight from one pose to another. Shapes (4, 4)."""
         turn = rotvec_from_matrix(start[:3, :3].T @ end[:3, :3])
         metres = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-        return cls(start, end, turn, metres if metres > POINT else float(np.linalg.norm(turn)))
+        angle = float(np.linalg.norm(turn))
+        return cls(start, end, turn, metres if metres > POINT else angle if angle > ANGLE else 0.0)
 
     @property
     def turning(self) -> float:

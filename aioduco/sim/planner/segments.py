@@ -458,7 +458,9 @@ def _followed(
     )
     yield_hook()
     slowest = math.sqrt(min(limits.ceiling))
-    if slowest < _SLOWEST * v:
+    # A curve that mostly turns is slow for its turn, at which a singularity has no part.
+    wanted = v if curve.turning == 0.0 else min(v, curve.length / curve.turning)
+    if slowest < _SLOWEST * wanted:
         place = "near a singularity of the path" if laid is curve else "the weave"
         raise PlanError("singular", f"the joints cannot follow {place}")
     return path, limits

@@ -14,7 +14,7 @@ from quick import examples
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import rotvec_from_matrix
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
     Segment,
@@ -162,6 +162,20 @@ def test_a_circle_ends_where_it_began() -> None:
     np.testing.assert_allclose(segment.q_end, HOME, atol=1e-9)
     with pytest.raises(PlanError, match="not 1 or 2"):
         circle_move(FIVE, HOME, first, second, 0.3, 1.0, mode=0)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-11, 1e-9, 3e-9, 1e-8, 1e-7, 1e-6, 1e-5, 0.5])
+@pytest.mark.parametrize("shift", [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1.1e-6, 1e-5])
+def test_a_line_to_where_the_tool_is_nearly_already_is_no_singularity(
+    turn: float, shift: float
+) -> None:
+    start = np.radians([30.0, -15.0, 105.0, 0.0, -90.0, 0.0])
+    target = FIVE.fkine(start)
+    target[:3, :3] = target[:3, :3] @ matrix_from_rotvec(np.array([0.0, 0.0, turn]))
+    target[:3, 3] += shift, 0.0, 0.0
+    segment = line_move(FIVE, start, target, 0.2, 0.5)
+    np.testing.assert_allclose(FIVE.fkine(segment.q_end), target, atol=1.5e-6)
+    assert segment.duration < 3.0
 
 
 def test_joints_turn_no_faster_than_they_can_on_a_line_past_a_singularity() -> None:
