@@ -269,13 +269,72 @@ def test_stop_drops_the_changes_of_power_that_wait(bench: Bench) -> None:
     assert bench.state[0] == 5
 
 
-def test_no_motion_is_taken_while_the_arm_is_stopping(ready: Bench) -> None:
+@pytest.mark.parametrize("how", ["stop", "abort"])
+def test_a_motion_after_a_stop_waits_until_the_arm_stands(ready: Bench, how: str) -> None:
+    first = ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    stop = getattr(ready.controller, how)()
+    after, last = (ready.controller.move("movej2", leg(joint)) for joint in (1.0, 2.0))
+    assert ready.controller.busy
+    while not ready.controller.tasks.state(stop).ended:
+        assert state(ready, after) is TaskState.IDLE
+        ready.tick()
+    assert ready.controller.tasks.state(first).ended
+    assert (ready.ended(after), ready.ended(last)) == (4, 4)
+    assert ready.q[0] == 2.0
+    assert ready.controller.idle
+
+
+@pytest.mark.parametrize(
+    ("end", "state_"),
+    [("stop", 3), ("abort", 5), ("press_emergency_stop", 6), ("disable", 3), ("power_off", 3)],
+)
+def test_a_motion_that_waits_for_a_stop_ends_by_the_next_one(
+    ready: Bench, end: str, state_: int
+) -> None:
+    ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.stop()
+    after = ready.controller.move("movej2", leg(1.0))
+    ready.tick()
+    act = getattr(ready.controller, end, None)
+    act() if act else ready.controller.change_power(end)
+    assert ready.ended(after) == state_
+    at = ready.q.copy()
+    ready.tick(300)
+    assert (ready.q == at).all()
+
+
+def test_a_motion_that_waits_for_a_stop_pauses_before_it_begins(ready: Bench) -> None:
     ready.controller.move("movej2", leg(1.0, 1000))
     ready.tick(10)
     stop = ready.controller.stop()
-    assert state(ready, ready.controller.move("movej2", leg(1.0))) is TaskState.ILLEGAL
+    after = ready.controller.move("movej2", leg(1.0))
+    ready.controller.pause()
     assert ready.ended(stop) == 4
-    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+    at = ready.q.copy()
+    ready.tick(300)
+    assert (ready.q == at).all()
+    assert not ready.controller.tasks.state(after).ended
+    ready.controller.resume()
+    assert ready.ended(after) == 4
+
+
+def test_no_motion_is_taken_while_a_fault_stops_the_arm(ready: Bench) -> None:
+    ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.fault(SafetyState.STOP2, "a fault")
+    assert state(ready, ready.controller.move("movej2", leg(1.0))) is TaskState.ILLEGAL
+
+
+def test_a_motion_that_waits_for_a_stop_excludes_what_it_excludes_anyway(ready: Bench) -> None:
+    ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.stop()
+    jog = ready.controller.jog("move_jog", leg(1.0))
+    assert state(ready, jog) is TaskState.IDLE
+    assert state(ready, ready.controller.jog("move_jog", leg(1.0))) is TaskState.ILLEGAL
+    assert ready.ended(jog) == 4
 
 
 def test_pause_keeps_the_motions_and_resume_ends_them(ready: Bench) -> None:

@@ -243,6 +243,24 @@ def test_a_trigger_at_a_pause_and_at_a_stop(sim: Simulator, robot: Program) -> N
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
 
 
+@pytest.mark.parametrize("how", ["pause", "stop", "abort"])
+@pytest.mark.parametrize("late", [0.0, 20.0])
+def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
+    sim: Simulator, robot: Program, how: str, late: float
+) -> None:
+    fired: list[float] = []
+    stood: list[float] = []
+    sim.signals.events["stands"] = lambda: fired.append(sim.time)
+    op = Op(time_or_dist_3=1, trig_time_3=-late, trig_event_3="stands")
+    line(robot, op, 0.2, block=False)
+    sim.wait_until(lambda: sim.moving)
+    sim.observe(lambda now, _: None if now.setpoint.qd.any() else stood.append(now.time))
+    assert getattr(robot, how)(True) == TaskState.FINISHED
+    sim.wait_until(lambda: bool(fired))
+    sim.observe(None)
+    assert fired[0] - stood[0] == pytest.approx(late / 1000.0, abs=0.004)
+
+
 def test_an_event_goes_before_an_output(sim: Simulator, robot: Program) -> None:
     fired: list[float] = []
     sim.signals.events["weld"] = lambda: fired.append(sim.time)

@@ -19,7 +19,9 @@ from aioduco.sim.simulator import READY, Simulator
 from .raw import RawClient
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Iterator
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+
+    from .conftest import Program
 
 RAIL, TABLE = Axis(-0.5, 3.0, 1.0, 2.0), Axis(-math.pi, math.pi, 2.0, 8.0, jog=1.0)
 AXES: dict[str, Any] = {"scheme_name": "rail", "epose": [1.0, 0.0, 0.0], "eaxis_v": 0.5}
@@ -273,3 +275,14 @@ def test_calls_that_make_no_sense(
         for name in ("power_on", "enable"):
             assert client.call(name, block=True) == TaskState.FINISHED
         assert client.call(function, *arguments, block=True) == state
+
+
+@pytest.mark.usefixtures("robot")
+async def test_a_jog_that_stop_manual_move_ends_is_finished(
+    cell: Simulator, connect: Callable[[Simulator], Program]
+) -> None:
+    program = connect(cell)
+    id_ = program.move_jog_eaxis("table", -1, 2.0, False)
+    await cell.wait_until_async(lambda: seen(cell, "table") < -0.002, 60.0)
+    assert program.stop_manual_move(True) == TaskState.FINISHED
+    assert program.get_noneblock_taskstate(id_) == TaskState.FINISHED

@@ -499,14 +499,15 @@ def test_the_emergency_stop_of_the_guard_cuts_the_power() -> None:
     assert not bench.controller.force.active
 
 
-def test_nothing_begins_while_force_control_ends() -> None:
+def test_what_comes_while_force_control_ends_waits() -> None:
     bench = started()
     ending = bench.controller.force.stop()
-    with pytest.raises(Rejected, match="under way"):
-        bench.controller.move("movej2", leg(0.1))
+    after = bench.controller.move("movej2", leg(0.1))
+    assert bench.controller.tasks.state(after) is TaskState.IDLE
     with pytest.raises(Rejected, match="under way"):
         bench.controller.force.start()
     assert bench.ended(ending) == TaskState.FINISHED
+    assert bench.ended(after) == TaskState.FINISHED
     assert bench.ended(bench.controller.force.stop()) == TaskState.FINISHED
 
 

@@ -47,6 +47,28 @@ def test_speed_stop_ends_it_in_good_order(sim: Simulator, robot: Program) -> Non
     assert robot.to(*READY) == TaskState.FINISHED
 
 
+def test_what_comes_after_speed_stop_waits_until_the_arm_stands(
+    sim: Simulator, robot: Program
+) -> None:
+    first = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
+    sim.wait_until(lambda: sim.joints[0] > 0.1, 60.0)
+    ending = robot.speed_stop(False)
+    again = robot.speedj([-0.2, *STILL[1:]], 1.0, -1, False)
+    assert robot.to(*READY) == TaskState.ILLEGAL  # a speed has no end
+    sim.wait_until(lambda: sim.joints[0] < 0.05, 60.0)
+    for id_, state in ((first, 4), (ending, 4), (again, 1)):
+        assert robot.get_noneblock_taskstate(id_) == state
+    robot.speed_stop(False)
+    assert robot.to(*READY) == TaskState.FINISHED
+    assert sim.joints[0] == pytest.approx(READY[0], abs=1e-3)
+    robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
+    sim.wait_until(lambda: sim.joints[0] > 0.1, 60.0)
+    robot.speed_stop(False)
+    never = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
+    assert robot.speed_stop(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(never) == TaskState.STOPPED
+
+
 def test_a_second_velocity_takes_over(sim: Simulator, robot: Program) -> None:
     first = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
     sim.wait_until(lambda: sim.joints[0] > 0.05, 60.0)

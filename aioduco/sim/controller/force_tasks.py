@@ -114,27 +114,24 @@ class ForceTasks:
         """Set the load [kg], and its centre in the flange's frame [m]."""
         self.control.sensor = self.control.sensor.carrying(mass, centre)
 
-    def admit(self, name: str) -> int | None:
-        """Prepare for a motion.
+    @property
+    def closing(self) -> bool:
+        """Whether fc_stop is under way."""
+        return bool(self._closing)
 
-        Returns:
-            The id of a task that has ended, if the motion is skipped; None if it may begin.
-        """
+    def admit(self) -> tuple[TaskState, str] | None:
+        """Prepare for a motion; give its final state and the reason if it is skipped."""
         control = self.control
         if not control.active:
             return None
-        if self._closing:
-            raise Rejected(TaskState.ILLEGAL, "fc_stop is under way")
         verdict = control.conditions.verdict
         if verdict is not None:
             late = verdict == "late"
-            id_ = self._tasks.new(name)
-            self._tasks.set(
-                id_,
+            why = "timed out" if late else "hold"
+            return (
                 TaskState.ERROR if late else TaskState.INTERRUPT,
-                f"skipped: the conditions of fc_wait_logic {'timed out' if late else 'hold'}",
+                f"skipped: the conditions of fc_wait_logic {why}",
             )
-            return id_
         if self._motion.phase is MotionPhase.IDLE and control.shifted:
             self._motion.reset(control.setpoint.q)
             control.drop_offset()

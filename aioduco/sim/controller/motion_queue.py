@@ -118,6 +118,7 @@ class MotionQueue:
         self.phase: MotionPhase = _IDLE
         self._ending = (TaskState.STOPPED, "")
         self._waiting_for_rest: list[int] = []
+        self._finishing = False  # whether `finish` ends the last motion
         self._at_rest = True
         self._triggers = Triggers()
         self._blending: dict[int, None] = {}  # have a blend radius and an unanswered call
@@ -155,9 +156,17 @@ class MotionQueue:
         return last if isinstance(last, Following) else None
 
     @property
-    def full(self) -> bool:
-        """Whether no further motion fits."""
-        return len(self._queue) >= CAPACITY
+    def ending(self) -> bool:
+        """Whether everything is being ended on request, and the arm does not stand yet.
+
+        It is over in the cycle in which the tasks that wait for rest end.
+        """
+        if self.phase is MotionPhase.STOPPING:
+            return self._ending[0] is not TaskState.ERROR
+        return self._finishing
+
+    def __len__(self) -> int:
+        return len(self._queue)
 
     @property
     def progress(self) -> float:
@@ -332,6 +341,7 @@ class MotionQueue:
             return
         self._tasks.set(control, TaskState.RUNNING)
         self._waiting_for_rest.append(control)
+        self._finishing = not self._behind
         self._follower.finish()
 
     def stop(self, state: TaskState, message: str, control: int | None = None) -> None:
@@ -550,6 +560,7 @@ class MotionQueue:
         self._tasks.set(id_, state, message)
 
     def _finish_waiting(self, state: TaskState = TaskState.FINISHED) -> None:
+        self._finishing = False
         waiting, self._waiting_for_rest = self._waiting_for_rest, []
         for id_ in waiting:
             self._tasks.set(id_, state)

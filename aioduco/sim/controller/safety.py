@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import RobotState, SafetyState
+from aioduco.sim.controller.motion_queue import CAPACITY
 from aioduco.sim.controller.tasks import MotionPhase
 
 if TYPE_CHECKING:
+    from aioduco.sim.controller.deferred import DeferredMotions
     from aioduco.sim.controller.motion_queue import Following, MotionQueue
     from aioduco.sim.controller.power import PowerControl
     from aioduco.sim.controller.programs import ProgramExecution
@@ -60,11 +62,13 @@ class Admission:
         safety: SafetyController,
         motion: MotionQueue,
         execution: ProgramExecution,
+        deferred: DeferredMotions,
     ) -> None:
         self._power = power
         self._safety = safety
         self._motion = motion
         self._execution = execution
+        self._deferred = deferred
 
     def moving(self) -> str:
         """Why the arm may not move."""
@@ -72,20 +76,23 @@ class Admission:
             return f"the robot is not enabled, but in state {self._power.state.name}"
         if self._safety.fault is not None:
             return f"safety stop {self._safety.fault.name}"
-        if self._motion.phase is MotionPhase.STOPPING:
-            return "the robot is stopping"
         return f"{self._power.changing} is under way" if self._power.changing is not None else ""
 
     def motion(self, following: Following | None = None) -> str:
-        """Why a motion is not accepted."""
+        """Why a motion is not accepted; during a stop it is, and waits until the arm stands."""
         if reason := self.moving():
             return reason
+        if self._motion.phase is MotionPhase.STOPPING and not self._motion.ending:
+            return "the robot is stopping"
         if self._execution.excludes:
             return "a program is running"
-        return "the queue of motions is full" if self._motion.full else self._taken(following)
+        full = len(self._motion) + len(self._deferred) >= CAPACITY
+        return "the queue of motions is full" if full else self._taken(following)
 
     def program(self) -> str:
         """Why a program may not begin."""
+        if self._motion.phase is MotionPhase.STOPPING:
+            return "the robot is stopping"
         if reason := self.motion():
             return reason
         if self._execution.active:
@@ -94,10 +101,11 @@ class Admission:
 
     def _taken(self, following: Following | None) -> str:
         """Why the motions in the queue admit no other one."""
-        last = self._motion.last
+        ending = self._motion.ending
+        last = self._deferred.last if ending else self._motion.last
         if last is not None and last == following:
             return ""  # it takes over
         if last is not None and last.alone:
             return f"{last.kind} is running"
-        idle = self._motion.phase is MotionPhase.IDLE
+        idle = not self._deferred if ending else self._motion.phase is MotionPhase.IDLE
         return "other motions are running" if following and following.idle and not idle else ""

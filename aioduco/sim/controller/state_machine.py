@@ -24,6 +24,7 @@ from aioduco.models.enums import OperationMode, ProgramState, RobotState, Safety
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
 from aioduco.sim.cabinet.signals import Signals
 from aioduco.sim.cabinet.tools import FrameTable
+from aioduco.sim.controller.deferred import DeferredMotion, DeferredMotions
 from aioduco.sim.controller.force_tasks import ForceTasks
 from aioduco.sim.controller.monitoring import CollisionDetector, HeartbeatWatchdog, Standstill
 from aioduco.sim.controller.motion_queue import MotionQueue
@@ -156,14 +157,18 @@ class Controller:
         self._leaving: list[int] = []  # tasks that end once readers see the real arm again
         self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
         self._safety = SafetyController()
-        self._admission = Admission(self._power, self._safety, self._motion, self._execution)
+        self._deferred = DeferredMotions(self.tasks)
+        self._admission = Admission(
+            self._power, self._safety, self._motion, self._execution, self._deferred
+        )
         self._at_rest = True
         self._standstill = Standstill()
         self._errors: tuple[str, ...] = ()
         self._speed = 100.0
         self._told: tuple[object, ...] = ()  # values from which the latest view was made
         self._view: ControllerState | None = None
-        self._jog = 0  # id of the task of the latest step
+        self._jog = 0  # id of the task of the latest jog with a path
+        self._jog_ends = TaskState.STOPPED
 
     # -- state for other modules -------------------------------------------------------------
 
@@ -196,7 +201,7 @@ class Controller:
     @property
     def idle(self) -> bool:
         """Whether no motion runs or waits."""
-        return self._motion.phase is _IDLE
+        return self._motion.phase is _IDLE and not self._deferred
 
     @property
     def progress(self) -> float:
@@ -229,7 +234,7 @@ class Controller:
         phase = self._motion.phase
         if (phase is not _IDLE and phase is not _PAUSED) or self._execution.running:
             return True
-        changing = self.recorder.active or self.rules.busy or bool(self._leaving)
+        changing = self.recorder.active or self.rules.busy or bool(self._leaving or self._deferred)
         return self._power.busy or self.moving or changing
 
     def view(self) -> ControllerState:
@@ -290,39 +295,69 @@ class Controller:
 
     def move(self, name: str, plan: Plan, triggers: MotionTriggers | None = None) -> int:
         """Queue a motion with its triggers."""
-        if reason := self._admission.motion():
-            return self.reject(name, TaskState.ILLEGAL, reason)
-        if (skipped := self.force.admit(name)) is not None:
-            return skipped
-        id_ = self.tasks.new(name)
-        self.last_motion = name
-        self._motion.append(id_, plan, triggers)
-        self._collect_failures()
-        return id_
+        return self._accept(name, None, lambda id_: self._motion.append(id_, plan, triggers))
 
     def follow(self, name: str, following: Following) -> int:
         """Queue a motion whose targets arrive while it runs."""
+        return self._accept(name, following, lambda id_: self._motion.follow(id_, following))
+
+    def _accept(self, name: str, following: Following | None, begin: Callable[[int], None]) -> int:
+        """Queue a motion, which waits until the arm stands if it is being stopped."""
         if reason := self._admission.motion(following):
             return self.reject(name, TaskState.ILLEGAL, reason)
-        if (skipped := self.force.admit(name)) is not None:
-            return skipped
-        id_ = self.tasks.new(name)
+        motion = DeferredMotion(self.tasks.new(name), name, following, begin)
         self.last_motion = name
-        self._motion.follow(id_, following)
+        if self._ending:
+            self._deferred.add(motion)
+        else:
+            self._begin(motion)
+        return motion.id
+
+    def _begin(self, motion: DeferredMotion) -> None:
+        if (skipped := self.force.admit()) is not None:
+            self.tasks.set(motion.id, *skipped)
+            return
+        motion.begin(motion.id)
         self._collect_failures()
-        return id_
+
+    def _begin_deferred(self) -> None:
+        for motion in self._deferred.take():
+            if reason := self._admission.motion(motion.following):
+                self.tasks.set(motion.id, TaskState.ILLEGAL, reason)
+                self.note_error(f"{motion.name}: {reason}")
+            else:
+                self._begin(motion)
+        if self._deferred.paused:
+            self._deferred.paused = False
+            self._motion.pause()
+
+    @property
+    def _ending(self) -> bool:
+        """Whether motions or force control are being ended, so that the next motion waits."""
+        return self._motion.ending or self.force.closing
 
     def end_following(self, name: str, *kinds: str) -> int:
         """End the motions of some kinds that follow targets; this task ends at rest."""
         id_ = self.tasks.new(name)
+        self._deferred.end(
+            TaskState.STOPPED,
+            "ended before it began",
+            lambda motion: motion.following is not None and motion.following.kind in kinds,
+        )
         self._motion.finish(kinds, id_)
         return id_
 
-    def jog(self, name: str, plan: Plan) -> int:
-        """Queue one step of a jog, which begins only if nothing else runs."""
-        if self._motion.phase is not _IDLE:
+    def jog(self, name: str, plan: Plan, ended: TaskState = TaskState.STOPPED) -> int:
+        """Queue a jog with a path, which begins only if nothing else runs.
+
+        Args:
+            name: the function.
+            plan: makes the motion.
+            ended: its final state if `end_jog` ends it.
+        """
+        if not self.idle and (self._deferred or not self._ending):
             return self.reject(name, TaskState.ILLEGAL, "other motions are running")
-        self._jog = self.move(name, plan)
+        self._jog, self._jog_ends = self.move(name, plan), ended
         return self._jog
 
     def end_jog(self, name: str) -> int:
@@ -330,7 +365,8 @@ class Controller:
         if self.tasks.state(self._jog).ended or self._jog == 0:
             return self.end_following(name, "move_jog")
         id_ = self.tasks.new(name)
-        self._motion.stop(TaskState.STOPPED, "the jog was ended", id_)
+        self._deferred.end(TaskState.STOPPED, "the jog was ended", lambda m: m.id == self._jog)
+        self._motion.stop(self._jog_ends, "the jog was ended", id_)
         return id_
 
     def run_program(self, run: RunningProgram) -> int:
@@ -358,6 +394,7 @@ class Controller:
         """Pause the program and every motion; this task ends when the arm stands."""
         id_ = self.tasks.new("pause")
         self._execution.pause()
+        self._deferred.paused = bool(self._deferred)
         self._motion.pause(id_)
         self._execution.settle(self._motion.phase)
         return id_
@@ -367,6 +404,7 @@ class Controller:
         paused = self.program in (ProgramState.PAUSED, ProgramState.PAUSING)
         if paused and (reason := self._admission.moving()):
             return self.reject("resume", TaskState.ILLEGAL, reason)
+        self._deferred.paused = False
         self._motion.resume()
         self._execution.resume()
         return self.finish("resume")
@@ -376,6 +414,7 @@ class Controller:
         if mode is not self.mode:
             self.mode = mode
             self._execution.pause()
+            self._deferred.paused = bool(self._deferred)
             if self._motion.phase is MotionPhase.RUNNING:
                 self._motion.pause()
         return self.finish("switch_mode")
@@ -509,6 +548,8 @@ class Controller:
             leaving, self._leaving = self._leaving, []
             for id_ in leaving:
                 self.tasks.set(id_, TaskState.FINISHED)
+        if self._deferred and not self._ending:
+            self._begin_deferred()
         simulation = self._simulation
         if simulation is None:
             return self._tick(sensed)
@@ -576,7 +617,7 @@ class Controller:
         """Why the arm is not completely at rest; empty if it is."""
         if self.in_motion:
             return "the robot moves"
-        if self._motion.phase is not _IDLE:
+        if not self.idle:
             return "motions are under way or wait"
         if self._execution.active:
             return "a program runs or waits"
@@ -619,10 +660,12 @@ class Controller:
     def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
         """End the program, every motion and the control task when the arm stands."""
         self._execution.end(state, message)
+        self._deferred.end(state, message)
         self._motion.stop(state, message, control)
         self._execution.settle(self._motion.phase)
 
     def _cut(self, message: str) -> None:
+        self._deferred.end(TaskState.ERROR, message)
         self._motion.cut(message, self._sensed.q)
         self._execution.end(TaskState.ERROR, message)
         self._execution.settle(_IDLE)

@@ -142,6 +142,7 @@ class Triggers:
         self._ahead: dict[int, MotionTriggers] = {}
         self._behind: list[_Behind] = []
         self._stood: float | None = None  # since when the arm has stood in a pause or after a stop
+        self._halted: int | None = None  # the motion that is paused, or was stopped
 
     def __bool__(self) -> bool:
         return bool(self._ahead) or bool(self._behind)
@@ -155,13 +156,15 @@ class Triggers:
         triggers = self._ahead.pop(id_, None)
         if triggers is None:
             return
+        since = time
         if reached:
             triggers.ended()
             triggers.halt = None
         else:
             triggers.start = triggers.end = None
+            since = time if self._stood is None else self._stood
         if triggers.end is not None or triggers.halt is not None:
-            self._behind.append(_Behind(triggers, time, triggers.tip(setpoint.q)))
+            self._behind.append(_Behind(triggers, since, triggers.tip(setpoint.q)))
 
     def tick(
         self,
@@ -186,7 +189,9 @@ class Triggers:
             self._stood = None
         elif self._stood is None:
             self._stood = time
-        triggers = self._ahead.get(active) if active is not None else None
+        # A stop drops the motion when the set-points stand; its task ends when the arm does.
+        self._halted = self._halted if halting and active is None else active
+        triggers = None if self._halted is None else self._ahead.get(self._halted)
         if triggers is not None:
             if travel is not None:
                 triggers.travel(travel)
@@ -206,7 +211,7 @@ class _Behind:
 
     Attributes:
         triggers: the remaining triggers.
-        since: time at which the motion ended [s].
+        since: time at which the motion ended, or its set-points stood after a stop [s].
         at: position of the tool [m]. Shape (3,).
         way: distance that the tool has moved since the end [m].
     """

@@ -122,7 +122,9 @@ class ExternalAxisHandlers(PathSection):
             share = arguments.positive("vel", vel, 100.0, "%") / 100.0
             axes = controller.external_axes.jog(name, direction, share)
             return controller.jog(
-                "move_jog_eaxis", lambda start: replace(stay(self._arm, start), axes=axes)
+                "move_jog_eaxis",
+                lambda start: replace(stay(self._arm, start), axes=axes),
+                TaskState.FINISHED,
             )
 
         return self._task("move_jog_eaxis", block, command)
