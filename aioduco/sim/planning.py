@@ -16,7 +16,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.slices import PlanDropped
+from aioduco.sim.planner.slices import PlanDropped, yielding
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -113,7 +113,8 @@ class PlanningThreads:
     def _plan(self, current: motion_queue.Planning) -> None:
         came: Drafted | PlanError
         try:
-            came = current.draft.work(self.yield_hook)
+            with yielding(self.yield_hook):
+                came = current.draft.work()
         except PlanError as exc:
             came = exc
         except PlanDropped:

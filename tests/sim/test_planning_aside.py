@@ -253,7 +253,7 @@ def finish(bench: Bench, planning: Planning) -> None:
     """Plan it, and bring what comes of it."""
     came: Any
     try:
-        came = planning.draft.work(lambda: None)
+        came = planning.draft.work()
     except PlanError as exc:
         came = exc
     bench.controller.take_plan(planning, came)

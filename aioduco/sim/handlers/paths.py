@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.weaving import Weave
 
     Vector = NDArray[np.float64]
@@ -59,12 +58,10 @@ class PathOptions(TypedDict):
     Attributes:
         weave: added to the path; None while weaving is switched off.
         around: whether the path passes singularities in joint space.
-        yield_hook: called between slices of the planning, so that other threads can run.
     """
 
     weave: Weave | None
     around: bool
-    yield_hook: YieldHook
 
 
 class PathSection(HandlerSection):
@@ -145,8 +142,7 @@ class PathSection(HandlerSection):
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
             weave = replace(weave, work_object=axes)
         around = self._runtime.optimization.avoids
-        hook = self._runtime.planning.yield_hook
-        return {"weave": weave, "around": around, "yield_hook": hook}
+        return {"weave": weave, "around": around}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
         """Plan a motion to joint angles; all joints arrive together."""

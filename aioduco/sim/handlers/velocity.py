@@ -227,7 +227,6 @@ class VelocityHandlers(HandlerSection):
                 speed,
                 _JOG_LINE_ACCELERATION,
                 tool=tool,
-                yield_hook=self._runtime.planning.yield_hook,
             )
 
         return line

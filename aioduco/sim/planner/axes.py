@@ -14,11 +14,9 @@ import numpy as np
 
 from aioduco.sim.planner.limits import SHARE, axes_limits
 from aioduco.sim.planner.path import Path
-from aioduco.sim.planner.slices import no_yield
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import PathLimits
 
 __all__ = ["ExternalAxesMove", "blended"]
@@ -46,12 +44,10 @@ class ExternalAxesMove:
     braking: Array
     path: Path | None = None
 
-    def limits(
-        self, path: Path, nodes: Array, share: float = SHARE, yield_hook: YieldHook = no_yield
-    ) -> PathLimits:
+    def limits(self, path: Path, nodes: Array, share: float = SHARE) -> PathLimits:
         """Give the limits along the path from the axes' speeds and accelerations."""
-        speeds, rates, ways = self.velocity, self.acceleration, path.sample(nodes, yield_hook)
-        return axes_limits(nodes, ways, speeds, rates, self.braking, share, yield_hook=yield_hook)
+        speeds, rates, ways = self.velocity, self.acceleration, path.sample(nodes)
+        return axes_limits(nodes, ways, speeds, rates, self.braking, share)
 
 
 def blended(first: ExternalAxesMove, second: ExternalAxesMove, leave: float, enter: float) -> Path:

@@ -17,7 +17,7 @@ import numpy as np
 from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.slices import no_yield
+from aioduco.sim.planner.slices import yield_now
 from aioduco.sim.planner.timing import allowed, backward
 from aioduco.sim.planner.tracing import check_limits, fit, trace
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import Path
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import PathLimits
 
 
@@ -57,7 +56,7 @@ class Blend(NamedTuple):
     axes: Path | None = None
 
 
-def blend(first: Segment, second: Segment, yield_hook: YieldHook = no_yield) -> Blend | None:
+def blend(first: Segment, second: Segment) -> Blend | None:
     """Blend one motion into the next, within the radius of the first.
 
     While the first motion decelerates to its end, the second accelerates from its start, and both
@@ -67,7 +66,6 @@ def blend(first: Segment, second: Segment, yield_hook: YieldHook = no_yield) -> 
     Args:
         first: a motion with a blend radius.
         second: the motion that begins where the first ends.
-        yield_hook: called between slices of the work.
 
     Returns:
         The blend; None if none is possible, for instance between motions with different external
@@ -79,9 +77,9 @@ def blend(first: Segment, second: Segment, yield_hook: YieldHook = no_yield) -> 
     if (one and one.numbers) != (two and two.numbers):
         return None
     left = _reach(first, backwards=True)
-    yield_hook()
+    yield_now()
     enter = _reach(second, backwards=False, radius=first.radius)
-    yield_hook()
+    yield_now()
     if left is None or enter is None:
         return None
     corner = _Corner(first, second, first.path.end - left, enter)
@@ -93,33 +91,29 @@ def blend(first: Segment, second: Segment, yield_hook: YieldHook = no_yield) -> 
     try:
         if together:
             start = corner.joints(np.zeros(1))[0]
-            path = trace(first.arm, start, corner, first.tool, yield_hook)
+            path = trace(first.arm, start, corner, first.tool)
         else:
-            path, samples = fit(corner.joints, corner.length, _PIECES, yield_hook)
+            path, samples = fit(corner.joints, corner.length, _PIECES)
             check_limits(first.arm, samples)
     except PlanError:
         return None
     nodes = path.nodes()
-    joints = path.sample(nodes, yield_hook)
+    joints = path.sample(nodes)
     speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
-        limits = tool_limits(
-            first.arm, nodes, joints, points, speed, rate, share=_SHARE, yield_hook=yield_hook
-        )
+        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE)
     else:
         # Between a joint move and a line only the joints have a common limit.
         moves = [segment for segment in (first, second) if segment.curve is None]
         rate = min((segment.a for segment in moves), default=math.inf)
         common = speed if len(moves) == 2 else math.inf
-        limits = joint_limits(
-            first.arm, nodes, joints, common, rate, share=_SHARE, yield_hook=yield_hook
-        )
+        limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE)
     axes = None
     if one is not None and two is not None:
         axes = blended(one, two, corner.leave, enter)
         for move in (one, two):
-            limits = limits.stricter(move.limits(axes, nodes, _SHARE, yield_hook))
+            limits = limits.stricter(move.limits(axes, nodes, _SHARE))
     return Blend(corner.leave, enter, path, limits, enter / left, axes)
 
 
@@ -226,37 +220,33 @@ class Entry:
         return self.path.end if self.path is not None else 0.0
 
 
-def alone(key: int, segment: Segment, yield_hook: YieldHook = no_yield) -> Entry:
+def alone(key: int, segment: Segment) -> Entry:
     """Give the entry of a motion that begins and ends at rest.
 
     Args:
         key: the motion's key.
         segment: the motion.
-        yield_hook: called between slices of the work.
     """
     axes = segment.axes.path if segment.axes is not None else None
     entry = Entry(key, segment, segment.path, segment.limits, axes=axes)
-    return _settle((entry,), yield_hook)[0]
+    return _settle((entry,))[0]
 
 
-def joined(
-    queue: tuple[Entry, ...], new: Entry, yield_hook: YieldHook = no_yield
-) -> tuple[Entry, ...] | None:
+def joined(queue: tuple[Entry, ...], new: Entry) -> tuple[Entry, ...] | None:
     """Blend the last motion of a queue into a new one.
 
     Args:
         queue: the queue, the running motion first.
         new: the new motion, alone.
-        yield_hook: called between slices of the work.
 
     Returns:
         The new queue; None if the last motion stops at its end.
     """
-    corner = blend(queue[-1].segment, new.segment, yield_hook) if queue else None
+    corner = blend(queue[-1].segment, new.segment) if queue else None
     if corner is None:
         return None
-    left = _leave(queue[-1], corner, yield_hook)
-    return _settle((*queue[:-1], left, _enter(new, corner, yield_hook)), yield_hook)
+    left = _leave(queue[-1], corner)
+    return _settle((*queue[:-1], left, _enter(new, corner)))
 
 
 def keeps(entry: Entry, at: float, speed: float) -> bool:
@@ -272,12 +262,12 @@ def keeps(entry: Entry, at: float, speed: float) -> bool:
     return at < entry.path.end and speed * speed <= allowed(entry.limits, entry.back, at)
 
 
-def _leave(entry: Entry, corner: Blend, yield_hook: YieldHook) -> Entry:
+def _leave(entry: Entry, corner: Blend) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
     end = corner.leave + (entry.blend.enter if entry.blend is not None else 0.0)
     path = entry.path.slice(0.0, end)
-    yield_hook()
+    yield_now()
     return replace(
         entry,
         path=path,
@@ -288,25 +278,25 @@ def _leave(entry: Entry, corner: Blend, yield_hook: YieldHook) -> Entry:
     )
 
 
-def _enter(entry: Entry, corner: Blend, yield_hook: YieldHook) -> Entry:
+def _enter(entry: Entry, corner: Blend) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
     axes = entry.axes
     if axes is not None and corner.axes is not None:
         axes = corner.axes.then(axes.slice(corner.enter, axes.end))
     path = entry.path.slice(corner.enter, entry.path.end)
-    yield_hook()
+    yield_now()
     path = corner.path.then(path)
-    yield_hook()
+    yield_now()
     limits = entry.limits.slice(corner.enter, entry.path.end)
-    yield_hook()
+    yield_now()
     limits = corner.limits.then(limits)
-    yield_hook()
+    yield_now()
     # The motion still ends at rest, but its nodes have changed.
     return replace(entry, path=path, limits=limits, blend=corner, axes=axes, exit=-1.0)
 
 
-def _settle(queue: tuple[Entry, ...], yield_hook: YieldHook) -> tuple[Entry, ...]:
+def _settle(queue: tuple[Entry, ...]) -> tuple[Entry, ...]:
     """Compute how fast each motion may end, from the last one to the first."""
     settled = list(queue)
     exit_ = 0.0
@@ -318,7 +308,7 @@ def _settle(queue: tuple[Entry, ...], yield_hook: YieldHook) -> tuple[Entry, ...
             settled[i] = replace(entry, exit=exit_)
             exit_ = 0.0
             continue
-        back = tuple(backward(entry.limits, exit_, yield_hook))
+        back = tuple(backward(entry.limits, exit_))
         settled[i] = replace(entry, exit=exit_, back=back)
         exit_ = back[0] / entry.blend.ratio**2 if entry.blend is not None else 0.0
     return tuple(settled)

@@ -20,13 +20,12 @@ from aioduco.models.rotation import (
     rotvec_from_matrix,
 )
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
+from aioduco.sim.planner.slices import LONG_SLICE, slices
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import YieldHook
 
 
 __all__ = [
@@ -217,7 +216,6 @@ class ByLength:
 
     Args:
         poses: poses over u. Shape (n,) to (n, 4, 4).
-        yield_hook: called between slices of the work.
 
     Attributes:
         length: length of the curve of the positions [m].
@@ -227,11 +225,11 @@ class ByLength:
 
     detail: float = math.inf
 
-    def __init__(self, poses: Callable[[Array], Array], yield_hook: YieldHook = no_yield) -> None:
+    def __init__(self, poses: Callable[[Array], Array]) -> None:
         self._poses = poses
         self._u = np.linspace(0.0, 1.0, _TABLE + 1)
         table = np.empty((_TABLE + 1, 4, 4))
-        for part in slices(_TABLE + 1, yield_hook, LONG_SLICE):
+        for part in slices(_TABLE + 1, LONG_SLICE):
             table[part] = poses(self._u[part])
         points, rotations = table[:, :3, 3], table[:, :3, :3]
         step = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -242,7 +240,7 @@ class ByLength:
         self.length: float = float(self._s[-1])
         self.turning: float = 0.0
         back = np.swapaxes(rotations[:-1], -1, -2)
-        for part in slices(_TABLE, yield_hook, LONG_SLICE):
+        for part in slices(_TABLE, LONG_SLICE):
             turns = rotvec_from_matrix(back[part] @ rotations[1:][part])
             self.turning += float(np.linalg.norm(turns, axis=1).sum())
 
@@ -265,7 +263,6 @@ def spiral(
     axial: float,
     radius: float,
     end: Array | None = None,
-    yield_hook: YieldHook = no_yield,
 ) -> ByLength:
     """Give a spiral from the start (manual 1.3.5, move_spiral).
 
@@ -280,7 +277,6 @@ def spiral(
         radius: radius at the end [m].
         end: last pose; if given, it determines the radius, the distance along z and the
             orientation, and the turns are those nearest to `turns` that end there. Shape (4, 4).
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: the start is on the axis, the radius is negative, or the spiral has no length.
@@ -314,10 +310,10 @@ def spiral(
         out[:, :, 3] = points @ centre.T
         return out
 
-    return ByLength(poses, yield_hook)
+    return ByLength(poses)
 
 
-def spline(start: Array, targets: Sequence[Array], yield_hook: YieldHook = no_yield) -> ByLength:
+def spline(start: Array, targets: Sequence[Array]) -> ByLength:
     """Give a smooth curve from the start through poses (manual 1.3.5, spline).
 
     Position and orientation are natural cubic splines over the distance between the poses, with
@@ -326,7 +322,6 @@ def spline(start: Array, targets: Sequence[Array], yield_hook: YieldHook = no_yi
     Args:
         start: first pose. Shape (4, 4).
         targets: poses through which the curve goes; it ends at the last one. Shapes (4, 4).
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: there is no target, or two successive poses are at the same point.
@@ -357,7 +352,7 @@ def spline(start: Array, targets: Sequence[Array], yield_hook: YieldHook = no_yi
         out[:, 3, 3] = 1.0
         return out
 
-    return ByLength(poses, yield_hook)
+    return ByLength(poses)
 
 
 def _bends(knots: Array, values: Array) -> Array:

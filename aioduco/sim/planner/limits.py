@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.sim.planner.path import differentiate
-from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices, to_list
+from aioduco.sim.planner.slices import LONG_SLICE, slices, to_list, yield_now
 from aioduco.sim.planner.timing import PathLimits
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import YieldHook
 
 __all__ = ["SHARE", "STOPPING", "axes_limits", "joint_limits", "tool_limits"]
 
@@ -38,7 +37,6 @@ def joint_limits(
     *,
     share: float = SHARE,
     top: Array | float = math.inf,
-    yield_hook: YieldHook = no_yield,
 ) -> PathLimits:
     """Give the limits of a path on which every joint keeps to a speed and an acceleration.
 
@@ -51,12 +49,11 @@ def joint_limits(
         share: largest share of the acceleration for the bends of the path; the rest is for changes
             of the speed along it.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
-        yield_hook: called between slices of the work.
     """
     speeds = np.minimum(np.reshape(v, (-1, 1)), arm.velocity)
     drives = np.array(arm.acceleration)
     rates = np.minimum(np.reshape(a, (-1, 1)), drives)
-    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share, top, yield_hook)
+    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share, top)
 
 
 def axes_limits(
@@ -67,7 +64,6 @@ def axes_limits(
     braking: Array,
     share: float = SHARE,
     top: Array | float = math.inf,
-    yield_hook: YieldHook = no_yield,
 ) -> PathLimits:
     """Give the limits of a path on which each of some axes keeps to a speed and an acceleration.
 
@@ -79,7 +75,6 @@ def axes_limits(
         braking: accelerations that a stop uses. Shape (k,).
         share: largest share of the acceleration for the bends of the path.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
-        yield_hook: called between slices of the work.
     """
     count = len(nodes)
     speeds = np.broadcast_to(speeds, (count, axes.shape[2]))
@@ -87,7 +82,7 @@ def axes_limits(
     top = np.broadcast_to(top, count)
     ceilings: list[float] = []
     push, brake = np.empty(count), np.empty(count)
-    for part in slices(count, yield_hook, LONG_SLICE):
+    for part in slices(count, LONG_SLICE):
         slope, bend = np.abs(axes[part, 1]), np.abs(axes[part, 2])
         with np.errstate(divide="ignore", over="ignore"):
             fast = (speeds[part] / slope).min(axis=1) ** 2
@@ -98,18 +93,18 @@ def axes_limits(
             brake[part] = (braking / slope).min(axis=1)
     pieces = count - 1
     return PathLimits(
-        to_list(nodes, yield_hook),
+        to_list(nodes),
         ceilings,
-        _least(push, yield_hook),
+        _least(push),
         [math.inf] * pieces,
         [0.0] * pieces,
-        _least(brake, yield_hook),
+        _least(brake),
     )
 
 
-def _least(values: Array, yield_hook: YieldHook) -> list[float]:
+def _least(values: Array) -> list[float]:
     """Give the smaller of the values at both ends of each piece."""
-    return to_list(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST), yield_hook)
+    return to_list(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST))
 
 
 def tool_limits(
@@ -121,7 +116,6 @@ def tool_limits(
     a: float,
     *,
     share: float | None = None,
-    yield_hook: YieldHook = no_yield,
 ) -> PathLimits:
     """Give the limits of a path on which the tool centre point keeps to a speed and acceleration.
 
@@ -135,11 +129,10 @@ def tool_limits(
         share: largest share of the acceleration for the bends of the path, if the path's parameter
             is not the distance, so that the acceleration along the path is not perpendicular to the
             one across it; None if the parameter is the distance.
-        yield_hook: called between slices of the work.
     """
-    velocity, acceleration = differentiate(points, float(nodes[1]), yield_hook)
+    velocity, acceleration = differentiate(points, float(nodes[1]))
     stretch, curvature = np.empty(len(points)), np.empty(len(points))
-    for part in slices(len(points), yield_hook, LONG_SLICE):
+    for part in slices(len(points), LONG_SLICE):
         stretch[part] = np.linalg.norm(velocity[part], axis=1)
         curvature[part] = np.linalg.norm(acceleration[part], axis=1)
     if stretch.max() < _STRAIGHT:
@@ -148,16 +141,12 @@ def tool_limits(
     most = _ACROSS if share is None else share
     with np.errstate(divide="ignore"):
         top = np.minimum((v / stretch) ** 2, most * a / curvature)
-    yield_hook()
-    limits = joint_limits(
-        arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top, yield_hook=yield_hook
-    )
+    yield_now()
+    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top)
     widest = np.maximum(np.maximum(stretch[:-1], stretch[1:]), _STRAIGHT)
     if share is not None:
         left = a - curvature * np.array(limits.ceiling)
         return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
     bends = np.maximum(curvature[:-1], curvature[1:]) / widest
-    yield_hook()
-    return limits._replace(
-        total=to_list(a / widest, yield_hook), curvature=to_list(bends, yield_hook)
-    )
+    yield_now()
+    return limits._replace(total=to_list(a / widest), curvature=to_list(bends))

@@ -20,7 +20,7 @@ import numpy as np
 from aioduco.sim.planner.blending import Entry, alone, joined, keeps
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, carry
-from aioduco.sim.planner.slices import no_yield
+from aioduco.sim.planner.slices import yield_now
 from aioduco.sim.planner.timing import fastest
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import TimeLaw
 
 __all__ = [
@@ -128,29 +127,28 @@ class Draft(NamedTuple):
     axes: dict[int, float]
     rest: list[object]
 
-    def work(self, yield_hook: YieldHook = no_yield) -> Drafted:
+    def work(self) -> Drafted:
         """Plan the motion, its blend with the one before it included.
 
         Args:
-            yield_hook: called between slices of the work; may raise PlanDropped.
 
         Raises:
             PlanError: from `plan`, or the motion cannot follow those before it.
         """
         while self.rest:
             self.rest.pop()
-            yield_hook()
+            yield_now()
         segment = self.plan(self.start.copy())
-        yield_hook()
+        yield_now()
         if np.abs(segment.q_start - self.start).max() > 1e-9:
             raise PlanError("parameter", "the motion does not begin where the one before it ends")
         if segment.axes is not None:
-            segment = carry(segment, self.axes, yield_hook)
+            segment = carry(segment, self.axes)
         pieces = sum(len(path.bounds) for entry in self.queue if (path := entry.path) is not None)
         if segment.path is not None and pieces + len(segment.path.bounds) > _MOST:
             raise PlanError("limits", "the motions that wait are too long to be known at once")
-        new = alone(self.key, segment, yield_hook)
-        return Drafted(self, segment, new, joined(self.queue, new, yield_hook))
+        new = alone(self.key, segment)
+        return Drafted(self, segment, new, joined(self.queue, new))
 
 
 class MoverTick(NamedTuple):

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
+from aioduco.sim.planner.slices import LONG_SLICE, slices
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.slices import YieldHook
 
 
 __all__ = ["JointSetPoint", "Path", "PlanCode", "PlanError", "differentiate"]
@@ -59,9 +58,7 @@ class Path:
         return cls([0.0, length], [0.0], [1.0 / length], [coefficients])
 
     @classmethod
-    def through(
-        cls, q: Array, slope: Array, bend: Array, length: float, yield_hook: YieldHook = no_yield
-    ) -> Path:
+    def through(cls, q: Array, slope: Array, bend: Array, length: float) -> Path:
         """Go through samples with given derivatives; position, slope and bend are continuous.
 
         Args:
@@ -69,12 +66,11 @@ class Path:
             slope: dq/ds there. Shape (n + 1, 6).
             bend: d²q/ds² there. Shape (n + 1, 6).
             length: s at the last sample.
-            yield_hook: called between slices of the work.
         """
         count = len(q) - 1
         step = length / count
         coefficients: list[Array] = []
-        for part in slices(count, yield_hook, LONG_SLICE):
+        for part in slices(count, LONG_SLICE):
             ends = slice(part.start + 1, part.stop + 1)
             a, b = q[part], q[ends]
             da, db = slope[part] * step, slope[ends] * step
@@ -164,17 +160,16 @@ class Path:
         result: Array = weights.dot(self._coefficients[piece])  # a third of matmul's time
         return result
 
-    def sample(self, s: Array, yield_hook: YieldHook = no_yield) -> Array:
+    def sample(self, s: Array) -> Array:
         """Give q, dq/ds and d²q/ds² for many distances. Shape (n,) to (n, 3, 6).
 
         Args:
             s: the distances.
-            yield_hook: called between slices of the work.
         """
         if len(s) <= LONG_SLICE:
             return self._sample(s)
         result = np.empty((len(s), 3, self._coefficients[0].shape[1]))
-        for part in slices(len(s), yield_hook, LONG_SLICE):
+        for part in slices(len(s), LONG_SLICE):
             result[part] = self._sample(s[part])
         return result
 
@@ -222,15 +217,12 @@ def _edges() -> tuple[Array, Array]:
     return first, second
 
 
-def differentiate(
-    values: Array, step: float, yield_hook: YieldHook = no_yield
-) -> tuple[Array, Array]:
+def differentiate(values: Array, step: float) -> tuple[Array, Array]:
     """Differentiate equidistant samples by central differences, one-sided ones at the ends.
 
     Args:
         values: at least seven samples. Shape (n, k).
         step: distance between samples.
-        yield_hook: called between slices of the work.
 
     Returns:
         First derivatives, sixth order, and second derivatives, fifth order or better. (n, k) each.
@@ -239,7 +231,7 @@ def differentiate(
     half = _STENCIL // 2
     slope, bend = np.empty_like(values), np.empty_like(values)
     windows = np.lib.stride_tricks.sliding_window_view(values, _STENCIL, axis=0)
-    for part in slices(len(windows), yield_hook, LONG_SLICE):
+    for part in slices(len(windows), LONG_SLICE):
         inner = slice(part.start + half, part.stop + half)
         slope[inner] = windows[part] @ first[half]
         bend[inner] = windows[part] @ second[half]

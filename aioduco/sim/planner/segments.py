@@ -13,7 +13,7 @@ from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
-from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
+from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 from aioduco.sim.planner.timing import backward, fastest
 from aioduco.sim.planner.tracing import check_limits, pass_singularities, passing_limits, trace
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.axes import ExternalAxesMove
     from aioduco.sim.planner.curves import Curve
-    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import PathLimits
     from aioduco.sim.planner.weaving import Weave
 
@@ -96,15 +95,12 @@ class Segment:
         return poses
 
 
-def carry(
-    segment: Segment, before: Mapping[int, float], yield_hook: YieldHook = no_yield
-) -> Segment:
+def carry(segment: Segment, before: Mapping[int, float]) -> Segment:
     """Let the external axes of a motion move with it.
 
     Args:
         segment: the motion, with the movement of its axes.
         before: positions at which the motions before it leave external axes, by number.
-        yield_hook: called between slices of the work.
 
     Returns:
         The motion, with the limits of both arm and axes. If the arm does not move, the path is that
@@ -122,7 +118,7 @@ def carry(
     move = replace(move, path=Path.straight(start, move.end, path.end))
     assert move.path is not None
     nodes = np.array(limits.nodes if limits is not None else path.bounds)
-    axes = move.limits(move.path, nodes, yield_hook=yield_hook)
+    axes = move.limits(move.path, nodes)
     return replace(
         segment, path=path, limits=axes if limits is None else limits.stricter(axes), axes=move
     )
@@ -182,7 +178,6 @@ def line_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
@@ -199,7 +194,6 @@ def line_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -215,7 +209,6 @@ def line_move(
         frame,
         weave,
         around,
-        yield_hook,
     )
 
 
@@ -232,7 +225,6 @@ def arc_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
 
@@ -249,14 +241,13 @@ def arc_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def circle_move(
@@ -272,7 +263,6 @@ def circle_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
 
@@ -288,7 +278,6 @@ def circle_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -297,7 +286,7 @@ def circle_move(
         raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def spiral_move(
@@ -315,7 +304,6 @@ def spiral_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    yield_hook: YieldHook = no_yield,
 ) -> Segment:
     """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
 
@@ -333,15 +321,14 @@ def spiral_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     end = None if target is None else target @ frame
-    curve = spiral(start, centre, turns, axial, radius, end, yield_hook)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
+    curve = spiral(start, centre, turns, axial, radius, end)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def spline_move(
@@ -355,7 +342,6 @@ def spline_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
-    yield_hook: YieldHook = no_yield,
     apart: bool = False,
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
@@ -370,7 +356,6 @@ def spline_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: weave to add to the path.
         around: whether to leave the path near singularities instead of refusing it.
-        yield_hook: called between slices of the work.
         apart: whether the first pose must differ from the start of the motion, as behind another
             spline; otherwise it may be the same.
 
@@ -384,8 +369,8 @@ def spline_move(
         if not through:
             _check(v, a, r)
             return replace(stay(arm, q0), radius=r, v=v, a=a, tool=frame)
-    curve = spline(start, through, yield_hook)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, yield_hook)
+    curve = spline(start, through)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def _same(one: Array, other: Array) -> bool:
@@ -410,24 +395,23 @@ def _cartesian(
     tool: Array,
     weave: Weave | None,
     around: bool,
-    yield_hook: YieldHook,
 ) -> Segment:
     q0 = np.array(q0, dtype=float)
     _check(v, a, r)
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
     woven = None if weave is None else weave.over(curve, v)
-    yield_hook()
+    yield_now()
     laid: Curve = curve if woven is None else woven
     kept: Curve | None = laid
     try:
-        path, limits = _followed(arm, q0, curve, laid, v, a, tool, yield_hook)
+        path, limits = _followed(arm, q0, curve, laid, v, a, tool)
     except PlanError as exc:
         if exc.code != "singular" or not around:
             raise
-        path = pass_singularities(arm, q0, laid, tool, yield_hook)
-        limits, kept = passing_limits(arm, path, v, a, yield_hook), None
-    yield_hook()
+        path = pass_singularities(arm, q0, laid, tool)
+        limits, kept = passing_limits(arm, path, v, a), None
+    yield_now()
     if woven is not None:
         limits = limits.waiting(woven.stops)
     q_end = path.sample(np.array([path.end]))[0, 0]
@@ -442,21 +426,18 @@ def _followed(
     v: float,
     a: float,
     tool: Array,
-    yield_hook: YieldHook,
 ) -> tuple[Path, PathLimits]:
     """Give the joints' path along `laid`, which is `curve` with or without a weave, and its limits.
 
     Speed and acceleration are those along `curve`; only the joints limit the weave.
     """
-    path = trace(arm, q0, laid, tool, yield_hook)
+    path = trace(arm, q0, laid, tool)
     nodes = path.nodes()
     points = np.empty((len(nodes), 3))
-    for part in slices(len(nodes), yield_hook, LONG_SLICE):
+    for part in slices(len(nodes), LONG_SLICE):
         points[part] = curve.poses(nodes[part])[:, :3, 3]
-    limits = tool_limits(
-        arm, nodes, path.sample(nodes, yield_hook), points, v, a, yield_hook=yield_hook
-    )
-    yield_hook()
+    limits = tool_limits(arm, nodes, path.sample(nodes), points, v, a)
+    yield_now()
     slowest = math.sqrt(min(limits.ceiling))
     # A curve that mostly turns is slow for its turn, at which a singularity has no part.
     wanted = v if curve.turning == 0.0 else min(v, curve.length / curve.turning)

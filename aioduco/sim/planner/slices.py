@@ -1,22 +1,24 @@
 """Work in slices: a long plan yields to other threads in between.
 
-Planning runs while the controller's cycles and commands go on. The planning code calls its
-`yield_hook` between two slices of the work. There the caller of the plan yields to other threads,
-or raises `PlanDropped` if the plan is no longer needed. The slices depend on the path alone, never
-on the time that a slice takes, so a plan has the same result on every machine.
+Planning runs while the controller's cycles and commands go on. The planning code calls `yield_now`
+between two slices of the work. There the caller of the plan, who has set a hook by `yielding`,
+yields to other threads, or raises `PlanDropped` if the plan is no longer needed. The slices depend
+on the path alone, never on the time that a slice takes, so a plan has the same result on every
+machine.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, TypeAlias
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from aioduco.models.rotation import Array
 
-__all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "YieldHook", "no_yield", "slices", "to_list"]
-
-YieldHook: TypeAlias = Callable[[], None]
+__all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "slices", "to_list", "yield_now", "yielding"]
 
 #: number of samples or nodes of a path that are processed between two calls of the hook
 SLICE = 64
@@ -28,26 +30,40 @@ class PlanDropped(Exception):
     """A plan is no longer needed. This is not an error: planning code must not catch it."""
 
 
-def no_yield() -> None:
-    """Continue at once: no other thread waits."""
+#: of the thread that plans; None where no other thread waits
+_hook: ContextVar[Callable[[], None] | None] = ContextVar("yield_hook", default=None)
 
 
-def slices(count: int, yield_hook: YieldHook, size: int = SLICE) -> Iterator[slice]:
-    """Cut a number of samples into slices, and call the hook after each.
+@contextmanager
+def yielding(hook: Callable[[], None]) -> Iterator[None]:
+    """Have the planning code of this thread call a function between slices of its work."""
+    token = _hook.set(hook)
+    try:
+        yield
+    finally:
+        _hook.reset(token)
 
-    Args:
-        count: number of samples.
-        yield_hook: called after each slice.
-        size: number of samples in a slice.
+
+def yield_now() -> None:
+    """Let other threads run, if the caller of the plan has set how.
+
+    Raises:
+        PlanDropped: the plan is no longer needed.
     """
+    if (hook := _hook.get()) is not None:
+        hook()
+
+
+def slices(count: int, size: int = SLICE) -> Iterator[slice]:
+    """Cut a number of samples into slices of a size, and yield to other threads after each."""
     for begin in range(0, count, size):
         yield slice(begin, min(begin + size, count))
-        yield_hook()
+        yield_now()
 
 
-def to_list(values: Array, yield_hook: YieldHook) -> list[float]:
-    """Give an array as a list, and call the hook after each of its slices. Shape (n,)."""
+def to_list(values: Array) -> list[float]:
+    """Give an array as a list, and yield to other threads after each slice. Shape (n,)."""
     numbers: list[float] = []
-    for part in slices(len(values), yield_hook, 8 * LONG_SLICE):
+    for part in slices(len(values), 8 * LONG_SLICE):
         numbers += values[part].tolist()
     return numbers

@@ -15,12 +15,11 @@ import math
 from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.sim.planner.slices import no_yield, slices
+from aioduco.sim.planner.slices import slices
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from aioduco.sim.planner.slices import YieldHook
 
 __all__ = ["PathLimits", "TimeLaw", "allowed", "backward", "fastest"]
 
@@ -248,19 +247,18 @@ class TimeLaw:
         return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
 
 
-def backward(limits: PathLimits, x: float, yield_hook: YieldHook = no_yield) -> list[float]:
+def backward(limits: PathLimits, x: float) -> list[float]:
     """Give the highest (ds/dt)² at each node from which x at the last node can be reached.
 
     Args:
         limits: limits of the whole path.
         x: (ds/dt)² at its last node.
-        yield_hook: called between slices of the work.
     """
     nodes, ceiling = limits.nodes, limits.ceiling
     x = min(x, ceiling[-1])
     reached = [x]
     last = len(nodes) - 2
-    for part in slices(len(nodes) - 1, yield_hook):
+    for part in slices(len(nodes) - 1):
         for i in range(last - part.start, last - part.stop, -1):
             x = min(x + 2.0 * _rate(limits, i, x) * (nodes[i + 1] - nodes[i]), ceiling[i])
             reached.append(x)

@@ -17,7 +17,7 @@ from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import BRANCHES, closed_form, shortfall, wrap
 from aioduco.sim.planner.limits import joint_limits
 from aioduco.sim.planner.path import Path, PlanError, differentiate
-from aioduco.sim.planner.slices import LONG_SLICE, no_yield, slices
+from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
-    from aioduco.sim.planner.slices import YieldHook
     from aioduco.sim.planner.timing import PathLimits
 
 
@@ -55,7 +54,6 @@ def follow(
     q0: Array,
     s: Array,
     flange: Callable[[Array], Array],
-    yield_hook: YieldHook = no_yield,
 ) -> Array:
     """Give the joints along a sequence of poses, on the branch and the turn of q0.
 
@@ -64,7 +62,6 @@ def follow(
         q0: joints at the first pose [rad]. Shape (6,).
         s: distances at which the poses are. Shape (n,).
         flange: gives poses of the flange in the base frame. Shape (m,) to (m, 4, 4).
-        yield_hook: called between slices of the work.
 
     Returns:
         Joint angles [rad]. Shape (n, 6).
@@ -76,7 +73,7 @@ def follow(
     q = np.empty((len(s), 6))
     lost: list[int] = []
     beyond = False  # a pose is out of reach from every branch
-    for part in slices(len(s), yield_hook):
+    for part in slices(len(s)):
         solutions = closed_form(arm.geometry, flange(s[part]), float(q0[5]))
         if branch < 0:
             off = np.nan_to_num(np.abs(wrap(solutions[0] - q0)).max(axis=-1), nan=np.inf)
@@ -105,9 +102,9 @@ def follow(
     return turned
 
 
-def _check_singular(arm: Arm, q: Array, yield_hook: YieldHook = no_yield) -> None:
+def _check_singular(arm: Arm, q: Array) -> None:
     values = np.empty((len(q), 3))
-    for part in slices(len(q), yield_hook, LONG_SLICE):
+    for part in slices(len(q), LONG_SLICE):
         values[part] = np.abs(singular_values(arm.geometry, q[part]))
     if values.min() < SINGULAR:
         place, kind = np.unravel_index(int(values.argmin()), values.shape)
@@ -128,7 +125,7 @@ def check_limits(arm: Arm, q: Array) -> None:
         )
 
 
-def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, yield_hook: YieldHook = no_yield) -> Path:
+def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     """Give the joints' path along a curve of the tool centre point.
 
     Args:
@@ -136,7 +133,6 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, yield_hook: YieldHook 
         q0: joints at the beginning of the curve [rad]. Shape (6,).
         curve: curve of the tool centre point in the base frame.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular or beyond the joint limits.
@@ -144,27 +140,24 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, yield_hook: YieldHook 
     back = np.linalg.inv(tool)
 
     def joints(s: Array) -> Array:
-        return follow(arm, q0, s, lambda part: curve.poses(part) @ back, yield_hook)
+        return follow(arm, q0, s, lambda part: curve.poses(part) @ back)
 
     length = curve.length
     count = min(max(length / _SPACING, curve.turning / _TURNING), _MOST)
-    path, samples = fit(joints, length, max(count, length / curve.detail), yield_hook)
-    _check_singular(arm, samples, yield_hook)
+    path, samples = fit(joints, length, max(count, length / curve.detail))
+    _check_singular(arm, samples)
     check_limits(arm, samples)
-    yield_hook()
+    yield_now()
     return path
 
 
-def fit(
-    joints: Callable[[Array], Array], length: float, count: float, yield_hook: YieldHook = no_yield
-) -> tuple[Path, Array]:
+def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[Path, Array]:
     """Give a path through samples of a function, so many that it is exact between them.
 
     Args:
         joints: joint angles over distance. Shape (n,) to (n, 6).
         length: distance at the end of the path, which begins at zero.
         count: initial number of samples.
-        yield_hook: called between slices of the work; `joints` has turns of its own.
 
     Returns:
         The path, which is within 10 µrad of the function half-way between its samples; and the
@@ -182,15 +175,13 @@ def fit(
         q = every[::2]
         steps = [
             np.abs(np.diff(q[part.start : part.stop + 1], axis=0)).max()
-            for part in slices(pieces, yield_hook, LONG_SLICE)
+            for part in slices(pieces, LONG_SLICE)
         ]
         if max(steps) < STRIDE:
-            path = Path.through(
-                q, *differentiate(q, length / pieces, yield_hook), length, yield_hook
-            )
-            between = path.sample(s[1::2], yield_hook)[:, 0]
+            path = Path.through(q, *differentiate(q, length / pieces), length)
+            between = path.sample(s[1::2])[:, 0]
             if np.abs(between - every[1::2]).max() < _EXACT:
-                yield_hook()
+                yield_now()
                 return path, every
         if 2 * pieces > most:
             raise PlanError("singular", "the path passes through a singularity")
@@ -206,9 +197,7 @@ class _Stretch(NamedTuple):
     end: Array
 
 
-def pass_singularities(
-    arm: Arm, q0: Array, curve: Curve, tool: Array, yield_hook: YieldHook = no_yield
-) -> Path:
+def pass_singularities(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     """Give the joints' path along a curve of the tool centre point, through singularities.
 
     Args:
@@ -216,7 +205,6 @@ def pass_singularities(
         q0: joints at the beginning of the curve [rad]. Shape (6,).
         curve: curve of the tool centre point in the base frame.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        yield_hook: called between slices of the work.
 
     Raises:
         PlanError: unreachable, or beyond the joint limits.
@@ -224,15 +212,15 @@ def pass_singularities(
     back: Array = np.linalg.inv(tool).astype(np.float64)
     s = np.linspace(0.0, curve.length, _SAMPLES + 1)
     solutions = np.empty((len(s), BRANCHES, 6))
-    for piece in slices(len(s), yield_hook):
+    for piece in slices(len(s)):
         solutions[piece] = closed_form(arm.geometry, curve.poses(s[piece]) @ back, float(q0[5]))
-    stretches = _stretches(arm, q0, solutions, yield_hook)
+    stretches = _stretches(arm, q0, solutions)
     end = _nearest(solutions[-1], stretches[-1].end if stretches else q0)
     path: Path | None = None
     at, q = 0.0, q0
     for stretch in stretches:
         begin, length = float(s[stretch.first]), float(s[stretch.last] - s[stretch.first])
-        part = _exact(arm, stretch.start, curve, back, begin, length, yield_hook)
+        part = _exact(arm, stretch.start, curve, back, begin, length)
         if begin > at:
             part = _passage(q, part.sample(np.zeros(1))[0, 0], path, part, begin - at).then(part)
         path = part if path is None else path.then(part)
@@ -241,13 +229,11 @@ def pass_singularities(
         last = _passage(q, end, path, None, curve.length - at)
         path = last if path is None else path.then(last)
     assert path is not None
-    check_limits(arm, path.sample(path.nodes(), yield_hook)[:, 0])
+    check_limits(arm, path.sample(path.nodes())[:, 0])
     return path
 
 
-def passing_limits(
-    arm: Arm, path: Path, v: float, a: float, yield_hook: YieldHook = no_yield
-) -> PathLimits:
+def passing_limits(arm: Arm, path: Path, v: float, a: float) -> PathLimits:
     """Give the limits of such a path: speed and acceleration along the curve, and the joints' own.
 
     Args:
@@ -255,22 +241,21 @@ def passing_limits(
         path: result of `pass_singularities`.
         v: speed along the curve [m/s].
         a: acceleration along it [m/s²].
-        yield_hook: called between slices of the work.
     """
     nodes = path.nodes()
-    joints = path.sample(nodes, yield_hook)
-    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, top=v * v, yield_hook=yield_hook)
+    joints = path.sample(nodes)
+    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, top=v * v)
     return limits._replace(total=[a] * (len(nodes) - 1))
 
 
-def _stretches(arm: Arm, q0: Array, solutions: Array, yield_hook: YieldHook) -> list[_Stretch]:
+def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:
     """Find the parts of a curve that are away from singularities, each on its branch."""
     count = len(solutions)
     away = np.abs(singular_values(arm.geometry, solutions)).min(axis=-1)
     usable = np.nan_to_num(away, nan=0.0) >= NEAR  # (n, 8)
     steps = np.nan_to_num(np.abs(wrap(np.diff(solutions, axis=0))).max(axis=-1), nan=np.inf)
     joined = steps < STRIDE  # (n - 1, 8)
-    yield_hook()
+    yield_now()
     found: list[_Stretch] = []
     q, i = q0, 0
     while i < count:
@@ -278,7 +263,7 @@ def _stretches(arm: Arm, q0: Array, solutions: Array, yield_hook: YieldHook) -> 
         if not usable[i, branch]:
             i += 1  # still near the singularity
             if i % _LEAST == 0:
-                yield_hook()
+                yield_now()
             continue
         j = i
         while j + 1 < count and usable[j + 1, branch] and joined[j, branch]:
@@ -289,7 +274,7 @@ def _stretches(arm: Arm, q0: Array, solutions: Array, yield_hook: YieldHook) -> 
             found.append(_Stretch(i, j, track[0], track[-1]))
             q = track[-1]
         i = j + 1
-        yield_hook()
+        yield_now()
     return found
 
 
@@ -315,14 +300,13 @@ def _exact(
     back: Array,
     begin: float,
     length: float,
-    yield_hook: YieldHook,
 ) -> Path:
     """Give the path along a part of the curve; its distances begin at zero."""
 
     def joints(s: Array) -> Array:
-        return follow(arm, q, s, lambda part: curve.poses(begin + part) @ back, yield_hook)
+        return follow(arm, q, s, lambda part: curve.poses(begin + part) @ back)
 
-    path, _ = fit(joints, length, length / curve.detail, yield_hook)
+    path, _ = fit(joints, length, length / curve.detail)
     return path
 
 

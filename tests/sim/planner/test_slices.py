@@ -16,7 +16,7 @@ from aioduco.sim.planner import timing, tracing
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import Path
 from aioduco.sim.planner.segments import joint_move, line_move, spiral_move, spline_move
-from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, no_yield, slices
+from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, slices, yielding
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.weaving import Weave
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.slices import YieldHook
 
 FIVE = arm("gcr5_910")
 HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
@@ -38,24 +37,20 @@ def shifted(q: Array, *by: float) -> Array:
     return pose
 
 
-def woven(q: Array, yield_hook: YieldHook = no_yield, swings: int = 300, shape: int = 4) -> Segment:
+def woven(q: Array, swings: int = 300, shape: int = 4) -> Segment:
     """A line of 0.3 m, with so many swings over it."""
     weave = Weave(WeaveShape(shape), WeavePlane.TOOL_XY, swings * 0.02 / 0.3, 0.004)
-    return line_move(
-        FIVE, q, shifted(q, 0.0, 0.3, 0.0), 0.02, 1.0, weave=weave, yield_hook=yield_hook
-    )
+    return line_move(FIVE, q, shifted(q, 0.0, 0.3, 0.0), 0.02, 1.0, weave=weave)
 
 
-def splined(q: Array, yield_hook: YieldHook = no_yield) -> Segment:
+def splined(q: Array) -> Segment:
     through = [shifted(q, 0.02 * math.sin(0.5 * i), 0.006 * i, 0.0) for i in range(1, 51)]
-    return spline_move(FIVE, q, through, 0.1, 1.0, yield_hook=yield_hook)
+    return spline_move(FIVE, q, through, 0.1, 1.0)
 
 
-def wound(q: Array, yield_hook: YieldHook = no_yield) -> Segment:
+def wound(q: Array) -> Segment:
     centre = shifted(q, 0.05, 0.0, 0.0)
-    return spiral_move(
-        FIVE, q, centre, 100.0, 0.1, 1.0, axial=0.05, radius=0.01, yield_hook=yield_hook
-    )
+    return spiral_move(FIVE, q, centre, 100.0, 0.1, 1.0, axial=0.05, radius=0.01)
 
 
 class Counter:
@@ -97,7 +92,8 @@ def test_no_slice_is_longer_the_longer_the_path(
     plan: Callable[..., Segment], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     work, mover = Counter(monkeypatch), Mover(FIVE, HOME, CYCLE)
-    drafted = mover.draft(1, partial(plan, yield_hook=work.yield_hook)).work(work.yield_hook)
+    with yielding(work.yield_hook):
+        drafted = mover.draft(1, plan).work()
     assert drafted.alone.limits is not None
     nodes = len(drafted.alone.limits.nodes)
     assert work.turns > nodes / SLICE
@@ -122,9 +118,8 @@ def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     mover.append(1, lambda q: line_move(FIVE, q, end, 0.1, 1.0, 0.01))
     mover.tick()
     work = Counter(monkeypatch)
-    drafted = mover.draft(2, partial(woven, yield_hook=work.yield_hook, swings=50)).work(
-        work.yield_hook
-    )
+    with yielding(work.yield_hook):
+        drafted = mover.draft(2, partial(woven, swings=50)).work()
     assert drafted.joined is not None
     assert work.most["poses"] <= 2 * SLICE
     assert work.most["nodes"] <= SLICE + 1
@@ -139,7 +134,8 @@ def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_turns_change_nothing_of_a_plan() -> None:
     turns: list[None] = []
     plain = woven(HOME, swings=20)
-    cut = woven(HOME, lambda: turns.append(None), swings=20)
+    with yielding(lambda: turns.append(None)):
+        cut = woven(HOME, swings=20)
     assert len(turns) > 10
     assert plain.limits == cut.limits
     assert plain.path is not None
@@ -155,16 +151,19 @@ def test_a_plan_is_dropped_at_a_turn() -> None:
         if next(left, None) is None:
             raise PlanDropped
 
-    with pytest.raises(PlanDropped):
-        Mover(FIVE, HOME, CYCLE).draft(1, partial(woven, yield_hook=yield_hook)).work(yield_hook)
+    with pytest.raises(PlanDropped), yielding(yield_hook):
+        Mover(FIVE, HOME, CYCLE).draft(1, woven).work()
 
 
 def test_slices_are_whole_and_each_has_its_turn() -> None:
     turns: list[None] = []
-    parts = list(slices(150, lambda: turns.append(None), 64))
+    with yielding(lambda: turns.append(None)):
+        parts = list(slices(150, 64))
     assert parts == [slice(0, 64), slice(64, 128), slice(128, 150)]
     assert len(turns) == 3
-    assert list(slices(0, no_yield)) == []
+    assert list(slices(0)) == []
+    list(slices(1))
+    assert len(turns) == 3
 
 
 # -- laws ------------------------------------------------------------------------------------------
