@@ -19,7 +19,7 @@ from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.slices import PlanDropped, yielding
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from aioduco.sim.controller import motion_queue
     from aioduco.sim.controller.state_machine import Controller
@@ -32,6 +32,8 @@ __all__ = ["PlanningThreads"]
 _YIELD_SLEEP = 5e-5
 #: real time of work between two such sleeps [s]
 _YIELD_INTERVAL = 5e-4
+#: longest real time for which planning waits for commands: it goes on beside many of them [s]
+_GIVE_WAY = 0.005
 
 
 class PlanningThreads:
@@ -59,6 +61,7 @@ class PlanningThreads:
         self._plans = threading.Lock()  # held by the thread that plans; acquired before `_lock`
         self._current: motion_queue.Planning | None = None
         self._worked_from = 0.0
+        self._commands: list[None] = []  # one for each that is under way; appending is atomic
         self._due = threading.Event()
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="sim-planner", daemon=True)
@@ -77,12 +80,30 @@ class PlanningThreads:
         if self._thread.is_alive():
             self._thread.join()
 
+    @contextlib.contextmanager
+    def giving_way(self) -> Iterator[None]:
+        """Let planning wait, from its next slice on, while a command is carried out.
+
+        A command needs the interpreter's lock several times: each time it would wait for the end of
+        a slice.
+        """
+        self._commands.append(None)
+        try:
+            yield
+        finally:
+            self._commands.pop()
+
     def yield_hook(self) -> None:
         """Yield to other threads; the planning code calls this between two slices of its work.
 
         Raises:
             PlanDropped: The plan is no longer needed.
         """
+        if self._commands:
+            until = time.perf_counter() + _GIVE_WAY
+            while self._commands and time.perf_counter() < until:
+                time.sleep(_YIELD_SLEEP)
+            self._worked_from = time.perf_counter()
         if self._closing or self._controller.planning is not self._current:
             raise PlanDropped
         if time.perf_counter() - self._worked_from >= _YIELD_INTERVAL:

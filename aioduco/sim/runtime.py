@@ -238,7 +238,7 @@ class SimulationRuntime:
             yield self._controller
             return
         self._catch_up()
-        with self._changing() as controller:
+        with self.planning.giving_way(), self._changing() as controller:
             before = controller.unplanned
             yield controller
             came = controller.unplanned

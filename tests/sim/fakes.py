@@ -14,6 +14,7 @@ from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.force.control import ForceControl
 from aioduco.sim.planner.path import JointSetPoint, PlanError
+from aioduco.sim.planner.slices import yield_now
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,9 +59,9 @@ class FakeDraft(NamedTuple):
     plan: Callable[[Vector], Any]
     start: Vector
 
-    def work(self, turn: Callable[[], None]) -> FakeDrafted:
+    def work(self) -> FakeDrafted:
         segment = self.plan(self.start)
-        turn()
+        yield_now()
         return FakeDrafted(self.key, segment)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import threading
+from contextlib import nullcontext
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -230,6 +232,32 @@ def test_a_simulator_ends_while_it_plans(
 
 
 # -- the controller alone --------------------------------------------------------------------------
+
+
+def test_planning_waits_while_a_command_is_carried_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    controller = Bench().enabled().controller
+    planning = PlanningThreads(controller, threading.Lock(), lambda: nullcontext(controller), print)
+    slept: list[float] = []
+    now = 0.0
+    command = planning.giving_way()
+
+    def sleep(seconds: float) -> None:
+        nonlocal now
+        slept.append(seconds)
+        now += 0.0011
+        if len(slept) == 3:
+            command.__exit__(None, None, None)
+
+    monkeypatch.setattr(
+        "aioduco.sim.planning.time", SimpleNamespace(sleep=sleep, perf_counter=lambda: now)
+    )
+    command.__enter__()
+    planning.yield_hook()
+    assert len(slept) == 3
+    with planning.giving_way():  # another that takes long: planning goes on beside it
+        slept.clear()
+        planning.yield_hook()
+        assert len(slept) == 5
 
 
 @pytest.fixture

@@ -37,29 +37,30 @@ class DeferredMotions:
         tasks: the table that holds the tasks' states.
 
     Attributes:
+        motions: all of them.
         paused: whether they pause before they begin.
     """
 
     def __init__(self, tasks: TaskTable) -> None:
         self._tasks = tasks
-        self._motions: list[DeferredMotion] = []
+        self.motions: list[DeferredMotion] = []
         self.paused: bool = False
 
     def __len__(self) -> int:
-        return len(self._motions)
+        return len(self.motions)
 
     @property
     def last(self) -> Following | None:
         """The last one if it follows targets; None if it has a path, or if there is none."""
-        return self._motions[-1].following if self._motions else None
+        return self.motions[-1].following if self.motions else None
 
     def add(self, motion: DeferredMotion) -> None:
         """Let a motion wait."""
-        self._motions.append(motion)
+        self.motions.append(motion)
 
     def take(self) -> list[DeferredMotion]:
         """Give all of them, which then wait no more."""
-        taken, self._motions = self._motions, []
+        taken, self.motions = self.motions, []
         return taken
 
     def end(
@@ -73,4 +74,4 @@ class DeferredMotions:
             if which(motion):
                 self._tasks.set(motion.id, state, message)
             else:
-                self._motions.append(motion)
+                self.motions.append(motion)

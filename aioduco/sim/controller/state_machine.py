@@ -548,7 +548,7 @@ class Controller:
             leaving, self._leaving = self._leaving, []
             for id_ in leaving:
                 self.tasks.set(id_, TaskState.FINISHED)
-        if self._deferred and not self._ending:
+        if self._deferred.motions and not self._ending:
             self._begin_deferred()
         simulation = self._simulation
         if simulation is None:

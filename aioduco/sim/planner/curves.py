@@ -20,7 +20,7 @@ from aioduco.models.rotation import (
     rotvec_from_matrix,
 )
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.slices import LONG_SLICE, slices
+from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -332,11 +332,13 @@ def spline(start: Array, targets: Sequence[Array]) -> ByLength:
         raise PlanError("parameter", "a spline goes through poses that are apart from each other")
     knots = np.concatenate([[0.0], np.cumsum(chords)]) / chords.sum()
     quaternions = quaternion_from_matrix(through[:, :3, :3])
+    yield_now()
     for i in range(1, len(quaternions)):
         if quaternions[i] @ quaternions[i - 1] < 0:
             quaternions[i] *= -1.0
     values = np.concatenate([through[:, :3, 3], quaternions], axis=1)
     bends = _bends(knots, values)
+    yield_now()
 
     def poses(u: Array) -> Array:
         i = np.clip(np.searchsorted(knots, u, side="right") - 1, 0, len(knots) - 2)
@@ -363,6 +365,8 @@ def _bends(knots: Array, values: Array) -> Array:
     right = np.zeros_like(values)
     slopes = np.diff(values, axis=0) / step[:, None]
     for i in range(1, count - 1):
+        if i % 16 == 0:
+            yield_now()
         matrix[i, i - 1 : i + 2] = step[i - 1], 2 * (step[i - 1] + step[i]), step[i]
         right[i] = 6 * (slopes[i] - slopes[i - 1])
     return np.linalg.solve(matrix, right).astype(np.float64)

@@ -364,6 +364,7 @@ def spline_move(
     """
     start, frame = _start(arm, q0, tool)
     through = [target @ frame for target in targets]
+    yield_now()
     if not apart and through and _same(start, through[0]):
         del through[0]
         if not through:
