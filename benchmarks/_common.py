@@ -1,4 +1,4 @@
-"""What the benchmarks share: percentiles, the table, the JSON file, the server's process."""
+"""What the benchmarks share: percentiles, the machine, the table, the JSON file, servers."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import importlib.util
 import json
 import os
 import platform
+import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +51,7 @@ def scheduling() -> str:
 
 
 def machine() -> dict[str, Any]:
-    """The machine and the versions that a result was measured with; nothing that names a host."""
+    """The machine, the commit and the versions of a result; nothing that names a host."""
     packages = ("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core")
     versions = {}
     for name in packages:
@@ -57,12 +59,55 @@ def machine() -> dict[str, Any]:
             versions[name.partition("-")[0]] = importlib.metadata.version(name)
     return {
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "commit": commit(),
+        "wake_up_us": wake_up(),
         "system": f"{platform.system()} {platform.release()}",
         "processor": _processor(),
         "cores": os.cpu_count(),
         "python": platform.python_version(),
         "packages": versions,
     }
+
+
+def commit() -> str:
+    """The commit of this tree, with "+" if tracked files differ from it."""
+    described = subprocess.run(
+        ["git", "-C", str(HERE), "describe", "--always", "--exclude=*", "--dirty=+"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return described.stdout.strip() or "unknown"
+
+
+_ECHO = """
+import socket
+other = socket.socket(fileno=0)
+while data := other.recv(1):
+    other.sendall(data)
+"""
+
+
+def wake_up(rounds: int = 1000) -> dict[str, float]:
+    """Half of the way of a byte to another process and back [µs]: what any hand-over costs here."""
+    ours, theirs = socket.socketpair()
+    with (
+        ours,
+        subprocess.Popen([sys.executable, "-IS", "-c", _ECHO], stdin=theirs.fileno()) as process,
+    ):
+        theirs.close()
+        if hasattr(os, "sched_setaffinity"):  # this process may be kept to one core
+            os.sched_setaffinity(process.pid, range(os.cpu_count() or 1))
+        took = []
+        for _ in range(rounds + 10):
+            begin = time.perf_counter()
+            ours.sendall(b"x")
+            ours.recv(1)
+            took.append((time.perf_counter() - begin) / 2)
+        ours.close()
+        process.wait(10)
+    figures = spread(took[10:])
+    return {name: figures[f"{name}_us"] for name in ("p50", "p99", "max")}
 
 
 def _processor() -> str:

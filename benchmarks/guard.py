@@ -1,11 +1,13 @@
-"""How soon a stop is with the controller when things go badly, with and without the guard.
+"""How soon a stop is with the controller when things go badly, and how late an end is noticed.
 
-Two tables. The first: from the call of a stop to the controller's handler, while the pool is
+Three tables. The first: from the call of a stop to the controller's handler, while the pool is
 blocked, while the event loop works in bursts, and just after every connection broke. The clock
 starts in the thread that stops, when it calls: what it waited before, to get to run in a busy
 program, is not counted, nor is its wait for the answer. The second: from the death of the program,
 or of its guard, or from the beginning of a hang of the event loop, until the controller is told to
-stop, or stops by itself since the heartbeat is over.
+stop, or stops by itself since the heartbeat is over. Both are measured with and without the guard.
+The third: from the end of a motion until the program knows of it, beside the loops that
+applications write. It is kept as a result of its own, `supervision.json`.
 
 The controller is a process of its own with trivial handlers; all read CLOCK_MONOTONIC. It gives no
 slack: it stops as soon as the heartbeat time is over. One that gives slack stops so much later.
@@ -34,7 +36,9 @@ from _common import (
 )
 
 import aioduco
+from aioduco._wire import rpc
 from aioduco._wire.lane import WireLane
+from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -49,6 +53,10 @@ STALL_LIMIT = 0.6
 #: s of work, and of rest after it
 BURST = 0.015
 
+#: joints, speed and acceleration of a move from zero; its time is what the client expects
+SPEED, ACCELERATION = 1.0, 100.0
+MOVEL: tuple[Any, ...] = ([0.5, 0, 0.5, 0, 0, 0], 0.1, 1.0, 0.0, [], "", "", False, rpc.Op(), False)
+
 Figures = dict[str, Any]
 
 
@@ -60,6 +68,16 @@ class Desk:
         self.lane = lane
         self.server = server
         self.random = random.Random(1)
+
+    async def duration(self) -> float:
+        """Choose how long the next motion takes, and tell the controller."""
+        seconds = self.random.uniform(0.2, 0.6)
+        await self.lane.rpc.set_system_value_double("duration", seconds)
+        return seconds
+
+    async def end(self, task_id: int) -> float:
+        """When a task ended in the controller."""
+        return (await self.lane.rpc.get_system_value_list(str(task_id)))[0]
 
     async def reached(self) -> list[float]:
         """When stops reached the controller's handler, since this was last asked."""
@@ -133,6 +151,83 @@ async def latencies(desk: Desk, count: int) -> dict[str, Figures]:
         tasks.cancel_scope.cancel()
     await add("every connection broken just before", desk.broken)
     return figures
+
+
+# -- the end of a motion -----------------------------------------------------------------------
+
+
+async def followed(desk: Desk, motion: aioduco.MotionCommand) -> float:
+    task = await motion.start()
+    await task
+    assert task.ended_at is not None
+    return task.ended_at - await desk.end(task.id)
+
+
+async def expected(desk: Desk) -> float:
+    """A joint move: its end can be computed from where the arm is."""
+    seconds = await desk.duration()
+    way = (seconds - SPEED / ACCELERATION) * SPEED
+    return await followed(desk, desk.robot.motion.movej2([way] * 6, SPEED, ACCELERATION))
+
+
+async def slowed(desk: Desk) -> float:
+    """A joint move that takes twice as long as computed: the speed slider is at a half."""
+    seconds = await desk.duration()
+    way = (seconds / 2 - SPEED / ACCELERATION) * SPEED
+    return await followed(desk, desk.robot.motion.movej2([way] * 6, SPEED, ACCELERATION))
+
+
+async def unexpected(desk: Desk) -> float:
+    """A move along a line: its end cannot be computed."""
+    await desk.duration()
+    return await followed(desk, desk.robot.motion.movel([0.5, 0, 0.5, 0, 0, 0], 0.1, 1.0))
+
+
+async def blocking(desk: Desk) -> float:
+    """The controller's own blocking call: the earliest possible notice, but it cannot be left."""
+    await desk.duration()
+    task_id = await desk.lane.within(None).speed(1.0)
+    return time.monotonic() - await desk.end(task_id)
+
+
+def loop(pause: float) -> Callable[[Desk], Awaitable[float]]:
+    """The loop that applications write: ask, sleep, ask again."""
+
+    async def polled(desk: Desk) -> float:
+        await desk.duration()
+        task_id = int(await desk.lane.call("movel", MOVEL))
+        state = -1
+        while state != TaskState.FINISHED:
+            await anyio.sleep(pause)
+            state = await desk.lane.rpc.get_noneblock_taskstate(task_id)
+        return time.monotonic() - await desk.end(task_id)
+
+    return polled
+
+
+async def ends(desk: Desk, count: int) -> dict[str, Figures]:
+    cases: dict[str, Callable[[Desk], Awaitable[float]]] = {
+        "aioduco, end expected (movej2)": expected,
+        "aioduco, end not expected (movel)": unexpected,
+        "aioduco, expected too early (speed at 50 %)": slowed,
+        "blocking call": blocking,
+        "ask, sleep 10 ms": loop(0.01),
+        "ask, sleep 50 ms": loop(0.05),
+    }
+    late: dict[str, list[float]] = {name: [] for name in cases}
+    asked = dict.fromkeys(cases, 0)
+    # In turn: whatever else the machine does meanwhile meets all of them alike.
+    for _ in range(count):
+        for name, case in cases.items():
+            polls, others = desk.robot.statistics().polls, desk.lane.statistics().calls
+            late[name].append(await case(desk))
+            # A motion also takes a call before it and one after it; beside the robot, its start.
+            own = desk.lane.statistics().calls - others - (2 if "aioduco" in name else 3)
+            asked[name] += desk.robot.statistics().polls - polls + own
+    return {
+        name: spread(late[name]) | {"polls_each": round(asked[name] / count, 1), "motions": count}
+        for name in cases
+    }
 
 
 # -- deaths ------------------------------------------------------------------------------------
@@ -243,7 +338,7 @@ async def told(lane: WireLane, begin: float) -> float:
 
 
 async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[str, Any]:
-    port = server.endpoints["rpc"]
+    port = server.endpoints["0"]
     results: dict[str, Any] = {
         "heartbeat_s": HEARTBEAT,
         "slack_s": SLACK,
@@ -269,6 +364,9 @@ async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[s
                         os.sched_setaffinity(int(thread), cores)
                 desk = Desk(robot, lane, server)
                 results["stop"][name] = await latencies(desk, 300 if quick else 1000)
+            if guard is None:
+                async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:
+                    results["end"] = await ends(Desk(robot, lane, server), 15 if quick else 100)
             results["death"][name] = await deaths(lane, port, guard, 2 if quick else 20)
         finally:
             await lane.aclose()
@@ -278,7 +376,7 @@ async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[s
 def main() -> None:
     options = arguments(__doc__, "guard")
     cores = os.sched_getaffinity(0)  # before the program is kept to some of them
-    with ServerProcess("supervision_server.py") as server:
+    with ServerProcess("controller.py") as server:
         results = anyio.run(measure, server, cores, options.quick)
     for key, title, unit, count in (
         ("stop", "From the call of a stop to the controller's handler [µs]", 1.0, "stops"),
@@ -290,8 +388,14 @@ def main() -> None:
             for case, f in cases.items()
         ]
         print_table(title, [key, "", "p50", "p99", "max", count], sorted(rows, key=str))
+    end = results.pop("end")
+    columns = ["end", *next(iter(end.values()))]
+    rows = [[name, *figures.values()] for name, figures in end.items()]
+    print_table("From the end of a motion to its notice [µs]", columns, rows)
     if options.save:
         print("written:", write_results("guard", results).name)
+        both = {"scheduling": results["scheduling"], "end": end}
+        print("written:", write_results("supervision", both).name)
 
 
 if __name__ == "__main__":

@@ -4,12 +4,9 @@
 
 The first rows say what is asked for and whether it was reached: by a simulator in a process of its
 own, on a core of its own, whose arm moves all the time. Run it on a quiet machine with two cores.
-Each model makes the same joint moves and lines at its full speed and acceleration, once through
-the planner and MuJoCo together. One goes to and fro besides, with force control between the two.
-What the whole simulator takes for a cycle is compared with these: the p50 of all together.
-
-A bare thread that ticks and steps when cycles are due, and does nothing else, shows what waking up
-costs on this machine: caches and clocks are cold after each sleep.
+The arm makes joint moves and lines at its full speed and acceleration, through the planner and
+MuJoCo alone, and goes to and fro with force control between the two. What the whole simulator takes
+for a cycle is compared with these: the p50 of all together.
 
 Then come motions that take long to plan: what that takes in all, for how long the controller's lock
 is held meanwhile, how long the slices of the work are, and how long a stop waits that comes in the
@@ -28,7 +25,7 @@ from _common import arguments, percentile, print_table, write_results
 from simulation_service import DAMPING, MODEL, PUSH, judged, measure
 from simulation_service import WAY as TO_AND_FRO
 
-from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics import Arm, arm
 from aioduco.sim.cycle import SensedState
 from aioduco.sim.force.control import AdmittanceLaw, ForceControl
 from aioduco.sim.force.sensor import ForceAxes
@@ -152,59 +149,24 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
     }
 
 
-def paced(any_arm: Arm, seconds: float, at_one_go: int) -> dict[str, float]:
-    """Processor time of a cycle in a thread that ticks and steps in real time, and nothing else.
-
-    Args:
-        any_arm: the arm.
-        seconds: how long.
-        at_one_go: cycles between two sleeps; 0 for no sleep at all.
-    """
-    took, cycles = 0.0, 0
-    while cycles * CYCLE < seconds:
-        world, mover = World(any_arm, CYCLE, HOME), Mover(any_arm, HOME, CYCLE)
-        to_and_fro(any_arm, mover)
-        due, began = time.perf_counter(), time.thread_time()
-        while mover.moving:
-            if at_one_go:
-                due += at_one_go * CYCLE
-                time.sleep(max(0.0, due - time.perf_counter()))
-            for _ in range(at_one_go or 1):
-                world.step(mover.tick().setpoint)
-                cycles += 1
-        took += time.thread_time() - began
-    return {"cpu_per_cycle_us": round(took / cycles * 1e6, 1)}
-
-
 def main() -> None:
     options = arguments(__doc__, "simulation")
     planning = simulation_planning.measure(options.quick)
     service = measure(options.quick)
     repeats = 1 if options.quick else 3
-    chosen = ("gcr3_618", MODEL, "gcr25_1800") if options.quick else models()
-    results = {model: cycles(arm(model), repeats) for model in chosen}
-    forced = f"{MODEL}, force control"
-    results[forced] = cycles(arm(MODEL), repeats, forced=True)
-    works = results[MODEL]["both_us"], results[forced]["both_us"]
-    seconds = 2.0 if options.quick else 10.0
-    alone = {
-        "without a sleep": paced(arm(MODEL), seconds, 0),
-        "each when it is due": paced(arm(MODEL), seconds, 1),
-        "sixteen at one go": paced(arm(MODEL), seconds, 16),
+    results = {
+        MODEL: cycles(arm(MODEL), repeats),
+        f"{MODEL}, force control": cycles(arm(MODEL), repeats, forced=True),
     }
-    asked = judged(service["clock"], service["calls_while_moving"], *works)
+    work, forced = (row["both_us"] for row in results.values())
+    asked = judged(service["clock"], service["calls_while_moving"], work, forced)
     asked |= simulation_planning.judged(planning)
-    service = {"asked_for": asked} | service
-    service |= {"tick_and_step_in_a_bare_thread": alone, "long_plans": planning}
-    for title, table in service.items():
+    tables = {"asked_for": asked} | service | {"long_plans": planning, "cycles": results}
+    for title, table in tables.items():
         rows = [[name, *row.values()] for name, row in table.items()]
         print_table(title.replace("_", " "), ["", *next(iter(table.values()))], rows)
-    columns = list(next(iter(results.values())))
-    rows = [[model, *result.values()] for model, result in results.items()]
-    print_table("Cycles of 1 ms", ["model", *columns], rows)
     if options.save:
-        path = write_results("simulation", service | {"cycles": results})
-        print(f"written: {path}")
+        print(f"written: {write_results('simulation', tables)}")
 
 
 if __name__ == "__main__":

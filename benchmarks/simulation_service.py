@@ -148,39 +148,25 @@ def judged(
     """
     real, free = clock["in real time"], clock["without the clock"]
     state = answers["get_robot_state"]
-    ratios: dict[str, dict[str, Any]] = {}
+    rows: dict[str, dict[str, Any]] = {}
+
+    def line(name: str, asked: str, found: float, *, reached: bool) -> None:
+        rows[name] = {"asked": asked, "found": found, "reached": reached}
+
     for case, alone in (("", work), ("force control, ", forced)):
         kept = round(alone / clock[f"{case}without the clock"]["cpu_per_cycle_us"], 2)
-        ratios[f"{case}without the clock, of the speed of tick and step alone"] = {
-            "asked": f"at least {KEPT:g}",
-            "found": kept,
-            "reached": kept >= KEPT,
-        }
+        name = f"{case}without the clock, of the speed of tick and step alone"
+        line(name, f"at least {KEPT:g}", kept, reached=kept >= KEPT)
         times = round(clock[f"{case}in real time"]["cpu_per_cycle_us"] / alone, 2)
-        ratios[f"{case}in real time, times tick and step alone"] = {
-            "asked": f"at most {WAKING:g}",
-            "found": times,
-            "reached": times <= WAKING,
-        }
-    return ratios | {
-        "one arm at 1 kHz in real time, % of a core": {
-            "asked": f"at most {100 * SHARE:g}",
-            "found": real["core_percent"],
-            "reached": real["core_percent"] <= 100.0 * SHARE,
-        },
-        "without the clock, server included, times real time": {
-            "asked": f"at least {TIMES:g}",
-            "found": free["x_real_time"],
-            "reached": free["x_real_time"] >= TIMES,
-        },
-        "calls a second to one client while moving": {
-            "asked": f"at least {CALLS:g}",
-            "found": state["calls_a_second"],
-            "reached": state["calls_a_second"] >= CALLS,
-        },
-        "their p99 [ms]": {
-            "asked": f"below {LATENCY:g}",
-            "found": state["p99_ms"],
-            "reached": state["p99_ms"] < LATENCY,
-        },
-    }
+        name = f"{case}in real time, times tick and step alone"
+        line(name, f"at most {WAKING:g}", times, reached=times <= WAKING)
+    core, fast = real["core_percent"], free["x_real_time"]
+    name = "one arm at 1 kHz in real time, % of a core"
+    line(name, f"at most {100 * SHARE:g}", core, reached=core <= 100.0 * SHARE)
+    name = "without the clock, server included, times real time"
+    line(name, f"at least {TIMES:g}", fast, reached=fast >= TIMES)
+    rate, late = state["calls_a_second"], state["p99_ms"]
+    name = "calls a second to one client while moving"
+    line(name, f"at least {CALLS:g}", rate, reached=rate >= CALLS)
+    line("their p99 [ms]", f"below {LATENCY:g}", late, reached=late < LATENCY)
+    return rows

@@ -58,17 +58,16 @@ class Handlers(rpc_server.Handlers):
     def __init__(self, structs: Any) -> None:
         super().__init__(structs)
         self.queue = Queue()
-        self.place = [0.0] * 6
+        self.place: list[float] = [0.0] * 6
         self.times: list[float] = []
-        self.points: list[list[float]] = []
 
     def servoj(self, *args: Any) -> int:
         self.times.append(time.monotonic())
-        self.points.append(args[0])
+        self.place = args[0]
         return 1000
 
     def get_actual_joints_position(self) -> list[float]:
-        return self.points[-1] if self.points else self.place
+        return self.place
 
     def get_robot_state(self) -> list[int]:
         return [6, 2, 5, 1]
@@ -77,7 +76,6 @@ class Handlers(rpc_server.Handlers):
         return False
 
     def stop(self, _block: bool) -> int:
-        self.times.append(-1.0)
         return 4
 
     def clear_realtime_data_queue(self) -> int:
@@ -110,30 +108,17 @@ class Handlers(rpc_server.Handlers):
     def get_system_value_list(self, name: str) -> list[float]:
         """The account that is named, which begins anew."""
         found = getattr(self, f"_{name}")()
-        self.times, self.points = [], []
+        self.times, self.place = [], [0.0] * 6
         return [float(value) for value in found]
 
     def _arrivals(self) -> list[float]:
         """Points, gaps between them at p50, p99 and at most, and gaps beyond which an arm trips."""
-        gaps = np.diff([moment for moment in self.times if moment >= 0])
+        gaps = np.diff(self.times)
         if not len(gaps):
             return [0.0] * 5
         p50, p99 = np.percentile(gaps, [50, 99])
         trips = int(np.count_nonzero(gaps > TRIP))
         return [len(gaps) + 1, float(p50), float(p99), float(gaps.max()), trips]
-
-    def _motion(self) -> list[float]:
-        """Points, and their largest change of first, second and third order, per tick."""
-        steps = np.diff(np.array([self.points[0]] * 3 + self.points), axis=0)
-        orders = [np.abs(np.diff(steps, n=order, axis=0)).max() for order in (0, 1, 2)]
-        return [len(self.points), *orders]
-
-    def _ending(self) -> list[float]:
-        """Ticks from the fastest step to rest, steps left at the end, and stops received."""
-        steps = np.abs(np.diff(np.array(self.points), axis=0)).max(axis=1)
-        stops = self.times.count(-1.0)
-        slowing = len(steps) - 1 - int(np.flatnonzero(steps >= steps.max() * 0.999)[-1])
-        return [slowing, steps[-1], stops]
 
     def _starvation(self) -> list[float]:
         """Points taken, cycles without one, and the most of them in a row."""

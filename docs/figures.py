@@ -1,22 +1,28 @@
-"""Write the tables of `docs/benchmarks.md`, and the figures in other pages, from the results.
+"""Write the figures of the pages from the results of the benchmarks.
 
     python docs/figures.py            write the pages
     python docs/figures.py --check    compare the whole text with what is committed
 
-The results are `benchmarks/results/*.json`. In the other pages a comment behind a figure names it:
+The results are `benchmarks/results/*.json`. Comments in a page say which figures it shows:
 
     49 µs<!-- figure: streaming / pacing / busy / process / late_p99_us -->
 
-A results file holds the `machine` that it was measured on, single figures, and tables: objects
-whose values are objects of figures, one row each, or lists of such objects. Tables may be nested in
-further objects, which become headings. Numbers are shown with three significant digits; the exact
-ones stay in the file.
+    <!-- table: guard / stop / * / * :: p50_us; p99_us; stops :: idle -->
+
+    <!-- measured: guard -->
+
+A table, up to the next blank line, has a row for each object that its path leads to; `*` stands for
+all keys, which name the row. The columns are keys of the rows, and one may have a heading: `p50_us = as a median [µs]`. What
+follows is a regular expression, if not all rows are shown. `measured` tells date, commit and
+machine. Numbers are shown with three significant digits; the exact ones stay in the file.
+
+A percentile is shown only if enough was measured: p99 from 100 samples on, p99.9 from 1,000. How
+many there were is the nearest of `COUNTS`, in the same object or one that it is part of.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
 import difflib
 import json
 import re
@@ -29,20 +35,62 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
-PAGE = HERE / "benchmarks.md"
-BENCHMARKS = ROOT / "benchmarks"
-BEGIN = "<!-- figures:begin -->"
-END = "<!-- figures:end -->"
+RESULTS = ROOT / "benchmarks" / "results"
 
 UNITS = {
     "us": "µs", "ms": "ms", "s": "s", "hz": "Hz", "rad": "rad", "mrad": "mrad", "m": "m",
     "percent": "%",
 }  # fmt: skip
-
-#: a figure in the text of a page, its unit, and the results file and keys that it is from
-NAMED = re.compile(r"[\d.,]+ (\S+)(?=<!-- figure: (.+?) -->)")
 #: units of time in seconds
 SECONDS = {"µs": 1e-6, "ms": 1e-3, "s": 1.0}
+
+#: keys that say how many samples a percentile is of; calls a second are a lower bound, since each
+#: measurement lasts longer than that
+COUNTS = (
+    "calls", "ticks", "stops", "times", "motions", "samples", "cycles", "queries", "calls_a_second",
+)  # fmt: skip
+#: not enough was measured
+TOO_FEW = "–"
+
+#: a figure in the text of a page, its unit, and the results file and keys that it is from
+FIGURE = re.compile(r"[\d.,]+ ([^\s<]+)(?=<!-- figure: (.+?) -->)")
+TABLE = re.compile(r"(<!-- table: (.+?) -->\n)(?:\|.*\n)*")
+MEASURED = re.compile(r"^.*?(?=<!-- measured: (\w+) -->)", re.MULTILINE)
+PERCENTILE = re.compile(r"(?<![a-z])p(\d\d(?:\.\d)?)(?![\d.])")
+
+
+def result(name: str) -> dict[str, Any]:
+    """What a benchmark wrote."""
+    found: dict[str, Any] = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    return found
+
+
+def enough(name: str, samples: int | None) -> bool:
+    """Whether so many samples tell the percentile that a figure is named by, if it is one."""
+    found = PERCENTILE.search(name)
+    if found is None or float(found[1]) <= 50:
+        return True
+    return round((samples or 0) * (1 - float(found[1]) / 100), 6) >= 1
+
+
+def samples_of(value: dict[str, Any], known: int | None) -> int | None:
+    """How many samples there were, by an object, or by what it is part of."""
+    counts = [value[key] for key in COUNTS if isinstance(value.get(key), int | float)]
+    return int(counts[0]) if counts else known
+
+
+def follow(
+    value: dict[str, Any], keys: list[str], names: tuple[str, ...] = (), known: int | None = None
+) -> Iterator[tuple[tuple[str, ...], dict[str, Any], int | None]]:
+    """The objects that a path leads to: what names each, itself, and its number of samples."""
+    known = samples_of(value, known)
+    if not keys:
+        yield names, value, known
+        return
+    key, *rest = keys
+    for name in value if key == "*" else [key]:
+        if isinstance(value.get(name), dict):
+            yield from follow(value[name], rest, (*names, name) if key == "*" else names, known)
 
 
 def cell(value: Any) -> str:
@@ -64,89 +112,62 @@ def heading(key: str) -> str:
     return key.replace("_", " ")
 
 
-def rows_of(value: Any) -> list[dict[str, Any]] | None:
-    """The rows of a table, if that is what the value is."""
-    if isinstance(value, dict):
-        value = [{"": name} | row for name, row in value.items() if isinstance(row, dict)]
-    if not isinstance(value, list) or not value:
-        return None
-    if not all(isinstance(row, dict) for row in value):
-        return None
-    plain = all(not isinstance(figure, dict | list) for row in value for figure in row.values())
-    return value if plain else None
-
-
-def table(rows: list[dict[str, Any]]) -> list[str]:
+def table(asked: str) -> str:
     """A Markdown table; the first column is text, the others are numbers to the right."""
-    keys = list(dict.fromkeys(key for row in rows for key in row))
-    return [
-        "| " + " | ".join(heading(key) for key in keys) + " |",
-        "|---|" + "---:|" * (len(keys) - 1),
-        *("| " + " | ".join(cell(row.get(key, "")) for key in keys) + " |" for row in rows),
+    path, columns, *chosen = (part.strip() for part in asked.split("::"))
+    name, *keys = path.split(" / ")
+    wanted = [column.strip().partition(" = ")[::2] for column in columns.split(";")]
+    lines = [
+        "| | " + " | ".join(title or heading(key) for key, title in wanted) + " |",
+        "|---|" + "---:|" * len(wanted),
     ]
+    figures = {key: value for key, value in result(name).items() if key != "machine"}
+    for names, row, samples in follow(figures, keys):
+        title = ", ".join(names)
+        if chosen and not re.search(chosen[0], title):
+            continue
+        if not enough(title, samples):
+            raise ValueError(f"{title!r} of {asked!r} is of too few samples: {samples}")
+        cells = [cell(row.get(key, "")) if enough(key, samples) else TOO_FEW for key, _ in wanted]
+        lines.append("| " + " | ".join([title, *cells]) + " |")
+    if len(lines) == 2:
+        raise ValueError(f"no row is left of {asked!r}")
+    return "\n".join(lines) + "\n"
 
 
-def blocks(value: dict[str, Any], level: int) -> Iterator[str]:
-    """The single figures of an object, then its tables under their headings."""
-    single = {key: one for key, one in value.items() if not isinstance(one, dict | list)}
-    if single:
-        yield ", ".join(f"{heading(key)}: {cell(one)}" for key, one in single.items()) + "."
-    for key, one in value.items():
-        if (rows := rows_of(one)) is not None:
-            yield "#" * level + f" {key}"
-            yield "\n".join(table(rows))
-        elif isinstance(one, dict):
-            yield "#" * level + f" {key}"
-            yield from blocks(one, level + 1)
+def measured(name: str) -> str:
+    """When, from which commit and on what a result was measured."""
+    machine = result(name).get("machine")
+    if machine is None:
+        return "Date and machine were not kept. "
+    about = [machine["processor"], f"{machine['cores']} cores", machine["system"]]
+    about.append(f"Python {machine['python']}")
+    if "wake_up_us" in machine:
+        wake_up = machine["wake_up_us"]
+        about.append(f"a bare process wakes up in {wake_up['p50']} µs, p99 {wake_up['p99']}")
+    commit = f", commit {machine['commit']}" if "commit" in machine else ""
+    return f"Measured {machine['date']}{commit}: {'; '.join(about)}. "
 
 
-def section(path: Path) -> Iterator[str]:
-    """The text for one results file."""
-    data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    machine: dict[str, Any] = data.pop("machine", {})
-    packages = machine.pop("packages", {})
-    script = BENCHMARKS / f"{path.stem}.py"
-    yield f"## {path.stem.replace('_', ' ').capitalize()}"
-    if script.exists():
-        module = ast.parse(script.read_text(encoding="utf-8"))
-        yield (ast.get_docstring(module) or "").split("\n")[0]
-    # what no script of its own measures says by which command it was measured
-    yield f"`{data.pop('command', f'python benchmarks/{script.name} --save')}`"
-    yield from blocks(data, 3)
-    known = [f"{key} {value}" for key, value in machine.items()]
-    known += [f"{name} {version}" for name, version in packages.items()]
-    if known:
-        yield f"Measured on: {', '.join(known)}."
-
-
-def page() -> str:
-    """The whole text of the page, as it should be."""
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    after = rest.partition(END)[2]
-    files = sorted((BENCHMARKS / "results").glob("*.json"))
-    body = [block for path in files for block in section(path)]
-    return "\n\n".join([before + BEGIN, *body, END + after])
-
-
-def named(match: re.Match[str]) -> str:
+def figure(match: re.Match[str]) -> str:
     """A figure and its unit, with two significant digits."""
     unit, path = match[1], match[2]
-    name, *keys = path.split(" / ")
-    value: Any = json.loads((BENCHMARKS / "results" / f"{name}.json").read_text(encoding="utf-8"))
-    for key in keys:
-        value = value[key]
-    measured = UNITS.get(keys[-1].rpartition("_")[2], "")
-    if measured != unit:
-        value *= SECONDS[measured] / SECONDS[unit]
+    name, *keys, last = path.split(" / ")
+    [(_, row, samples)] = follow(result(name), keys)
+    if not enough(last, samples):
+        raise ValueError(f"{path} is of too few samples: {samples}")
+    value = row[last]
+    kind = UNITS.get(last.rpartition("_")[2], "")
+    if kind != unit and kind in SECONDS:
+        value *= SECONDS[kind] / SECONDS[unit]
     return f"{float(f'{value:.2g}'):,g} {unit}"
 
 
-def pages() -> Iterator[tuple[Path, str]]:
-    """The pages with figures, each with its text as it should be."""
-    yield PAGE, page()
-    for path in (*ROOT.glob("*.md"), *HERE.rglob("*.md")):
-        if path != PAGE:
-            yield path, NAMED.sub(named, path.read_text(encoding="utf-8"))
+def page(text: str) -> str:
+    """The whole text of a page, as it should be."""
+    text = TABLE.sub(lambda match: match[1] + table(match[2]), text)
+    text = MEASURED.sub(lambda match: measured(match[1]), text)
+    return FIGURE.sub(figure, text)
 
 
 def main() -> int:
@@ -155,8 +176,9 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="compare, change nothing")
     check: bool = parser.parse_args().check
     differ = False
-    for path, wanted in pages():
+    for path in (*ROOT.glob("*.md"), *HERE.rglob("*.md")):
         found = path.read_text(encoding="utf-8")
+        wanted = page(found)
         if wanted == found:
             continue
         differ = True

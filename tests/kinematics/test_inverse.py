@@ -1,6 +1,6 @@
 """Inverse kinematics: every solution found, to machine precision, one by one and many at once.
 
-`eaik.json` holds solutions made by EAIK; `benchmarks/kinematics_eaik.py` writes it.
+`eaik.json` holds solutions made by EAIK; `eaik_reference.py` writes it.
 """
 
 from __future__ import annotations

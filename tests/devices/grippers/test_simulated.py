@@ -19,8 +19,9 @@ from aioduco.sim import Simulator
 from aioduco.sim.physics.gripper import FingerControl, GripperOrder
 from aioduco.testing import eventually_async
 
+from .carrying import carry
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from types import ModuleType
 
 ROOT = Path(__file__).parents[3]
@@ -38,12 +39,6 @@ def load(path: Path) -> ModuleType:
     sys.modules[path.stem] = module
     spec.loader.exec_module(module)
     return module
-
-
-@pytest.fixture(scope="module")
-def gripping() -> Iterator[ModuleType]:
-    yield load(ROOT / "benchmarks" / "gripping.py")
-    del sys.modules["gripping"]
 
 
 # -- what the fingers are told: a state machine without physics ----------------------------------
@@ -95,8 +90,8 @@ def test_fingers_go_through_their_stroke_and_halt() -> None:
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("seed", range(10))
-async def test_it_lifts_carries_and_puts_down(gripping: Any, seed: int) -> None:
-    trial = await gripping.carry(seed)
+async def test_it_lifts_carries_and_puts_down(seed: int) -> None:
+    trial = await carry(seed)
     assert trial.succeeded, trial
 
 
@@ -105,9 +100,9 @@ async def test_it_lifts_carries_and_puts_down(gripping: Any, seed: int) -> None:
     ("gripper", "mass", "force"), [("robotiq_2f85", 4.0, 20.0), ("vacuum", 9.0, None)]
 )
 async def test_what_is_too_heavy_for_the_force_stays(
-    gripping: Any, gripper: str, mass: float, force: float | None
+    gripper: str, mass: float, force: float | None
 ) -> None:
-    trial = await gripping.carry(0, gripper=gripper, mass=mass, force=force)
+    trial = await carry(0, gripper=gripper, mass=mass, force=force)
     assert not trial.lifted
 
 

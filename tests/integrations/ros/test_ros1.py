@@ -134,7 +134,7 @@ def test_services(graph: Graph, sim: Simulator, node: subprocess.Popen[str]) -> 
 def test_joint_states_and_a_bag_of_them(
     graph: Graph, node: subprocess.Popen[str], tmp_path: Path
 ) -> None:
-    """How many come, and what they cost, `benchmarks/ros1.py` tells."""
+    """How many come, and what they cost, `benchmarks/ros.py` tells."""
     found = graph.last("states", "3.0", str(tmp_path / "states.bag"))
     assert found["rising"]
     assert found["rate"] <= 125 * 1.02
@@ -145,7 +145,7 @@ def test_joint_states_and_a_bag_of_them(
 def test_the_arm_stands_when_one_of_them_is_killed(
     graph: Graph, sim: Simulator, node: subprocess.Popen[str], killed: str
 ) -> None:
-    """How soon, `benchmarks/ros1.py` tells."""
+    """How soon, `benchmarks/ros.py` tells."""
     client = graph.moving_client("200", "60.0", "2.0")
     eventually(lambda: sim.moving)
     {"node": node, "master": graph.master, "client": client}[killed].kill()

@@ -1,6 +1,4 @@
-"""Gripping in the simulator: how often a box is lifted, carried and put down where it is to be.
-
-    python benchmarks/gripping.py [--quick] [--save]
+"""A box is gripped in the simulator, lifted, carried and put down where it is to be.
 
 Each trial has a seed, which chooses the gripper, the box (20 to 60 mm on each side, 0.05 to 1 kg)
 and how far it lies off the middle of the fingers (5 mm, 6 degrees). The arm comes down by a line,
@@ -12,10 +10,8 @@ it should. Another box is too heavy for its force: it must stay where it is.
 from __future__ import annotations
 
 import math
-import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import anyio
 import numpy as np
 
 import aioduco
@@ -154,67 +150,3 @@ async def carry(
         end = sim.positions[-7:-4]
     error = float(np.linalg.norm(end - begin - (0.0, ASIDE, 0.0)))
     return Trial(seed, name, (float(depth), float(width), float(height)), weight, lifted, error)
-
-
-async def trials(count: int) -> list[Trial]:
-    """Carry out the trials of the first seeds, two at a time."""
-    done: list[Trial] = []
-    seeds = iter(range(count))
-
-    async def work() -> None:
-        for seed in seeds:
-            while True:
-                try:
-                    trial = await carry(seed)
-                except TaskUnknown:  # the machine had no time for 2 s: that was no trial
-                    continue
-                break
-            print("." if trial.succeeded else "F", end="", flush=True)
-            done.append(trial)
-
-    async with anyio.create_task_group() as workers:
-        for _ in range(2):
-            workers.start_soon(work)
-    print()
-    return sorted(done)
-
-
-def main() -> None:
-    """Measure, and print a table."""
-    from _common import arguments, print_table, write_results  # noqa: PLC0415 - tests need none
-
-    options = arguments(__doc__, "gripping")
-    begun = time.monotonic()
-    done = anyio.run(trials, 10 if options.quick else 100)
-    rows: list[dict[str, Any]] = []
-    for name in GRIPPERS:
-        of_one = [trial for trial in done if trial.gripper == name]
-        if of_one:
-            errors = [trial.error for trial in of_one if trial.succeeded]
-            rows.append({
-                "gripper": name,
-                "trials": len(of_one),
-                "succeeded": sum(trial.succeeded for trial in of_one),
-                "worst_error_mm": round(max(errors, default=math.nan) * 1e3, 1),
-            })  # fmt: skip
-    heavy = anyio.run(lambda: carry(0, gripper="robotiq_2f85", mass=4.0, force=20.0))
-    columns = ("gripper", "trials", "succeeded", "worst_error_mm")
-    print_table("gripping", columns, [[row[name] for name in columns] for row in rows])
-    succeeded = sum(trial.succeeded for trial in done)
-    print(f"{succeeded} of {len(done)} succeeded, {time.monotonic() - begun:.0f} s")
-    print("too heavy for its force, and lifted:", heavy.lifted)
-    for trial in done:
-        if not trial.succeeded:
-            print("failed:", trial)
-    if options.save:
-        write_results(
-            "gripping",
-            {
-                "succeeded": succeeded, "trials": len(done), "grippers": rows,
-                "too_heavy_lifted": heavy.lifted,
-            },
-        )  # fmt: skip
-
-
-if __name__ == "__main__":
-    main()

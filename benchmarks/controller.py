@@ -1,14 +1,17 @@
-"""A controller with tasks and trivial handlers, which keeps when they were reached.
+"""Controllers with tasks and trivial handlers, which keep when they were reached.
+
+    python controller.py [COUNT]
 
 Motions take as long as the time set by `set_system_value_double("duration", s)`. All times are of
-CLOCK_MONOTONIC, which a client on the same machine shares. It prints its port as a line of JSON,
-and ends when its standard input does; each line there has it cut every connection, and is
+CLOCK_MONOTONIC, which a client on the same machine shares. It prints the ports as a line of JSON,
+and ends when its standard input does; each line there has all cut every connection, and is
 answered by one when that is done. A heartbeat that does not come stops nothing here, but is kept
 as a stop at the time at which a controller would have acted.
 """
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import sys
@@ -16,8 +19,40 @@ import threading
 import time
 from typing import Any, cast
 
+from aioduco._wire import rpc
 from aioduco.models.enums import TaskState
 from aioduco.sim.server import Server
+
+SIX = [0.0] * 6
+STATUS = rpc.RobotStatus(
+    jointExpectPosition=SIX,
+    jointExpectVelocity=SIX,
+    jointExpectAccelera=SIX,
+    jointActualPosition=SIX,
+    jointActualVelocity=SIX,
+    jointActualAccelera=SIX,
+    jointActualCurrent=SIX,
+    jointTemperature=SIX,
+    driverTemperature=SIX,
+    cartExpectPosition=SIX,
+    cartExpectVelocity=SIX,
+    cartExpectAccelera=SIX,
+    cartActualPosition=SIX,
+    cartActualVelocity=SIX,
+    cartActualAccelera=SIX,
+    slaveReady=[True] * 6,
+    robotState=6,
+)
+IO = rpc.IOStatus(
+    digitalInputs=[False] * 16,
+    digitalOutputs=[False] * 16,
+    boolRegisterInputs=[False] * 64,
+    boolRegisterOutputs=[False] * 64,
+    wordRegisterInputs=[0] * 32,
+    wordRegisterOutputs=[0] * 32,
+    floatRegisterInputs=[0.0] * 32,
+    floatRegisterOutputs=[0.0] * 32,
+)
 
 
 class Handlers:
@@ -102,18 +137,23 @@ class Handlers:
             "get_robot_version": "3.8.0",
             "get_actual_joints_position": [0.0] * 6,
             "get_last_error": [],
+            "getRobotStatus": STATUS,
+            "getRobotIOStatus": IO,
         }
         return lambda *_: answers[name]
 
 
 def main() -> None:
-    handlers = Handlers()
-    with Server(cast("Any", handlers)) as server:
-        print(json.dumps({"rpc": server.port}), flush=True)
+    handlers = [Handlers() for _ in range(int(sys.argv[1]) if sys.argv[1:] else 1)]
+    with contextlib.ExitStack() as stack:
+        servers = [stack.enter_context(Server(cast("Any", each))) for each in handlers]
+        print(json.dumps({str(k): server.port for k, server in enumerate(servers)}), flush=True)
         for _ in sys.stdin:
-            server.drop()
+            for server in servers:
+                server.drop()
             print(flush=True)
-        handlers.set_system_value_double("release", 1.0)
+        for each in handlers:
+            each.set_system_value_double("release", 1.0)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,247 @@
+"""The drivers for ROS 1 and 2: how steady joint states are, and how soon the arm stands.
+
+A subscriber in a process of its own counts `joint_states`; the processor time is that of the driver
+and of the processes that it started. Then driver, master and client are killed in the middle of a
+goal: the time from the kill until the simulated arm stands, whose controller gives no slack beyond
+the heartbeat time. In ROS 2 there is no master, the frames of `/tf` are published, too, and that a
+client was killed is known by its silence alone: it has the lease of the driver's own profile for
+Fast DDS. Needs ROS: run it by `.ci/ros1 figures` or `.ci/ros2 figures`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import sys
+import tempfile
+import time
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from _common import parser, print_table, spread, write_results
+
+from aioduco.sim import Simulator
+
+if TYPE_CHECKING:
+    import subprocess
+
+# what the tests of the drivers start programs with
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+RATE = 125.0
+HEARTBEAT = 1.0
+#: s from a kill until the arm stands: by the heartbeat, and by the guard
+LIMITS = {"": HEARTBEAT + 0.1, "process": 0.05}
+#: s within which whatever is waited for has come
+PATIENT = 120.0
+NUMBER = 60  # of the domain of ROS 2
+
+
+class Ros(ABC):
+    """A master or a domain, with a driver and clients."""
+
+    #: what is killed, with which guards
+    kills: dict[str, tuple[str, ...]]
+    #: how far the rate of joint states may be off, and the share of a core [%]
+    off: float
+    most: float
+
+    @abstractmethod
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
+        """Start the driver of an arm."""
+
+    @abstractmethod
+    def counting(self, seconds: float) -> subprocess.Popen[str]:
+        """A client that counts joint states, of an arm that is ready."""
+
+    @abstractmethod
+    def moving(self, name: str) -> subprocess.Popen[str]:
+        """A client whose goal is being carried out."""
+
+    def victim(self, killed: str, node: Any, client: Any) -> Any:
+        """The process that is to be killed."""
+        return {"driver": node, "client": client}[killed]
+
+    def again(self, killed: str) -> None:  # noqa: B027  # nothing, where there is no master
+        """Start what was killed beside the driver."""
+
+
+class Ros1(Ros):
+    """A master, and what runs under it."""
+
+    kills = dict.fromkeys(("driver", "master", "client"), tuple(LIMITS))
+    off, most = 0.02, 15.0
+
+    def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
+        self._folder = folder
+        self._graph: Any = _of_tests("ros1_graph").Graph(folder, stack)
+
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
+        given = [f"_heartbeat:={HEARTBEAT}", f"__name:={name}"] if name else []
+        return self._graph.start_node(sim, *given, *([f"_guard:={guard}"] if guard else []))
+
+    def counting(self, seconds: float) -> subprocess.Popen[str]:
+        self._graph.call("bring_up")
+        client: subprocess.Popen[str] = self._graph.client(
+            "states", str(seconds), str(self._folder / "states.bag")
+        )
+        return client
+
+    def moving(self, name: str) -> subprocess.Popen[str]:
+        # a driver that the machine held up may not begin a goal
+        for left in range(4, -1, -1):
+            with contextlib.nullcontext() if not left else contextlib.suppress(AssertionError):
+                self._graph.make_ready(f"/{name}")
+                client: subprocess.Popen[str] = self._graph.moving_client("200", "60.0", "2.0")
+                return client
+        raise AssertionError("the last try raises by itself")
+
+    def victim(self, killed: str, node: Any, client: Any) -> Any:
+        return self._graph.master if killed == "master" else super().victim(killed, node, client)
+
+    def again(self, killed: str) -> None:
+        if killed == "master":
+            self._graph.restart_master()
+
+
+class Ros2(Ros):
+    """A domain."""
+
+    kills = {"driver": tuple(LIMITS), "client": ("",)}  # noqa: RUF012  # never changed
+    off, most = 0.05, 100.0
+    command = ("-m", "aioduco.cli")
+
+    def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
+        self._domain: Any = _of_tests("ros2_domain").Domain(folder, stack, NUMBER)
+
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
+        given = [f"heartbeat:={HEARTBEAT}", f"-r __node:={name}"] if name else []
+        given += [f"guard:={guard}"] if guard else []
+        return self._domain.start_node(sim, *given, program=self.command)
+
+    def counting(self, seconds: float) -> subprocess.Popen[str]:
+        self._domain.ready()
+        client: subprocess.Popen[str] = self._domain.client("states", str(seconds))
+        return client
+
+    def moving(self, name: str) -> subprocess.Popen[str]:
+        self._domain.ready("recover", NODE=f"/{name}")
+        self._domain.go_to_start(NODE=f"/{name}")
+        lease = self._domain.lease()
+        client: subprocess.Popen[str] = self._domain.client("goal", "200", "60.0", "2.0", **lease)
+        assert client.stdout is not None
+        said = client.stdout.readline()
+        assert json.loads(said) == {"moving": True}, (said, self._domain.errors)
+        return client
+
+
+KINDS: dict[str, type[Ros1 | Ros2]] = {"1": Ros1, "2": Ros2}
+
+
+def _of_tests(name: str) -> Any:
+    return importlib.import_module(f"integrations.ros.{name}")
+
+
+def processor(pid: int) -> float:
+    """Seconds of processor time of a process and of its children."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    programs = _of_tests("programs")
+    return float(sum(programs.processor_time(each) for each in (pid, *map(int, children))))
+
+
+def joint_states(kind: type[Ros1 | Ros2], folder: Path, seconds: float) -> dict[str, Any]:
+    """Count joint states, beside the processor time of the driver."""
+    with contextlib.ExitStack() as stack:
+        sim = stack.enter_context(Simulator.spawn())
+        ros = kind(folder, stack)
+        node = ros.start(sim)
+        client = ros.counting(seconds)
+        assert client.stdout is not None
+        client.stdout.readline()  # it begins
+        begin, used = time.monotonic(), processor(node.pid)
+        line = client.stdout.readline()  # it has counted
+        took, used = time.monotonic() - begin, processor(node.pid) - used
+        found = json.loads((line + client.communicate(timeout=PATIENT)[0]).splitlines()[-1])
+    row = {
+        "asked_hz": RATE,
+        "found_hz": found["rate"],
+        "seconds": round(took, 1),
+        "share_of_a_core_percent": 100 * used / took,
+    }
+    return row | {name: found[name] for name in ("recorded", "played") if name in found}
+
+
+def kills(
+    kind: type[Ros1 | Ros2], folder: Path, killed: str, guard: str, count: int
+) -> dict[str, Any]:
+    """Kill something in the middle of a goal, so many times."""
+    late: list[float] = []
+    with contextlib.ExitStack() as stack:
+        sim = stack.enter_context(Simulator(heartbeat_slack=0.0))
+        ros = kind(folder, stack)
+        node = None
+        for number in range(count):
+            if node is None:
+                name = f"duco{number}"  # one of its own: the names of the dead are kept
+                node = ros.start(sim, name, guard)
+            client = ros.moving(name)
+            victim = ros.victim(killed, node, client)
+            begin = time.monotonic()
+            victim.kill()
+            while sim.moving and time.monotonic() < begin + PATIENT:
+                time.sleep(0.0005)
+            late.append(time.monotonic() - begin)
+            client.kill()
+            if killed != "client":
+                node.terminate()
+                node.wait(PATIENT)
+                node = None
+                ros.again(killed)
+    figures = spread(late)
+    return {
+        "p50_ms": round(figures["p50_us"] / 1e3, 1),
+        "max_ms": round(figures["max_us"] / 1e3, 1),
+        "limit_ms": LIMITS[guard] * 1e3,
+        "beyond": sum(each > LIMITS[guard] for each in late),
+        "times": len(late),
+    }
+
+
+def main() -> int:
+    """Measure, and say whether all is within its limit."""
+    given = parser(__doc__, "ros1 or ros2")
+    given.add_argument("version", choices=KINDS)
+    given.add_argument("--times", type=int, default=20, help="kills of each kind")
+    options = given.parse_args()
+    kind = KINDS[options.version]
+    count, seconds = (2, 5.0) if options.quick else (options.times, 30.0)
+    stands: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        states = joint_states(kind, Path(folder), seconds)
+        print_table("joint states", ["", ""], list(states.items()))
+        for killed, guards in kind.kills.items():
+            for guard in guards:
+                title = f"{killed} killed, {'with' if guard else 'without'} guard"
+                stands[title] = kills(kind, Path(folder), killed, guard, count)
+                print_table(title, ["", ""], list(stands[title].items()))
+    results = {
+        "heartbeat_s": HEARTBEAT,
+        "until_the_arm_stands": stands,
+        "joint_states": {f"{seconds:g} s": states},
+    }
+    if options.save:
+        print("written:", write_results(f"ros{options.version}", results).name)
+    kept = (
+        abs(states["found_hz"] / RATE - 1) <= kind.off
+        and states["share_of_a_core_percent"] < kind.most
+        and states.get("played") == states.get("recorded")
+        and not any(row["beyond"] for row in stands.values())
+    )
+    print("within the limits" if kept else "BEYOND a limit")
+    return int(not kept)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
