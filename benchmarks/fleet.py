@@ -220,7 +220,7 @@ def files(folder: Path, ports: list[int]) -> list[Path]:
 
 
 async def reach(ports: list[int], path: Path, stops: int) -> dict[str, Any]:
-    from aioduco.fleet import FleetClient, FleetSettings  # noqa: PLC0415  # an extra of its own
+    from aioduco.integrations.fleet import FleetClient, FleetSettings  # noqa: PLC0415  # an extra of its own
 
     lanes = [WireLane("bench", HOST, port) for port in ports]
     for lane in lanes:

@@ -106,7 +106,7 @@ def test_pressing_on_a_table() -> None:
 
 
 def test_each_is_in_the_table_of_the_page() -> None:
-    page = (EXAMPLES.parent / "docs" / "examples.md").read_text(encoding="utf-8")
+    page = (EXAMPLES.parent / "docs" / "index.md").read_text(encoding="utf-8")
     for path in EXAMPLES.glob("*.py"):
         assert f"{path.name}`" in page, path
         lines = path.read_text(encoding="utf-8").splitlines()
