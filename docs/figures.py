@@ -12,9 +12,10 @@ The results are `benchmarks/results/*.json`. Comments in a page say which figure
     <!-- measured: guard -->
 
 A table, up to the next blank line, has a row for each object that its path leads to; `*` stands for
-all keys, which name the row. The columns are keys of the rows, and one may have a heading: `p50_us = as a median [µs]`. What
-follows is a regular expression, if not all rows are shown. `measured` tells date, commit and
-machine. Numbers are shown with three significant digits; the exact ones stay in the file.
+all keys, which name the row. The columns are keys of the rows, and one may have a heading:
+`p50_us = as a median [µs]`. What follows is a regular expression, if not all rows are shown.
+`measured` tells date, commit and machine. Numbers are shown with three significant digits; the
+exact ones stay in the file.
 
 A percentile is shown only if enough was measured: p99 from 100 samples on, p99.9 from 1,000. How
 many there were is the nearest of `COUNTS`, in the same object or one that it is part of.

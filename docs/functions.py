@@ -53,18 +53,18 @@ Written by `docs/functions.py`."""
 OLDER = """
 ## Older controllers
 
-They pass over parameters and fields that they do not know, and say nothing of it: what is in this
-table has no effect there.
+They ignore parameters and fields that they do not know, without an error: what this table lists has
+no effect there.
 
 | function | oldest and older | oldest alone |
 |---|---|---|"""
 
 OLDER_REST = """
-`combine_motion_config` and `set_hand_teach_parameter` have parameters of another type there: these
-are passed over and count as zero, so do not call them on such a controller. `Op.on_stop` is not
-known to the oldest: **an output that a stop is to switch is not switched**. `getRobotIOStatus` of
-the oldest has fewer lists, numbered otherwise: it is read as it is meant, with the missing lists
-empty."""
+`combine_motion_config` and `set_hand_teach_parameter` have parameters of another type there, which
+such a controller ignores and takes for zero: do not call them on it. The oldest does not know
+`Op.on_stop`: **an output that a stop is to switch is not switched**. In the oldest,
+`getRobotIOStatus` has fewer lists, under other field numbers. An answer that does not fit the
+present numbers is read by those; the lists that are missing are empty."""
 
 NEWER = """
 ## Manual 4.3

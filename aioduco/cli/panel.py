@@ -56,7 +56,7 @@ def panel(
         typer.Option(
             min=0.1,
             max=2.0,
-            help="Seconds after which a button counts as let go whose page is silent or late.",
+            help="Seconds until a button of a page that is silent or late counts as released.",
         ),
     ] = 0.4,
     manual: Annotated[

@@ -32,7 +32,7 @@ def play(
     ] = None,
     port: Port = None,
     model: Annotated[
-        str | None, typer.Option(help="The arm; what the controller or the recording tells.")
+        str | None, typer.Option(help="The arm. Default: from the controller or the file.")
     ] = None,
     speed: Annotated[
         float, typer.Option(min=0.01, max=10.0, help="Times as fast; waypoints: up to 1.")
@@ -51,21 +51,21 @@ def play(
     ] = None,
     scene: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="What stands around, to simulate: MJCF."),
+        typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
     ] = None,
     envelope: Annotated[
         Path | None,
         typer.Option(exists=True, dir_okay=False, help="Limits to keep to: TOML, see docs."),
     ] = None,
     check: Annotated[
-        bool, typer.Option("--check", help="Say what speaks against it, and move nothing.")
+        bool, typer.Option("--check", help="Print the reasons against playing it; move nothing.")
     ] = False,
     rehearse: Annotated[
-        bool, typer.Option(help="Play it on a simulated arm first, before an arm that is there.")
+        bool, typer.Option(help="Play it on a simulated arm before a real one.")
     ] = True,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before an arm moves.")] = False,
 ) -> None:
-    """Lead an arm along a recording or through waypoints: a simulated arm, or the one at HOST.
+    """Move an arm along a recording or through waypoints: a simulated arm, or the one at HOST.
 
     Before a real arm moves, the file is checked (arm, joint limits, speeds,
     accelerations, the envelope), played on a simulated arm, and you are asked. Ctrl-C brings the

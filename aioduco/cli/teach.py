@@ -23,14 +23,14 @@ _END = "q"
 def teach(
     host: Host = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="The file; waypoints are added to one there is.")
+        Path, typer.Option("--output", "-o", help="File; new waypoints are appended to it.")
     ] = Path("waypoints.toml"),
     port: Port = None,
     guide: Annotated[
-        bool, typer.Option(help="Let the arm be guided by hand; else it is moved otherwise.")
+        bool, typer.Option(help="Guide the arm by hand, or move it in another way.")
     ] = True,
     yes: Annotated[
-        bool, typer.Option("--yes", help="Do not ask before the arm gives way.")
+        bool, typer.Option("--yes", help="Do not ask before hand guiding begins.")
     ] = False,
 ) -> None:
     """Guide the arm by hand, and press Enter to store where it is.

@@ -80,7 +80,7 @@ def teleop(
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
 ) -> None:
-    """Lead an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
+    """Move an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
 
     The arm comes to rest when the key, button or cap is released, or the device is disconnected.
 

@@ -194,7 +194,7 @@ COMMANDS: dict[str, _Command] = {
         _Command("rule OUT IN [SECONDS] [inverted]", "have an input follow an output", _rule),
         _Command("estop", "press the emergency stop", _press),
         _Command("release", "release the emergency stop", _release),
-        _Command("push [FX FY FZ [TX TY TZ]]", "push at the flange; nothing lets go", _push),
+        _Command("push [FX FY FZ [TX TY TZ]]", "push at the flange; alone: end the push", _push),
         _Command("collide JOINT", "let a joint detect a collision", _collide),
         _Command("load KG [X Y Z]", "hang a load on the flange", _load),
         _Command("mode manual|auto|remote", "turn the mode switch", _mode),
