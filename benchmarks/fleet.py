@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 NAMES = ("one", "two")
+SPREADS = ("stop_all", "all_stand", "bare_sends")
 FEED_RATE = 20.0
 #: s that each motion takes
 MOTION = 2.0
@@ -299,33 +300,9 @@ def main() -> None:
             with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as program:
                 found = program.submit(served, count, guard, seconds, stops).result()
             fleets[f"{count} robots, {name}"] = found
-    columns = [
-        "fleet",
-        "cores",
-        "samples/s",
-        "motions",
-        "p50",
-        "p99",
-        "max",
-        "stand p50",
-        "bare p50",
-        "bare p99",
-    ]
-    rows = [
-        [
-            name,
-            f["cores"],
-            f["samples_per_second_each"],
-            f["motions"],
-            *(round(f["stop_all"][p] / 1000, 2) for p in ("p50_us", "p99_us", "max_us")),
-            round(f["all_stand"]["p50_us"] / 1000, 2),
-            *(round(f["bare_sends"][p] / 1000, 2) for p in ("p50_us", "p99_us")),
-        ]
-        for name, f in fleets.items()
-    ]
-    print_table(
-        "One event loop; the stop of all robots, and as many bare sends [ms]", columns, rows
-    )
+    for name, found in fleets.items():
+        rows = [[key, *figures.values()] for key, figures in found.items() if key in SPREADS]
+        print_table(f"{name}: {found['cores']} cores", ["", *found["stop_all"]], rows)
     results = {"scheduling": scheduling(), "fleets": fleets}
     if options.save:
         print("written:", write_results("fleet", results).name)

@@ -62,6 +62,6 @@ def test_nor_in_the_text_of_a_page(figures: Any) -> None:
 
 def test_commit_and_machine_are_told(figures: Any) -> None:
     assert figures.page("old <!-- measured: made -->") == (
-        "Measured 2026-01-02, commit abc1234: CPU; 2 cores; S; Python 3; a bare process wakes up in "
-        "8.1 µs, p99 40.0. <!-- measured: made -->"
+        "Measured 2026-01-02, commit abc1234: CPU; 2 cores; S; Python 3; a bare process wakes up "
+        "in 8.1 µs, p99 40.0. <!-- measured: made -->"
     )
