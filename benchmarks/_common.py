@@ -129,19 +129,8 @@ def write_results(name: str, results: dict[str, Any]) -> Path:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """Print a table: by rich if it is installed, in plain text otherwise."""
+    """Print a table in plain text."""
     cells = [[_cell(value) for value in row] for row in rows]
-    if importlib.util.find_spec("rich") is not None:
-        from rich.console import Console  # noqa: PLC0415  # optional
-        from rich.table import Table  # noqa: PLC0415  # optional
-
-        table = Table(title=title, title_justify="left")
-        for index, column in enumerate(columns):
-            table.add_column(column, justify="right" if index else "left")
-        for row in cells:
-            table.add_row(*row)
-        Console(width=110).print(table)
-        return
     widths = [max(map(len, column)) for column in zip(columns, *cells, strict=True)]
     print(title)
     for row in [list(columns), *cells]:

@@ -24,25 +24,17 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.server import Server
 
 SIX = [0.0] * 6
-STATUS = rpc.RobotStatus(
-    jointExpectPosition=SIX,
-    jointExpectVelocity=SIX,
-    jointExpectAccelera=SIX,
-    jointActualPosition=SIX,
-    jointActualVelocity=SIX,
-    jointActualAccelera=SIX,
-    jointActualCurrent=SIX,
-    jointTemperature=SIX,
-    driverTemperature=SIX,
-    cartExpectPosition=SIX,
-    cartExpectVelocity=SIX,
-    cartExpectAccelera=SIX,
-    cartActualPosition=SIX,
-    cartActualVelocity=SIX,
-    cartActualAccelera=SIX,
-    slaveReady=[True] * 6,
-    robotState=6,
-)
+#: all lists of a status
+LISTS: dict[str, Any] = {
+    **{
+        f"{of}{which}{what}": SIX
+        for of in ("joint", "cart")
+        for which in ("Expect", "Actual")
+        for what in ("Position", "Velocity", "Accelera")
+    },
+    **dict.fromkeys(("jointActualCurrent", "jointTemperature", "driverTemperature"), SIX),
+}
+STATUS = rpc.RobotStatus(**LISTS, slaveReady=[True] * 6, robotState=6)
 IO = rpc.IOStatus(
     digitalInputs=[False] * 16,
     digitalOutputs=[False] * 16,

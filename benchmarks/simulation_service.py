@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import json
+import sys
 import threading
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from _common import ServerProcess, percentile
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.rpc import Op, RpcClient
+from aioduco.sim import Simulator
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,7 +67,7 @@ def move(port: int, done: threading.Event, forced: bool) -> None:
 @contextlib.contextmanager
 def moving(speed: str, *, forced: bool = False) -> Iterator[tuple[ServerProcess, RpcClient]]:
     """A simulator in a process of its own, on a core of its own, whose arm moves all the time."""
-    with ServerProcess("simulation_server.py", speed) as server:
+    with ServerProcess(Path(__file__).name, speed) as server:
         port, done = server.endpoints["port"], threading.Event()
         with client(port) as robot:
             robot.power_on(True)
@@ -170,3 +173,24 @@ def judged(
     line(name, f"at least {CALLS:g}", rate, reached=rate >= CALLS)
     line("their p99 [ms]", f"below {LATENCY:g}", late, reached=late < LATENCY)
     return rows
+
+
+def main() -> None:
+    """A simulator that says where it serves, and answers each line by how well it keeps time."""
+    with Simulator(speed=float(sys.argv[1])) as sim:
+        print(json.dumps({"port": sim.port}), flush=True)
+        for _ in sys.stdin:
+            kept = sim.statistics()
+            said = {
+                "time": sim.time,
+                "cpu": time.process_time(),
+                "slipped": kept.slipped,
+                "late_p99": kept.late_p99,
+                "work_p50": kept.work_p50,
+                "work_p99": kept.work_p99,
+            }
+            print(json.dumps(said), flush=True)
+
+
+if __name__ == "__main__":
+    main()
