@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import copy
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import Self
 
 __all__ = [
     "BusError",
@@ -39,6 +41,7 @@ __all__ = [
     "NamedElsewhere",
     "NoPathFound",
     "NotAController",
+    "NotCopyable",
     "NotSent",
     "ObjectLost",
     "OutcomeUnknown",
@@ -86,8 +89,46 @@ __all__ = [
 ]
 
 
-class DucoError(Exception):
-    """Base of all errors of this package."""
+_Error = TypeVar("_Error", bound="Portable")
+
+
+class Portable(Exception):
+    """Base of exceptions whose copies and pickles have the same class, text and attributes.
+
+    An attribute that cannot be pickled, such as a lock, is pickled as a stand-in with its `repr`.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # without __init__, which takes other arguments than the text that is in args
+        arguments, fields = self._parts()
+        return _restored, (
+            type(self),
+            tuple(map(_pickleable, arguments)),
+            {name: _pickleable(value) for name, value in fields.items()},
+        )
+
+    def __copy__(self) -> Self:
+        return _restored(type(self), *self._parts())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        arguments, fields = self._parts()
+        return _restored(
+            type(self),
+            tuple(_copied(value, memo) for value in arguments),
+            {name: _copied(value, memo) for name, value in fields.items()},
+        )
+
+    def _parts(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
+        """The arguments of the base class, and the attributes, also those of a builtin base."""
+        reduced: tuple[Any, ...] = super().__reduce__()  # type: ignore[assignment]
+        return reduced[1], reduced[2] if len(reduced) > 2 else {}
+
+
+class DucoError(Portable):
+    """Base of all errors of this package.
+
+    A copy, and one that comes back from another process, has the same class, text and attributes.
+    """
 
 
 class ParameterError(DucoError, ValueError):
@@ -137,9 +178,6 @@ class NamedElsewhere(DucoError, AttributeError):
         self.function = function
         self.meant = meant
         super().__init__(f"{function} is {meant}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.function, self.meant)
 
 
 class ConnectError(DucoError, ConnectionError):
@@ -508,9 +546,6 @@ class EnvelopeViolated(DucoError):
         self.margin = margin
         super().__init__(message)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (str(self), self.limit, self.body, self.place, self.margin)
-
 
 class PlanningError(DucoError):
     """No plan was made. Nothing was sent, and nothing moved.
@@ -694,14 +729,18 @@ class PathRefused(DucoError):
         self.findings = findings
         super().__init__(message)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (str(self), self.findings)
-
 
 class WaypointFileError(DucoError, ValueError):
     """A file of waypoints cannot be read or written. The message has the line and the field.
 
     Nothing was sent.
+    """
+
+
+class NotCopyable(DucoError, TypeError):
+    """An object that holds a connection, a process or a device was to be copied or pickled.
+
+    Nothing was done to it. The message says what to do instead.
     """
 
 
@@ -716,6 +755,38 @@ class MissingExtra(DucoError, ModuleNotFoundError):
         super().__init__(f"{wanted} needs {package}: pip install 'aioduco[{extra}]'", name=package)
         self.extra: str = extra
 
-    def __reduce__(self) -> tuple[object, ...]:
-        wanted = str(self).partition(" needs ")[0]
-        return type(self), (wanted, self.name, self.extra)
+
+class _Described:
+    """Stands in a pickled error for a value that pickle refuses: it looks the same when printed."""
+
+    __slots__ = ("_text",)
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __repr__(self) -> str:
+        return self._text
+
+
+def _restored(kind: type[_Error], arguments: tuple[Any, ...], fields: dict[str, Any]) -> _Error:
+    error = kind.__new__(kind, *arguments)
+    error.args = arguments
+    error.__setstate__(fields)
+    return error
+
+
+def _pickleable(value: object) -> object:
+    import pickle  # noqa: PLC0415 - rarely needed
+
+    try:
+        pickle.dumps(value)
+    except Exception:
+        return _Described(repr(value))
+    return value
+
+
+def _copied(value: object, memo: dict[int, Any]) -> object:
+    try:
+        return copy.deepcopy(value, memo)
+    except Exception:
+        return value

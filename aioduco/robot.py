@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.controller_clock import WallClock
@@ -265,7 +266,7 @@ async def stop_all(robots: Iterable[Robot]) -> None:
         raise StopsUnconfirmed.of(places, errors) from first
 
 
-class Robot(ManualNames):
+class Robot(Uncopied, ManualNames):
     """A robot arm and its controller. Created by `connect`, used in `async with`.
 
     Entering the block connects, reads the controller's state and version, and starts the

@@ -28,6 +28,8 @@ from contextvars import copy_context
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Final
 
+from aioduco._copying import Uncopied
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import CodeType
@@ -58,7 +60,7 @@ class _Flush:
         self.written = written
 
 
-class Reporter:
+class Reporter(Uncopied):
     """Calls the program's code on a separate thread, one call after another."""
 
     def __init__(self) -> None:
@@ -189,7 +191,7 @@ def _show() -> None:
 reporter: Final = Reporter()
 
 
-class BackgroundLogger:
+class BackgroundLogger(Uncopied):
     """A logger that neither raises nor waits. A message below the log level costs nothing.
 
     Args:

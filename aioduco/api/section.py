@@ -19,6 +19,7 @@ from __future__ import annotations
 from operator import not_
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from aioduco._copying import Uncopied
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import (
     ControllerError,
@@ -63,7 +64,7 @@ _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
 
 
-class Section(ManualNames):
+class Section(Uncopied, ManualNames):
     """A section of the manual: functions of one robot."""
 
     __slots__ = ("_rpc", "_supervisor")

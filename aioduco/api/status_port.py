@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.streams.buffered import BufferedByteReceiveStream
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models.status_frame import FRAME_SIZE, PORT, RATE, StatusFrame
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["StatusFrame", "StatusPort"]
 
 
-class StatusPort:
+class StatusPort(Uncopied):
     """A connection to the status port; iterating yields each frame as it arrives.
 
     A program that takes frames more slowly than they arrive gets them late, and the controller may

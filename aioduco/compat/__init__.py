@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco import __version__
+from aioduco._copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY
@@ -127,7 +128,7 @@ def _take_other_names(kind: type[ManualFunctions]) -> None:
             setattr(kind, name, _by_any_name(function, others))
 
 
-class DucoCobot(ManualFunctions):
+class DucoCobot(Uncopied, ManualFunctions):
     """A connection to a controller, with a method for each function of the manual.
 
     Each object is one connection, which carries one call at a time (manual 1.5.1). Any thread may

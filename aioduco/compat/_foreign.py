@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, ControllerError, NotSent
-
-if TYPE_CHECKING:
-    from aioduco.errors import DucoError
+from aioduco.errors import (
+    CallTimeout,
+    ConnectError,
+    ConnectionLost,
+    ControllerError,
+    DucoError,
+    NotSent,
+)
 
 __all__ = ["ENUMS", "as_thrift"]
 
@@ -65,7 +69,7 @@ def _enum(name: str, values: dict[str, int]) -> Any:
     """Make a class of whole numbers with Thrift's two tables, as its compiler does for Python."""
     names = {number: each for each, number in values.items()}
     tables = {"_VALUES_TO_NAMES": names, "_NAMES_TO_VALUES": values}
-    return type(name, (), {"__module__": __name__, **values, **tables})
+    return type(name, (), {"__module__": "aioduco.compat", **values, **tables})
 
 
 ENUMS: Final = {name: _enum(name, values) for name, values in _VALUES.items()}
@@ -76,6 +80,12 @@ _TIMED_OUT: Final = 3
 _END_OF_FILE: Final = 4
 
 
+def _reduced(error: DucoError) -> tuple[object, ...]:
+    """For pickle, which finds classes by name: as the error of this package alone."""
+    restore, (kind, *content) = DucoError.__reduce__(error)
+    return restore, (kind.__mro__[1], *content)
+
+
 def as_thrift(error: DucoError, connected: bool = True) -> DucoError:
     """Make an error an instance of Thrift's error too, if the program has loaded Thrift's library.
 
@@ -84,7 +94,8 @@ def as_thrift(error: DucoError, connected: bool = True) -> DucoError:
         connected: whether there was a connection.
 
     Returns:
-        The same error; its class may have become one that inherits from both.
+        The same error; its class may have become one that inherits from both. Pickled, it is the
+        package's error again, with Thrift's attributes.
     """
     if isinstance(error, ControllerError):
         place, name, code = "thrift.Thrift", "TApplicationException", error.code
@@ -102,7 +113,9 @@ def as_thrift(error: DucoError, connected: bool = True) -> DucoError:
     if foreign:
         ours, message = type(error), str(error)
         both: Any = type(
-            ours.__name__, (ours, *dict.fromkeys(foreign)), {"__module__": ours.__module__}
+            ours.__name__,
+            (ours, *dict.fromkeys(foreign)),
+            {"__module__": ours.__module__, "__reduce__": _reduced},
         )
         error.__class__ = both
         error.__dict__.update(message=message, type=code)

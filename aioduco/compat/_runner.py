@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from aioduco import compat
 from aioduco.compat._foreign import ENUMS
+from aioduco.errors import Portable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -30,7 +31,7 @@ _STRUCTS: Final = (
 )
 
 
-class TException(Exception):
+class TException(Portable):
     """Base of Thrift's errors, in place of the one in Thrift's library."""
 
     def __init__(self, message: str | None = None) -> None:

@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from aioduco._copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models.numpy_on_use import np
 
@@ -57,7 +58,7 @@ def _fitted(values: Sequence[float], length: int) -> Sequence[float]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sample:
+class Sample(Frozen):
     """Base class of all samples.
 
     Attributes:

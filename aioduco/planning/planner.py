@@ -10,6 +10,7 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
+from aioduco._copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
@@ -71,7 +72,7 @@ class _Request:
             self._process = None
 
 
-class Planner:
+class Planner(Uncopied):
     """Plans paths of an arm through a scene (规划器).
 
         async with Planner(scene) as planner:

@@ -111,6 +111,19 @@ class Scene:
         held = f", holds {', '.join(self._attached)}" if self._attached else ""
         return f"<Scene of {self.arm.name} with {len(self._things)} things{held}>"
 
+    def __getstate__(self) -> dict[str, Any]:
+        # for a copy or a pickle: it changes by itself, and compiles its model when it needs it
+        with self._lock:
+            state = {**self.__dict__, "_model": None, "_checker": None}
+            for name in ("_things", "_attached", "_allowed"):
+                state[name] = state[name].copy()
+        del state["_lock"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._lock = threading.RLock()
+
     def __iter__(self) -> Iterator[Thing]:
         return iter(self._things.values())
 

@@ -64,6 +64,13 @@ class McapMessage(NamedTuple):
     time_ns: int
     data: memoryview
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return _message, (self.channel, self.time_ns, bytes(self.data))
+
+
+def _message(channel: McapChannel, time_ns: int, data: bytes) -> McapMessage:
+    return McapMessage(channel, time_ns, memoryview(data))
+
 
 class _Damaged(Exception):
     """A record is incomplete, or is not as the format requires."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
@@ -108,7 +109,7 @@ class RecordingHandler(logging.Handler):
             last.handle(record)
 
 
-class RobotObserver:
+class RobotObserver(Uncopied):
     """Observes a robot and passes its data to a writer; the base of recording and publication.
 
     Args:

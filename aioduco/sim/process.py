@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import anyio.to_thread
 
+from aioduco._copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.models.controller_clock import ScaledClock
@@ -26,7 +27,7 @@ _START, _END = 60.0, 20.0
 _PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
-class SimulatorProcess:
+class SimulatorProcess(Uncopied):
     """A simulator in a process of its own.
 
     The process ends when its channel to this one closes. The system closes that when this process

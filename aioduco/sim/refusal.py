@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from aioduco.errors import Portable
 from aioduco.models.enums import TaskState
 
 
@@ -9,7 +10,7 @@ class Refusal(Exception):
     """The call is answered with a Thrift application error that carries this text."""
 
 
-class Rejected(Exception):
+class Rejected(Portable):
     """A task cannot be carried out: it ends at once, in a state that gives the reason."""
 
     def __init__(self, state: TaskState, message: str) -> None:
@@ -22,7 +23,7 @@ def mismatch(message: str) -> Rejected:
     return Rejected(TaskState.PARAMETER_MISMATCH, message)
 
 
-class Pending(Exception):
+class Pending(Portable):
     """The task of a program's call has not ended; the cycle must not wait for it."""
 
     def __init__(self, id_: int) -> None:

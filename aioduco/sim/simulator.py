@@ -12,6 +12,7 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
+from aioduco._copying import Uncopied
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose
@@ -60,7 +61,7 @@ _LARGEST_PUSH, _HEAVIEST, _FARTHEST = 1e4, 1000.0, 10.0
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
 
-class Simulator:
+class Simulator(Uncopied):
     """A simulated controller with its arm, on a TCP port of this computer.
 
     It runs in threads of this process, from entering its context to leaving it:

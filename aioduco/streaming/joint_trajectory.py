@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from aioduco._copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.streaming.sampling import Spline, numbers
@@ -75,7 +76,7 @@ class TrajectoryResult(NamedTuple):
     statistics: StreamStatistics
 
 
-class JointTrajectory:
+class JointTrajectory(Frozen):
     """Joint positions at given times, optionally with velocities and accelerations.
 
     Positions alone are joined by a monotone cubic that rests at both ends. Positions with

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
@@ -39,7 +40,7 @@ _MODES: dict[RealtimeMode, tuple[str, bool, Meaning, Callable[[str, VectorLike],
 }
 
 
-class RealtimeStreams:
+class RealtimeStreams(Uncopied):
     """Streams through the queue, from which the controller takes one point per millisecond.
 
         async with robot.realtime.stream("joint_position", v=1.0, a=5.0) as stream:

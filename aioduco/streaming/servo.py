@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
@@ -73,7 +74,7 @@ class OffsetStream(Stream):
         await self._taken()
 
 
-class Servo(ManualNames):
+class Servo(Uncopied, ManualNames):
     """Streams of positions to follow (servo, manual 1.3.5).
 
         async with robot.servo.joints(v=1.0, a=5.0, rate=500) as stream:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Speed"]
 
 
-class Speed(ManualNames):
+class Speed(Uncopied, ManualNames):
     """Streams of speeds (speedj, speedl, manual 1.3.5), for example from a joystick.
 
         async with robot.speed.linear(a=0.5, frame="base", dead_man=0.2) as stream:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import anyio.lowlevel
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.models.rules import Number
 from aioduco.streaming.options import checked
@@ -35,7 +36,7 @@ _FARTHEST = 60.0  # s from now: the time of a chunk further away comes from anot
 _AT = Number(0.0, unit="s", source="this package")
 
 
-class Stream:
+class Stream(Uncopied):
     """A stream of set-points to the controller. Use it as an async context manager.
 
     Entering starts the worker and connects it; the arm does not move before the first set-point.

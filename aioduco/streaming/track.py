@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
+from aioduco._copying import Uncopied
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
@@ -87,7 +88,7 @@ class TrackStream(Stream):
         return tail
 
 
-class TrackStreams:
+class TrackStreams(Uncopied):
     """Streams of the points of a path, through which the controller plans a motion.
 
         async with robot.track.stream("pose", speed=0.2, acc=0.5) as stream:

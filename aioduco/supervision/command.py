@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
+from aioduco._copying import Uncopied
 from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["HeldMotion", "MotionCommand", "check_motions"]
 
 
-class MotionCommand:
+class MotionCommand(Uncopied):
     """A motion as a value: checked, but not sent. It moves the arm when it is awaited or started.
 
     - `await motion` sends it and waits for its end; it raises unless it finished.

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+from aioduco._copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.state_feed import Policy, Subscription
@@ -228,7 +229,7 @@ _ERRORS_EVERY = 1.0
 _LOOK_EVERY = 0.02
 
 
-class Events:
+class Events(Uncopied):
     """Detects the events of one robot, and delivers them to every subscriber.
 
     Args:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
+from aioduco._copying import Uncopied
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.supervision.command import MotionCommand
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["MotionPath"]
 
 
-class MotionPath:
+class MotionPath(Uncopied):
     """A path of motions that blend, tied to a block. `robot.motion.path` makes it.
 
     The controller gets a few motions ahead, so that it has each one before the previous one comes

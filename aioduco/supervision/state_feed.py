@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeV
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco.errors import (
     DucoError,
     FeedOverflow,
@@ -46,7 +47,7 @@ T = TypeVar("T")
 Policy: TypeAlias = Literal["latest", "drop_oldest", "every"]
 
 
-class Subscription(Generic[T]):
+class Subscription(Uncopied, Generic[T]):
     """Items for one reader: `async for item in subscription`.
 
     Args:
@@ -208,7 +209,7 @@ class FeedStatistics(NamedTuple):
     dropped: int
 
 
-class StateFeed:
+class StateFeed(Uncopied):
     """Samples of the robot's state. It starts on first use.
 
     Args:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco.errors import (
     TaskError,
     TaskFailed,
@@ -88,7 +89,7 @@ class TaskControl(Protocol):
         ...
 
 
-class Task:
+class Task(Uncopied):
     """A task that the controller accepted. `await task` gives its outcome.
 
     Awaiting it raises a typed error unless it finished or blended. Cancelling that await stops

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from aioduco._copying import Uncopied
+
 if TYPE_CHECKING:
     from collections.abc import Coroutine
     from types import TracebackType
@@ -16,7 +18,7 @@ __all__ = ["Block", "Blocking", "Started"]
 T = TypeVar("T")
 
 
-class Blocking:
+class Blocking(Uncopied):
     """An object whose functions return when they are done: they run on the robot's event loop.
 
     Args:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, TypeVar
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco.errors import TaskError
 from aioduco.models.ranges import WAIT
 from aioduco.supervision.command import check_motions
@@ -260,7 +261,7 @@ def _on_wait_cancelled(task: aio_task.Task) -> Coroutine[Any, Any, None]:
     return task._on_wait_cancelled()
 
 
-class MotionFunction(Generic[P]):
+class MotionFunction(Uncopied, Generic[P]):
     """A motion of a section: call it to carry it out.
 
         robot.motion.movej2(home, v=1.0, a=1.0)                    # returns when it has ended

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.testing.message_parser import Message, MessageType, application_error
 
@@ -308,7 +309,7 @@ class _Rule:
         return self.fault
 
 
-class Script:
+class Script(Uncopied):
     """Chooses the fault for each call. Any thread may change it while calls pass.
 
     A fault for the call's method takes precedence over one that was queued for the next call, and

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from aioduco._copying import Uncopied
 from aioduco.testing.waiting import eventually, eventually_async
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ class Resources:
         return sorted(left)
 
 
-class no_leaks:  # noqa: N801 - used like a function, as contextlib.suppress is
+class no_leaks(Uncopied):  # noqa: N801 - used like a function, as contextlib.suppress is
     """Assert that everything that the block opens is closed when it ends, or soon after.
 
         with no_leaks():

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 import anyio
 from anyio.from_thread import start_blocking_portal
 
+from aioduco._copying import Uncopied
 from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Plan, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
@@ -25,7 +26,7 @@ __all__ = ["FaultProxy"]
 _HOST = "127.0.0.1"
 
 
-class FaultProxy:
+class FaultProxy(Uncopied):
     """Stands between a client and a controller, and applies prepared faults to its calls.
 
         with FaultProxy("127.0.0.1", simulator.port) as proxy:

@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
+from aioduco._copying import Uncopied
 from aioduco._wire import idl
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.server import Server
@@ -35,7 +36,7 @@ class ReceivedCall:
     thread: int
 
 
-class RecordingServer:
+class RecordingServer(Uncopied):
     """Answers calls with prepared results, and records them.
 
         with RecordingServer({"movej2": 1063, "get_tcp_pose": lambda: [0.0] * 6}) as server:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco.devices.bus import frames
 from aioduco.errors import ModbusGarbled, ModbusTimeout, ParameterError
 from aioduco.models import ranges
@@ -64,7 +65,7 @@ class Port:
         return cls(bus.write_raw_data_485, bus.read_raw_data_485)
 
 
-class ModbusRtu:
+class ModbusRtu(Uncopied):
     """A device that speaks Modbus RTU.
 
         gripper = ModbusRtu(Port.tool(robot.bus), unit=1)

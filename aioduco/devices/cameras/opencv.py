@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
+from aioduco._copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame
 from aioduco.errors import CameraError
 from aioduco.models.controller_clock import WallClock
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["OpenCvCamera"]
 
 
-class OpenCvCamera:
+class OpenCvCamera(Uncopied):
     """A camera that OpenCV opens.
 
         with OpenCvCamera(0, intrinsics, clock=WallClock()) as camera:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from aioduco._copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["SimulatedCamera"]
 
 
-class SimulatedCamera:
+class SimulatedCamera(Uncopied):
     """A camera that is defined in the MJCF of a scene or of a tool.
 
         scene = '<mujoco><worldbody><camera name="eye" pos="0.5 0 1.2" fovy="45"/>...'

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     DucoError,
@@ -130,7 +131,7 @@ class Gripper(Protocol):
         ...
 
 
-class PolledGripper(ABC):
+class PolledGripper(Uncopied, ABC):
     """A gripper whose state is polled; a base class for drivers.
 
     A driver of your own implements how the gripper is read (`_read`), moved (`_go`) and halted

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
+from aioduco._copying import Uncopied
 from aioduco._process.platform import has_device_files
 from aioduco.devices.teleoperation.gamepad import Gamepad
 from aioduco.devices.teleoperation.keyboard import Keyboard
@@ -33,7 +34,7 @@ class _Meaning(Protocol):
     def reading(self, now: float) -> Reading: ...
 
 
-class InputDevice:
+class InputDevice(Uncopied):
     """An input device that is read without blocking. Use it in `with`.
 
     Args:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from aioduco._copying import Uncopied
 from aioduco.models.ranges import TIMEOUT
 from aioduco.models.rules import Number
 
@@ -22,7 +23,7 @@ _Vector = NDArray[np.float64]
 _ABOVE = Number(0.0, open_low=True, source="this package")
 
 
-class JointTarget:
+class JointTarget(Uncopied):
     """Integrates a speed from the arm's position, one step at a time.
 
     Near a singularity the step is damped: the tool is then slower than requested, and no joint is

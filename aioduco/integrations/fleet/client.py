@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.reports import (
@@ -64,7 +65,7 @@ class FleetStop:
         return bool(self.reports) and not (failed or self.missing or self.unknown)
 
 
-class FleetClient:
+class FleetClient(Uncopied):
     """Observes and stops a fleet; an asynchronous context manager. It listens on no address.
 
     Args:

@@ -11,6 +11,7 @@ import anyio
 import anyio.abc
 
 from aioduco import events
+from aioduco._copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopsUnconfirmed
 from aioduco.integrations.fleet.gateway_state import GatewayState
@@ -35,7 +36,7 @@ _log = BackgroundLogger(__name__)
 _AGAIN: Final = 1.0
 
 
-class FleetGateway:
+class FleetGateway(Uncopied):
     """Supervises arms; an asynchronous context manager.
 
     It opens its robots in the background, and retries until they answer. When it ends in order, it

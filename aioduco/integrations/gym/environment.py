@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError, Unreachable
 from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
@@ -33,7 +34,7 @@ _MOST = 1e6  # bound on the numbers of an observation, which Gymnasium requires
 _REACH = 0.817  # reach of the arm that the lengths of the tasks suit [m]
 
 
-class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
+class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
     """A simulated arm with a task, in steps of 40 ms.
 
     An observation is a dict, as in environments with goals: "observation" (joints [rad], joint
@@ -62,6 +63,7 @@ class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - Gymnasium's
 
+    _instead: ClassVar[str] = "call `gymnasium.make` there: a function that makes it can be pickled"
     _SHOWN: ClassVar[tuple[int, int]] = (480, 480)
 
     def __init__(

@@ -13,6 +13,7 @@ from opentelemetry import metrics, trace
 from opentelemetry.trace import SpanKind, StatusCode
 
 from aioduco import RobotStateError, TaskState, events
+from aioduco._copying import Uncopied
 from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class _Motion(NamedTuple):
     began: float
 
 
-class Telemetry:
+class Telemetry(Uncopied):
     """Spans and metrics of one robot.
 
         telemetry = Telemetry("arm-1")

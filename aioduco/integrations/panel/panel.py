@@ -22,6 +22,7 @@ import anyio
 
 import aioduco
 from aioduco import JogDirections, ProgramState, events
+from aioduco._copying import Uncopied
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.panel.control_lease import (
     BeginLease,
@@ -92,7 +93,7 @@ _SILENT: Final = 1.0
 _DRAWN_AS: Final = "gcr5_910"
 
 
-class Panel:
+class Panel(Uncopied):
     """An arm in the browser: `async with Panel("192.168.1.10") as panel: print(panel.link)`.
 
     Everyone who can reach the page may watch and stop the arm. A page that commands needs the token

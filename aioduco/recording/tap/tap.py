@@ -6,6 +6,7 @@ import contextlib
 import socket
 from typing import TYPE_CHECKING
 
+from aioduco._copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import ConnectError
@@ -24,7 +25,7 @@ _START = 60.0
 _CHUNK = 256 * 1024
 
 
-class Tap:
+class Tap(Uncopied):
     """Relays between clients and a controller, and reports each call.
 
         with Tap("192.168.1.10", listen=("127.0.0.1", 7003)) as tap:

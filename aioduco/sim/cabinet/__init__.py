@@ -9,6 +9,7 @@ import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from aioduco._copying import Uncopied
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.cabinet.modbus import (
     Gripper,
@@ -40,7 +41,7 @@ __all__ = [
 
 
 @dataclass(slots=True)
-class Cabinet:
+class Cabinet(Uncopied):
     """Everything in the cabinet that no motion needs.
 
     Attributes:

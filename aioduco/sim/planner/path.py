@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from aioduco.errors import Portable
 from aioduco.sim.planner.slices import LONG_SLICE, slices
 
 if TYPE_CHECKING:
@@ -241,7 +242,7 @@ def differentiate(values: Array, step: float) -> tuple[Array, Array]:
     return slope / step, bend / step**2
 
 
-class PlanError(Exception):
+class PlanError(Portable):
     """A motion cannot be planned; the arm was not moved.
 
     Attributes:

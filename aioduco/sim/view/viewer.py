@@ -9,6 +9,7 @@ import sys
 import warnings
 from typing import TYPE_CHECKING, Any
 
+from aioduco._copying import Uncopied
 from aioduco.errors import RenderError
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ else:
 __all__ = ["Viewer"]
 
 
-class Viewer:
+class Viewer(Uncopied):
     """A window that shows given positions; it moves nothing itself.
 
     It has its own thread: if the window is closed, `running` becomes false and nothing else ends.
