@@ -13,7 +13,7 @@ import numpy as np
 
 from aioduco.descriptions.collisions import disabled_pairs
 from aioduco.descriptions.tree import STATES, WORLD
-from aioduco.descriptions.xml_text import COLOURS, numbers, pretty
+from aioduco.descriptions.xml_text import COLOURS, bounds, numbers, pretty
 from aioduco.kinematics.bodies import ROTOR
 from aioduco.models.rotation import quaternion_from_matrix
 
@@ -174,7 +174,11 @@ def _body(
     if joint is not None and joint.limits is not None:
         drive = _drive(tree, joint.limits.effort)
         ET.SubElement(
-            body, "joint", {"class": drive}, name=joint.name, range=numbers(joint.limits[:2])
+            body,
+            "joint",
+            {"class": drive},
+            name=joint.name,
+            range=" ".join(bounds(*joint.limits[:2])),
         )
     if link.name in meshes:
         mesh = meshes[link.name].stem

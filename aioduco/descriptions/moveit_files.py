@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from aioduco.descriptions.srdf_text import GROUP, srdf_text
@@ -150,9 +151,20 @@ def _yaml(values: Mapping[str, Any], indent: str = "") -> str:
             items = "".join(f"{indent}  - {item}\n" for item in value)
             lines.append(f"{indent}{key}:\n{items}")
         else:
-            text = str(value).lower() if isinstance(value, bool) else str(value)
-            lines.append(f"{indent}{key}: {text}\n")
+            lines.append(f"{indent}{key}: {_scalar(value)}\n")
     return "".join(lines)
+
+
+def _scalar(value: Any) -> str:
+    """Write a scalar of YAML 1.1, in which a number has a point before its exponent."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if not isinstance(value, float):
+        return str(value)
+    if not math.isfinite(value):
+        return f"{value}".replace("inf", ".inf").replace("nan", ".nan")
+    text = repr(float(value))
+    return text if "." in text else text.replace("e", ".0e")
 
 
 _KINEMATICS = {

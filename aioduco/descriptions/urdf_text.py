@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from aioduco.descriptions.tree import WORLD
-from aioduco.descriptions.xml_text import COLOURS, numbers, pretty
+from aioduco.descriptions.xml_text import COLOURS, bounds, numbers, pretty
 from aioduco.models.rotation import rpy_from_matrix
 
 if TYPE_CHECKING:
@@ -112,11 +112,6 @@ def _joint(robot: ET.Element, joint: JointDescription) -> None:
     ET.SubElement(element, "child", link=joint.child)
     if limits is not None:
         ET.SubElement(element, "axis", xyz="0 0 1")
-        ET.SubElement(
-            element,
-            "limit",
-            lower=numbers([limits.lower]),
-            upper=numbers([limits.upper]),
-            effort=numbers([limits.effort]),
-            velocity=numbers([limits.velocity]),
-        )
+        lower, upper = bounds(limits.lower, limits.upper)
+        effort, velocity = (bounds(0.0, each)[1] for each in (limits.effort, limits.velocity))
+        ET.SubElement(element, "limit", lower=lower, upper=upper, effort=effort, velocity=velocity)

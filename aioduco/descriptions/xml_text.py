@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree as ET
 
+from aioduco.models.bounds import shown
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["COLOURS", "numbers", "pretty"]
+__all__ = ["COLOURS", "bounds", "numbers", "pretty"]
 
 COLOURS: Final = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
 """Colours of the arm by name, as RGBA."""
@@ -17,6 +19,11 @@ COLOURS: Final = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
 def numbers(values: Iterable[float]) -> str:
     """Return numbers with twelve digits; a rounding error of zero becomes zero."""
     return " ".join(f"{round(float(value), 14) + 0.0:.12g}" for value in values)
+
+
+def bounds(low: float, high: float) -> tuple[str, str]:
+    """Return two limits with twelve digits, each rounded to the inside."""
+    return shown(low, low=True, digits=12), shown(high, digits=12)
 
 
 def pretty(root: ET.Element, remark: str) -> str:

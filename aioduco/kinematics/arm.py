@@ -10,6 +10,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError, Unreachable
 from aioduco.kinematics import forward, inverse, single
+from aioduco.models import bounds
 from aioduco.models.pose import JointsLike, Pose, PoseLike
 
 if TYPE_CHECKING:
@@ -114,9 +115,8 @@ class Arm:
         return Singularity(*np.abs(values).tolist())
 
     def within_limits(self, q: JointsLike) -> bool:
-        """Return whether all joints are inside their limits."""
-        joints = _joints(q)
-        return bool(((joints >= self.lower) & (joints <= self.upper)).all())
+        """Return whether all joints are inside their limits, but for the rounding of a reading."""
+        return not bounds.outside(_joints(q), self.lower, self.upper).any()
 
     def ikine_all(self, flange: PoseLike | Array) -> Array:
         """Return every configuration that reaches a pose (逆解), up to eight.
@@ -143,7 +143,8 @@ class Arm:
     ) -> Array:
         """Return the configuration that reaches a pose and is nearest to another one.
 
-        Whole turns are added if the limits allow it, so that a joint at 6 rad stays near 6 rad. The
+        Whole turns are added if the limits allow it, so that a joint at 6 rad stays near 6 rad, and
+        one that is read at its limit, beyond it by rounding, gets the limit. Otherwise the
         configuration reaches the pose to 1e-12 m and rad; if the arm is stretched or folded, or
         within 1e-9 of a wrist singularity, to 1e-9. At a wrist singularity joint 6 may have any
         angle: it is that of `q_near`, or the nearest one with which the arm reaches the pose.

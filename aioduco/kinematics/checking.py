@@ -14,6 +14,7 @@ from aioduco.errors import ParameterError, Unreachable
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.catalogue import arm as _model
 from aioduco.kinematics.forward import singular_values
+from aioduco.models.bounds import least, most, shown
 from aioduco.models.pose import Joints, Pose
 
 if TYPE_CHECKING:
@@ -163,10 +164,10 @@ def _named(points: Any) -> dict[str, Any]:
 def _outside(arm: Arm, q: Joints) -> str:
     limits = zip(q, arm.lower, arm.upper, strict=True)
     over = [
-        f"joint {axis} at {math.degrees(angle):.1f}°, beyond {math.degrees(low):.0f}° to "
-        f"{math.degrees(high):.0f}°"
+        f"joint {axis} at {math.degrees(angle):.1f}°, beyond "
+        f"{shown(math.degrees(low), low=True)}° to {shown(math.degrees(high))}°"
         for axis, (angle, low, high) in enumerate(limits, 1)
-        if not low <= angle <= high
+        if not least(low) <= angle <= most(high)
     ]
     return ", ".join(over)
 

@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco.kinematics.inverse import EDGE, NEAR_WRIST, REACH, ROUNDING, WRIST
+from aioduco.models.bounds import least, most
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -173,11 +174,11 @@ def nearest_turns(
     for angle, close, low, high in zip(q, near, lower, upper, strict=True):
         best = angle + _TURN * round((close - angle) / _TURN)
         if not low <= best <= high:
-            fewest = math.ceil((low - angle) / _TURN - _EDGE)
-            most = math.floor((high - angle) / _TURN + _EDGE)
-            if fewest > most:
+            fewest = math.ceil((least(low) - angle) / _TURN - _EDGE)
+            largest = math.floor((most(high) - angle) / _TURN + _EDGE)
+            if fewest > largest:
                 return None
-            turns = min(max(round((close - angle) / _TURN), fewest), most)
+            turns = min(max(round((close - angle) / _TURN), fewest), largest)
             # Rounding must not move a joint at its limit by a whole turn.
             best = min(max(angle + _TURN * turns, low), high)
         wrapped.append(best)

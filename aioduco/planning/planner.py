@@ -14,6 +14,7 @@ from aioduco._copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
+from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
@@ -289,7 +290,7 @@ class Planner(Uncopied):
             raise ParameterError("timeout", timeout, "from 0.001 to 600 s")
         problem = PlanningProblem(
             arm=scene.arm,
-            start=Joints.of(start).array,
+            start=clipped(Joints.of(start), scene.arm.lower, scene.arm.upper),
             goals=goals,
             limits=MotionLimits.of(scene.arm, v, a, jerk),
             tip=self._tip,

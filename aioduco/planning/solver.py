@@ -16,6 +16,7 @@ from aioduco.errors import (
     Unreachable,
 )
 from aioduco.kinematics.single import nearest_turns
+from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy
 from aioduco.planning.curve import is_free, joint_curve, rounded, through
@@ -187,7 +188,7 @@ def _configurations(problem: PlanningProblem) -> list[Points]:
                 raise GoalOutOfReach(
                     f"{_degrees(goal.array)} is beyond the joint limits", joints=goal
                 )
-            found.append(goal.array)
+            found.append(clipped(goal, arm.lower, arm.upper))
             continue
         for pose in _poses(goal):
             for q in arm.ikine_all(pose @ back):
@@ -208,10 +209,10 @@ def _turned(q: Points, arm: Arm) -> list[Points]:
     found: list[Points] = []
     for axis in range(len(q)):
         for turn in (-2 * np.pi, 2 * np.pi):
-            if arm.lower[axis] <= q[axis] + turn <= arm.upper[axis]:
-                other = q.copy()
-                other[axis] += turn
-                found.append(other)
+            other = q.copy()
+            other[axis] += turn
+            if arm.within_limits(other):
+                found.append(clipped(other, arm.lower, arm.upper))
     return found
 
 

@@ -96,10 +96,11 @@ class JointTrajectory(Frozen):
     def __init__(
         self, positions: Any, times: Any, velocities: Any = None, accelerations: Any = None
     ) -> None:
-        self.positions: NDArray[np.float64] = _matrix("positions", positions)
-        count = len(self.positions)
-        for row in self.positions.tolist():
-            ranges.JOINTS("positions", row)
+        rows = _matrix("positions", positions).tolist()
+        self.positions: NDArray[np.float64] = _matrix(
+            "positions", [ranges.JOINTS(f"positions[{i}]", row) for i, row in enumerate(rows)]
+        )
+        count = len(rows)
         self.times: NDArray[np.float64] = _fixed("times", times)
         if self.times.shape != (count,):
             raise ParameterError("times", times, f"{count} numbers")

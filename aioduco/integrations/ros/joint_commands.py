@@ -18,6 +18,7 @@ import anyio
 from aioduco import RobotState
 from aioduco.errors import DucoError, SetPointTooFar
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
+from aioduco.models.bounds import clipped, least, most, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -60,10 +61,10 @@ def check_command(
     for name, place, low, high in zip(
         profile.joint_names, found, profile.lower, profile.upper, strict=True
     ):
-        if not (math.isfinite(place) and low <= place <= high):
-            text = f"{name} at {place:.4g} rad, {low:.4g} to {high:.4g} allowed"
+        if not least(low) <= place <= most(high):
+            text = f"{name} at {place:.4g} rad, {shown(low, low=True)} to {shown(high)} allowed"
             raise GoalRefused(ErrorCode.INVALID_GOAL, text)
-    return found
+    return tuple(clipped(found, profile.lower, profile.upper).tolist())
 
 
 class JointCommands:

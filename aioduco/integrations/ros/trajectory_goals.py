@@ -19,6 +19,7 @@ from aioduco.errors import (
     RobotStateError,
 )
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.bounds import outside, shown
 from aioduco.models.ranges import JOINT_SPEED
 
 if TYPE_CHECKING:
@@ -422,13 +423,13 @@ def _goal_time(given: float, rules: GoalRules) -> float:
 
 
 def _check_positions(positions: NDArray[np.float64], profile: ArmProfile) -> None:
-    over = (positions < np.array(profile.lower)) | (positions > np.array(profile.upper))
+    over = outside(positions, profile.lower, profile.upper)
     if over.any():
         point, joint = np.argwhere(over)[0]
         raise GoalRefused(
             ErrorCode.INVALID_GOAL,
             f"point {point}: {profile.joint_names[joint]} at {positions[point, joint]:.4g} rad, "
-            f"{profile.lower[joint]:.4g} to {profile.upper[joint]:.4g} allowed",
+            f"{shown(profile.lower[joint], low=True)} to {shown(profile.upper[joint])} allowed",
         )
 
 
@@ -452,7 +453,7 @@ def _check_curve(
         raise GoalRefused(
             ErrorCode.INVALID_GOAL,
             f"{profile.joint_names[joint]} at {speeds[:, joint].max():.4g} rad/s, up to "
-            f"{most[joint]:.4g} allowed",
+            f"{shown(most[joint])} allowed",
         )
     low, high = np.array(profile.lower) - _ROUNDING, np.array(profile.upper) + _ROUNDING
     if ((places < low) | (places > high)).any():

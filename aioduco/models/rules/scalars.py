@@ -7,6 +7,7 @@ import sys
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.errors import ParameterError
+from aioduco.models.bounds import least, most, shown
 from aioduco.models.numpy_on_use import is_scalar
 
 if TYPE_CHECKING:
@@ -23,13 +24,6 @@ LONGEST_ARM = 2.51
 #: maximum distance of a pose from the origin of its frame [m]: eight times the longest arm, since
 #: a work object may be beside the arm, and the arm may be on an external axis
 FARTHEST = 20.0
-#: by how much rounding may make a value exceed a bound, relative to the bound; it is then clipped
-_SLACK = 1e-9
-
-
-def shown(value: float) -> str:
-    """Format a bound for a message."""
-    return str(int(value)) if value == int(value) else f"{value:.4g}"
 
 
 def _plain(value: object) -> object:
@@ -94,11 +88,11 @@ class Number(Rule):
         if not above:
             return f"a number of at most {shown(self.high)}"
         if self.open_low:
-            more = f"a number above {shown(self.low)}"
+            more = f"a number above {shown(self.low, low=True)}"
             return f"{more}, up to {shown(self.high)}" if below else more
         if not below:
-            return f"a number of at least {shown(self.low)}"
-        return f"a number from {shown(self.low)} to {shown(self.high)}"
+            return f"a number of at least {shown(self.low, low=True)}"
+        return f"a number from {shown(self.low, low=True)} to {shown(self.high)}"
 
     def __call__(self, name: str, value: Real) -> float:
         """Check `value` and return it as a float."""
@@ -112,9 +106,9 @@ class Number(Rule):
             raise ParameterError(name, value, self.expected)
         if self._low <= number <= self._high:
             return float(number)
-        if self.low - abs(self.low) * _SLACK <= number < self.low and not self.open_low:
+        if least(self.low) <= number < self.low and not self.open_low:
             return self.low
-        if self.high < number <= self.high + abs(self.high) * _SLACK:
+        if self.high < number <= most(self.high):
             return self.high
         hint = ""
         if self.low <= number <= self.high and self.plausible < abs(number) < math.inf:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.models.bounds import outside, shown
 from aioduco.models.pose import Pose
 from aioduco.models.ranges import JOINT_SPEED
 
@@ -75,12 +76,12 @@ def check_path(
     """
     found = [PathFinding("incident", at, f"the recorded arm had {what}")
              for at, what in path.incidents]  # fmt: skip
-    outside = (path.positions < np.asarray(arm.lower)) | (path.positions > np.asarray(arm.upper))
-    if outside.any():
-        row, joint = (int(each[0]) for each in np.nonzero(outside))
+    beyond = outside(path.positions, arm.lower, arm.upper)
+    if beyond.any():
+        row, joint = (int(each[0]) for each in np.nonzero(beyond))
         text = (
             f"joint {joint + 1} is at {path.positions[row, joint]:.3f} rad, of "
-            f"{arm.lower[joint]:.3f} to {arm.upper[joint]:.3f} rad"
+            f"{shown(arm.lower[joint], low=True)} to {shown(arm.upper[joint])} rad"
         )
         at = path.recorded_time(float(path.times[row]))
         return (*found, PathFinding("joint limit", at, text))

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
+from aioduco.models.bounds import least, most, shown
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.tools import UnknownName
@@ -22,25 +23,27 @@ if TYPE_CHECKING:
 _FARTHEST = 1000.0
 #: the largest load, the payload of the largest arm [kg], and its largest distance along an axis [m]
 _HEAVIEST, _ARM = 35.0, 10.0
-#: the largest angle in a pose (manual 1.3.5), with an allowance for rounding [rad]
-_TURNS = 2.0 * math.pi + 1e-9
+#: the largest angle in a pose (manual 1.3.5) [rad]
+_TURNS = 2.0 * math.pi
 
 
 def number(name: str, value: float, low: float, high: float, unit: str) -> float:
-    """Check that a number is within a range; NaN never is."""
-    if not low <= value <= high:
-        raise mismatch(f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}")
-    return value
+    """Check that a number is within a range, but for rounding; NaN never is."""
+    if not least(low) <= value <= most(high):
+        raise mismatch(f"{name} is {value}, but must be {_range(low, high)} {unit}")
+    return min(max(value, low), high)
+
+
+def _range(low: float, high: float) -> str:
+    return f"from {shown(low, low=True, digits=6)} to {shown(high, digits=6)}"
 
 
 def at_most(
     forgiving: Forgiving, kind: str, name: str, value: float, low: float, high: float, unit: str
 ) -> float:
     """Check that a number is within a range; a larger one is cut to `high` if that is forgiven."""
-    if high < value < math.inf:
-        forgiving.forgive(
-            kind, f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}"
-        )
+    if most(high) < value < math.inf:
+        forgiving.forgive(kind, f"{name} is {value}, but must be {_range(low, high)} {unit}")
         return high
     return number(name, value, low, high, unit)
 
@@ -65,10 +68,8 @@ def pose(name: str, values: Sequence[float]) -> Pose:
         given = Pose.of(list(values))
     except ParameterError as exc:
         raise mismatch(f"{name} must be {exc.expected}") from None
-    for position, angle in zip(given[:3], given[3:], strict=True):
-        number(name, position, -_FARTHEST, _FARTHEST, "m")
-        number(name, angle, -_TURNS, _TURNS, "rad")
-    return given
+    place = [number(name, each, -_FARTHEST, _FARTHEST, "m") for each in given[:3]]
+    return Pose(*place, *(number(name, each, -_TURNS, _TURNS, "rad") for each in given[3:]))
 
 
 def load(name: str, values: Sequence[float]) -> tuple[float, ...]:
@@ -85,9 +86,7 @@ def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:
     """
     if len(values) != 6:
         raise Rejected(TaskState.ILLEGAL, f"{name} has {len(values)} numbers, but must have 6")
-    for value in values:
-        number(name, value, -2 * math.pi, 2 * math.pi, "rad")
-    return tuple(values)
+    return tuple(number(name, value, -_TURNS, _TURNS, "rad") for value in values)
 
 
 def name_of(name: str, value: str, max_bytes: int) -> str:

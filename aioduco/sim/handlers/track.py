@@ -219,9 +219,9 @@ class TrackHandlers(HandlerSection):
 def _point(values: Sequence[float]) -> tuple[float, ...]:
     point = arguments.numbers("a point", values, 6)
     # The motion decides whether a point is joints or a pose; angles of both have this range.
-    if any(abs(value) > 2 * math.pi for value in point):
-        raise mismatch(f"a point is {list(point)}, but its numbers must be from -2π to 2π")
-    return point
+    return tuple(
+        arguments.number("a point", each, -2 * math.pi, 2 * math.pi, "m or rad") for each in point
+    )
 
 
 def _reached(fire: Callable[[], None]) -> None:

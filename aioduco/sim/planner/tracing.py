@@ -15,6 +15,7 @@ import numpy as np
 
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import BRANCHES, closed_form, shortfall, wrap
+from aioduco.models.bounds import outside, shown
 from aioduco.sim.planner.limits import joint_limits
 from aioduco.sim.planner.path import Path, PlanError, differentiate
 from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
@@ -116,12 +117,13 @@ def _check_singular(arm: Arm, q: Array) -> None:
 
 def check_limits(arm: Arm, q: Array) -> None:
     """Raise PlanError where joints of shape (n, 6) are outside the arm's limits."""
-    outside = (q < np.array(arm.lower) - 1e-9) | (q > np.array(arm.upper) + 1e-9)
-    if outside.any():
-        joint = int(np.argmax(outside.any(axis=0)))
+    beyond = outside(q, arm.lower, arm.upper)
+    if beyond.any():
+        joint = int(np.argmax(beyond.any(axis=0)))
         raise PlanError(
             "limits",
-            f"joint {joint + 1} would leave {arm.lower[joint]:.4f} to {arm.upper[joint]:.4f} rad",
+            f"joint {joint + 1} would leave {shown(arm.lower[joint], low=True)} to "
+            f"{shown(arm.upper[joint])} rad",
         )
 
 
