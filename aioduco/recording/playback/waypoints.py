@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 from aioduco.errors import ParameterError, WaypointFileError
 from aioduco.models import ranges
+from aioduco.models.bounds import least, most
 from aioduco.models.pose import Joints
 
 if TYPE_CHECKING:
@@ -45,15 +46,15 @@ class _WrongFieldError(Exception):
     """An error in a field."""
 
 
-def _number(least: float, most: float, unit: str, scale: float) -> Callable[[Any], float]:
+def _number(low: float, high: float, unit: str, scale: float) -> Callable[[Any], float]:
     """A number of the file, in SI units."""
 
     def check(value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise _WrongFieldError(f"a number is needed [{unit}]")
-        if not least <= value <= most:
-            raise _WrongFieldError(f"{value:g} {unit} is not within {least:g} to {most:g}")
-        return float(value) * scale
+        if not least(low) <= value <= most(high):
+            raise _WrongFieldError(f"{value:g} {unit} is not within {low:g} to {high:g}")
+        return min(max(float(value), low), high) * scale
 
     return check
 

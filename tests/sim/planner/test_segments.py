@@ -226,7 +226,7 @@ def test_poses_out_of_reach_are_refused() -> None:
 
 
 def test_joint_limits_are_kept() -> None:
-    with pytest.raises(PlanError, match=r"joint 2 would leave -6\.2832 to 6\.2832 rad") as caught:
+    with pytest.raises(PlanError, match=r"joint 2 would leave -6\.283 to 6\.283 rad") as caught:
         joint_move(FIVE, HOME, HOME + np.array([0, 6.3, 0, 0, 0, 0]), 1.0, 1.0)
     assert code(caught) == "limits"
     narrow = replace(FIVE, upper=(0.05, 6, 6, 6, 6, 6))
