@@ -9,9 +9,11 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import typer
 from patient import COMMAND_LINE
 from test_cli import COMMAND, address, process, run, wait_until_it_moves
 
@@ -25,7 +27,6 @@ from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 HOME = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 
@@ -90,6 +91,10 @@ def test_a_robot_is_an_address_a_name_the_environment_or_a_default(
         ('[left]\nhost = "a"\nport = 70000', "port = 70000"),
         ('[left]\nhost = "a"\nspeed = 1', "'speed'"),
         ('default = "right"\n[left]\nhost = "a"', "there are left"),
+        ('[default]\nhost = "a"\n[left]\nhost = "a"', "a robot cannot be called default"),
+        ("default = 3", "default is the name of a robot"),
+        ('[left]\nhost = ""', "host of [left] is ''"),
+        ('[left]\nhost = "a b"', "host of [left]"),
     ],
 )
 def test_a_file_of_robots_that_is_wrong_is_a_wrong_option(
@@ -99,6 +104,50 @@ def test_a_file_of_robots_that_is_wrong_is_a_wrong_option(
     answer = run("status", "left")
     assert answer.exit_code == 2
     assert said in " ".join(answer.output.replace("│", " ").split())
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("status", ""),
+        ("stop", ""),
+        ("stop", " "),
+        ("pause", ""),
+        ("call", "get_tcp_pose", "--host", ""),
+    ],
+)
+def test_an_empty_address_is_no_other_arm(
+    words: tuple[str, ...], config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such as that of an unset variable of a script."""
+    monkeypatch.setenv("AIODUCO_HOST", "10.0.0.9")
+    config.write_text('default = "left"\n[left]\nhost = "10.0.0.1"\n')
+    answer = run(*words)
+    assert answer.exit_code == 2
+    assert "is a variable empty?" in " ".join(answer.output.replace("│", " ").split())
+    monkeypatch.setenv("AIODUCO_HOST", "")
+    with pytest.raises(typer.BadParameter, match="AIODUCO_HOST is ''"):
+        robot_at(None)
+
+
+def test_an_address_needs_no_file_of_robots(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    config.write_text("[left")
+    assert str(robot_at("10.0.0.3")) == "10.0.0.3:7003"
+    assert str(robot_at("[::1]:7004")) == "[::1]:7004"
+    with pytest.raises(typer.BadParameter, match="cannot be read"):
+        robot_at("left")
+
+    def nobody() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CONFIG_HOME")
+    monkeypatch.setattr(Path, "home", nobody)
+    assert robots_file() is None
+    assert str(robot_at("10.0.0.3")) == "10.0.0.3:7003"
+    assert str(robot_at(None)) == "127.0.0.1:7003"
+    with pytest.raises(typer.BadParameter):
+        robot_at("left robot")
 
 
 # -- looking -------------------------------------------------------------------------------------

@@ -127,7 +127,12 @@ TO_STOP = FOR_ALL | {
     *("aioduco.supervision.operator_stop", "aioduco.supervision.stop_channel"),
     *("aioduco.supervision.rest", "aioduco.supervision.unanswered"),
     *("aioduco.models.enums", "aioduco.models.numpy_on_use", "aioduco.models.pose"),
-    *("aioduco.models.rotation", "aioduco.models.samples", "aioduco.models.state"),
+    *(
+        "aioduco.models.rotation",
+        "aioduco.models.samples",
+        "aioduco.models.toml_files",
+        "aioduco.models.state",
+    ),
 }
 
 

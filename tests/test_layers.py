@@ -61,7 +61,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
-    "api.status_port": {"_copying", "errors", "models"},
+    "api.status_port": {"_copying", "errors", "models", "_wire"},
     "recording": CLIENT,
     "robot": CLIENT | {"recording"},
     # moves a robot by its public interface
@@ -93,7 +93,14 @@ MAY_IMPORT: dict[str, set[str]] = {
         *("_copying", "sync"),
     },
     # gateways use robots as a program does
-    "integrations.fleet": {"_copying", "errors", "_process.reporting", "robot", "__init__"},
+    "integrations.fleet": {
+        "models",
+        "_copying",
+        "errors",
+        "_process.reporting",
+        "robot",
+        "__init__",
+    },
     # where a camera is and what it sees; simulated ones draw by the simulator
     "devices.cameras": {"_copying", "errors", "models", "models.controller_clock", "sim"},
     "testing.pytest_plugin": CLIENT

@@ -16,7 +16,9 @@ import anyio
 from anyio.streams.buffered import BufferedByteReceiveStream
 
 from aioduco._copying import Uncopied
+from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import ConnectError, ConnectionLost, ParameterError
+from aioduco.models import ranges
 from aioduco.models.status_frame import FRAME_SIZE, PORT, RATE, StatusFrame
 
 if TYPE_CHECKING:
@@ -40,10 +42,14 @@ class StatusPort(Uncopied):
         timeout: the longest wait for the connection, and for each frame [s].
 
     Raises:
-        ParameterError: the time is shorter than that between two frames.
+        ParameterError: the host is no name or address, or the time is shorter than that between
+            two frames.
     """
 
     def __init__(self, host: str, port: int = PORT, *, timeout: float = 3.0) -> None:
+        if not isinstance(host, str) or not is_host(host):
+            raise ParameterError("host", host, HOST_RULE)
+        timeout = ranges.TIMEOUT("timeout", timeout)
         if not timeout > 1.0 / RATE:
             raise ParameterError("timeout", timeout, f"above {1.0 / RATE} s: frames come as often")
         self.host = host

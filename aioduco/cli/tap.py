@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from aioduco._wire.address import parse_address
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -53,13 +55,16 @@ def tap(
     from aioduco.recording.tap import Tap, TapNote  # noqa: PLC0415
 
     address = robot_at(host, port)
-    where, _, number = listen.rpartition(":")
-    if not where or not number.isdecimal() or int(number) > 65535:
+    try:
+        where, number = parse_address(listen, any_port=True)
+    except ParameterError as error:
+        raise typer.BadParameter(str(error), param_hint="--listen") from None
+    if number is None:
         raise typer.BadParameter("address:port is needed", param_hint="--listen")
     names = None if only is None else {name.strip() for name in only.split(",")}
     try:
         with (
-            Tap(address.host, address.port, listen=(where.strip("[]"), int(number))) as between,
+            Tap(address.host, address.port, listen=(where, number)) as between,
             _file(output, address.host, address.port) as write,
             _ended_by_signals(between.end),
         ):

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import tomllib
 from collections.abc import Iterator, MutableMapping
-from pathlib import Path
-from typing import Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.toml_files import read_toml, rewrite
+
+if TYPE_CHECKING:
+    import os
 
 __all__ = ["Point", "TaughtPoints"]
 
@@ -109,8 +110,8 @@ class TaughtPoints(MutableMapping[str, Point]):
                 described above.
         """
         try:
-            tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as exc:
+            tables = read_toml(path)
+        except ValueError as exc:
             raise ParameterError("path", str(path), f"a TOML file: {exc}") from exc
         return cls({name: _point(name, table) for name, table in tables.items()})
 
@@ -118,21 +119,13 @@ class TaughtPoints(MutableMapping[str, Point]):
         """Write a file completely or not at all. Comments of an existing file are lost.
 
         Args:
-            path: the file; an existing one is replaced.
+            path: the file; an existing one keeps its mode and its line ends, and stays the target
+                of symbolic links.
 
         Raises:
             OSError: the file cannot be written; an existing one stays unchanged.
         """
-        target = Path(path)
-        part = target.with_name(f".{target.name}.{os.getpid()}")
-        try:
-            with part.open("w", encoding="utf-8") as file:
-                file.write("\n".join(map(_table, self._points, self._points.values())))
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(target)
-        finally:
-            part.unlink(missing_ok=True)
+        rewrite(path, "\n".join(map(_table, self._points, self._points.values())))
 
 
 def _point(name: str, table: Any) -> Point:

@@ -104,15 +104,35 @@ def pytest_configure(config: pytest.Config) -> None:
     for line in _MARKERS:
         config.addinivalue_line("markers", line)
     host = config.getoption("duco_host", None)
-    if host and (hasattr(config, "workerinput") or getattr(config.option, "numprocesses", 0)):
+    if host is None:
+        return
+    _address(host)
+    workers = getattr(config.option, "numprocesses", None)
+    if workers or hasattr(config, "workerinput"):
         raise pytest.UsageError("--duco-host: tests on one arm run one after the other, without -n")
+
+
+def _address(text: str) -> tuple[str, int]:
+    """Host and port of the arm."""
+    from aioduco._wire.address import PORT, parse_address  # noqa: PLC0415 - for an arm alone
+    from aioduco.errors import ParameterError  # noqa: PLC0415
+
+    try:
+        host, port = parse_address(text, name="--duco-host")
+    except ParameterError as error:
+        raise pytest.UsageError(str(error)) from None
+    return host, port or PORT
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
     """Return a line that says which arm will move."""
     host = config.getoption("duco_host")
     speed = config.getoption("duco_host_speed")
-    return f"duco: the arm at {host} will move, at {speed:g} % of its speed" if host else None
+    return (
+        f"duco: the arm at {host} will move, at {speed:g} % of its speed"
+        if host is not None
+        else None
+    )
 
 
 @pytest.hookimpl(hookwrapper=True)
@@ -159,7 +179,7 @@ def duco_simulator(
     request: pytest.FixtureRequest, duco_simulator_options: Mapping[str, Any]
 ) -> Iterator[Simulator]:
     """A simulated controller with its arm, powered off, on a port of its own."""
-    if request.config.getoption("duco_host"):
+    if request.config.getoption("duco_host") is not None:
         pytest.skip("it needs the simulated arm, and --duco-host names another one")
     from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
@@ -200,14 +220,13 @@ class _Line:
         self.simulator: Simulator | None = None
         address: str | None = config.getoption("duco_host")
         faults = request.node.get_closest_marker("duco_fault") is not None
-        if address:
+        if address is not None:
             if faults or "duco_proxy" in request.fixturenames:
                 pytest.skip("it puts faults on the wire, which is not done to an arm")
             model = _marked(request, "duco_model")
             if model not in (None, config.getoption("duco_model")):
                 pytest.skip(f"it needs a {model}; --duco-model says which arm is there")
-            host, _, port = address.partition(":")
-            self.host, self.port, self.clock = host, int(port or 7003), None
+            (self.host, self.port), self.clock = _address(address), None
         else:
             simulator: Simulator = request.getfixturevalue("duco_simulator")
             self.simulator = simulator
@@ -216,7 +235,9 @@ class _Line:
                 line = request.getfixturevalue("duco_proxy")
             self.host, self.port, self.clock = line.host, line.port, simulator.clock
         #: global speed of a real arm [%]; None for a simulated arm, whose speed is not changed
-        self.speed: float | None = config.getoption("duco_host_speed") if address else None
+        self.speed: float | None = (
+            config.getoption("duco_host_speed") if address is not None else None
+        )
         self._folder = self._made_folder()
         self.options: dict[str, Any] = {} if self.clock is None else {"clock": self.clock}
         if importlib.util.find_spec("foxglove") is not None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import DucoError
+from aioduco.models.toml_files import read_toml
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -51,6 +51,8 @@ class ArmSettings:
     def __post_init__(self) -> None:
         _named("name of an arm", self.name)
         _typed(self, host=str, port=int, heartbeat=(int, float), guard=bool)
+        if not self.host.strip():
+            raise FleetFileError(f"host of the arm {self.name} is empty")
         if not 0 < self.port < 65536:
             raise FleetFileError(f"port of the arm {self.name} is {self.port}")
         if not 0 <= self.heartbeat <= 60:
@@ -112,11 +114,11 @@ class FleetSettings:
             FleetFileError: the file is not valid; the text says why.
             OSError: it cannot be read.
         """
-        with open(path, "rb") as file:  # noqa: PTH123 - any path
-            try:
-                return cls.of(tomllib.load(file))
-            except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-                raise FleetFileError(f"{path}: {error}") from error
+        try:
+            table = read_toml(path)
+        except ValueError as error:
+            raise FleetFileError(f"{path}: {error}") from error
+        return cls.of(table)
 
     @classmethod
     def of(cls, table: dict[str, Any]) -> FleetSettings:

@@ -19,8 +19,6 @@ The fields are the arguments of `Zone.box`, `Zone.sphere`, `Zone.plane`, `ToolSp
 
 from __future__ import annotations
 
-import tomllib
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.envelope import (
@@ -33,6 +31,7 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.errors import ParameterError
+from aioduco.models.toml_files import read_toml
 
 if TYPE_CHECKING:
     import os
@@ -65,12 +64,10 @@ def read_envelope(path: str | os.PathLike[str], *, arm: str | None = None) -> En
         ParameterError: the file cannot be read, or a field is wrong; the message names it.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as exc:
+        found = read_toml(path)
+    except OSError as exc:
         raise ParameterError("envelope", str(path), f"a file that can be read: {exc}") from exc
-    try:
-        found = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as exc:
+    except ValueError as exc:
         raise ParameterError("envelope", str(path), f"TOML: {exc}") from exc
     told = found.pop("arm", None)
     model = arm or told

@@ -9,15 +9,14 @@ from __future__ import annotations
 import json
 import math
 import re
-import tomllib
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 from aioduco.errors import ParameterError, WaypointFileError
 from aioduco.models import ranges
 from aioduco.models.bounds import least, most
 from aioduco.models.pose import Joints
+from aioduco.models.toml_files import parse_toml, read_text, rewrite
 
 if TYPE_CHECKING:
     import os
@@ -187,8 +186,8 @@ class WaypointFile:
             WaypointFileError: the file cannot be read, or its content is wrong.
         """
         try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as exc:
+            text = read_text(path)
+        except (OSError, ValueError) as exc:
             raise WaypointFileError(f"{path} cannot be read: {exc}") from exc
         return cls(text, str(path))
 
@@ -211,7 +210,10 @@ class WaypointFile:
             f"\n[[waypoint]]\nname = {json.dumps(name, ensure_ascii=False)}\n"
             f"joints_deg = [{listed}]\n"
         )
-        text = self.text + ("" if self.text.endswith("\n") or not self.text else "\n") + block
+        if "\r\n" in self.text:
+            block = block.replace("\n", "\r\n")
+        gap = "" if self.text.endswith("\n") or not self.text else "\n"
+        text = self.text + gap + block
         arm, waypoints = self._parsed(text)
         self.text, self.arm, self.waypoints = text, arm, waypoints
         return waypoints[-1]
@@ -220,16 +222,13 @@ class WaypointFile:
         """Write the text to a file atomically: after a failure, the old file is still there.
 
         Args:
-            path: the file.
+            path: the file; an existing one keeps its mode, and stays the target of symbolic links.
 
         Raises:
             WaypointFileError: it cannot be written.
         """
-        target = Path(path)
-        beside = target.with_name(f".{target.name}.new")
         try:
-            beside.write_text(self.text, encoding="utf-8")
-            beside.replace(target)
+            rewrite(path, self.text)
         except OSError as exc:
             raise WaypointFileError(f"{path} cannot be written: {exc}") from exc
 
@@ -237,8 +236,8 @@ class WaypointFile:
 
     def _parsed(self, text: str) -> tuple[str, tuple[Waypoint, ...]]:
         try:
-            read = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as exc:
+            read = parse_toml(text)
+        except ValueError as exc:
             raise WaypointFileError(f"{self.title} is no TOML: {exc}") from exc
         for key in read:
             if key not in ("arm", "defaults", "waypoint"):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from aioduco._copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
-from aioduco.errors import ConnectError
+from aioduco._wire.endpoint import HOST_RULE, is_host
+from aioduco.errors import ConnectError, ParameterError
 from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
 from aioduco.recording.tap.relay import HEAD, CopyKind
 
@@ -51,6 +52,8 @@ class Tap(Uncopied):
     def __init__(
         self, host: str, port: int = 7003, *, listen: tuple[str, int] = ("127.0.0.1", 0)
     ) -> None:
+        if not isinstance(host, str) or not is_host(host):
+            raise ParameterError("host", host, HOST_RULE)
         self._controller = (host, port)
         self._listen = listen
         self._linked: LinkedProcess | None = None

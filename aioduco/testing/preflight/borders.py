@@ -15,6 +15,8 @@ from multiprocessing import util
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 from weakref import WeakSet
 
+from aioduco._wire.address import parse_address
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
@@ -93,10 +95,10 @@ def address_of(text: str) -> tuple[str, int]:
     Raises:
         ValueError: the text is no such address.
     """
-    host, _, port = text.rpartition(":")
-    if not host or not (port.isascii() and port.isdecimal()) or not 0 < int(port) < 65536:
+    host, port = parse_address(text)
+    if port is None:
         raise ValueError(f'{text!r} is no address as "host:port"')
-    return host.removeprefix("[").removesuffix("]"), int(port)
+    return host, port
 
 
 def _is_local(host: str) -> bool:

@@ -1,0 +1,77 @@
+"""TOML files that people edit: the one reader, and a writer that changes nothing but the text."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import Any
+
+__all__ = ["parse_toml", "read_text", "read_toml", "rewrite"]
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Read a file as it is, without the byte order mark that some editors write.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is not UTF-8.
+    """
+    return Path(path).read_bytes().decode("utf-8-sig")
+
+
+def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is no TOML; the message has the line.
+    """
+    return parse_toml(read_text(path))
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Parse a text of TOML.
+
+    Raises:
+        ValueError: it is no TOML; the message has the line.
+    """
+    import tomllib  # noqa: PLC0415 - most programs read none
+
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))
+    except RecursionError:
+        raise ValueError("it is nested too deep") from None
+
+
+def rewrite(path: str | os.PathLike[str], text: str) -> None:
+    """Write a file completely or not at all; it stays the same file but for its text.
+
+    The file behind a symbolic link is written. An existing file keeps its mode and its byte order
+    mark, and its line ends if the text has none of its own but "\\n".
+
+    Raises:
+        OSError: it cannot be written; an existing one stays unchanged.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        before, mode = target.read_bytes(), target.stat().st_mode & 0o7777
+    except FileNotFoundError:
+        before, mode = b"", None
+    if mode is not None and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    plain = text.removeprefix("\ufeff")
+    if b"\r\n" in before and "\r" not in plain:
+        plain = plain.replace("\n", "\r\n")
+    mark = b"\xef\xbb\xbf" if before.startswith(b"\xef\xbb\xbf") else b""
+    part = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        with part.open("wb") as file:
+            if mode is not None:
+                part.chmod(mode)
+            file.write(mark + plain.encode())
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,107 @@
+"""One parser of addresses: what people write, and what is no address."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco import ParameterError
+from aioduco._wire.address import parse_address
+from aioduco._wire.endpoint import is_host
+from aioduco.recording.tap import Tap
+from aioduco.status_port import StatusPort
+
+ROOT = Path(__file__).parents[2] / "aioduco"
+
+
+@pytest.mark.cases(12)
+@pytest.mark.parametrize(
+    ("text", "host", "port"),
+    [
+        ("192.168.1.10", "192.168.1.10", None),
+        ("arm.lan:7003", "arm.lan", 7003),
+        ("::1", "::1", None),
+        ("[::1]", "::1", None),
+        ("[::1]:7003", "::1", 7003),
+        ("[fe80::1%eth0]:1", "fe80::1%eth0", 1),
+        ("fe80::1%eth0", "fe80::1%eth0", None),
+        ("host:65535", "host", 65535),
+    ],
+)
+def test_an_address_is_taken_apart(text: str, host: str, port: int | None) -> None:
+    assert parse_address(text) == (host, port)
+
+
+WRONG = [
+    *("", " ", "\t", ":", ":7003", "host:", "host:x", "host:0", "host:65536", "host:-1", "host: 1"),
+    *(
+        "host:７",
+        "host:1:2",
+        "[::1",
+        "::1]",
+        "[::1]7003",
+        "[::1]:",
+        "[::1]:x",
+        "[]:7003",
+        "[host]:1",
+    ),
+    *("a b", "host\n", "http://host:7003", "host/1", "user@host", ":::", "1:2:3", "[::1]:70030"),
+    *(".", "a..b", "x" * 64, "0" * 9 + ":1" * 9, "host:" + "9" * 5000),
+]
+
+
+@pytest.mark.cases(40)
+@pytest.mark.parametrize("text", [*WRONG, None, 7003, b"host"])
+def test_what_is_no_address_is_refused(text: object) -> None:
+    with pytest.raises(ParameterError, match="must be"):
+        parse_address(text)
+
+
+def test_only_what_listens_may_have_port_0() -> None:
+    assert parse_address("127.0.0.1:0", any_port=True) == ("127.0.0.1", 0)
+
+
+@given(st.text(max_size=30))
+def test_any_text_is_an_address_or_an_error(text: str) -> None:
+    try:
+        host, port = parse_address(text)
+    except ParameterError:
+        return
+    assert is_host(host)
+    assert port is None or 1 <= port <= 65535
+    assert parse_address(f"[{host}]:1" if ":" in host else f"{host}:1") == (host, 1)
+
+
+@pytest.mark.parametrize("make", [StatusPort, Tap])
+def test_an_empty_host_is_no_host_of_this_computer(make: type[StatusPort | Tap]) -> None:
+    with pytest.raises(ParameterError, match="host"):
+        make("")
+
+
+def test_there_is_no_other_parser_of_addresses() -> None:
+    """None that splits at the last colon, or takes brackets off."""
+    split = re.compile(r"""\.r?(partition|split)\(":"|strip\("\[\]"\)|prefix\("\["\)""")
+    own = {"_wire/address.py", "api/section.py", "devices/teleoperation/devices.py"}
+    found = {
+        path.relative_to(ROOT).as_posix()
+        for path in ROOT.rglob("*.py")
+        if split.search(path.read_text(encoding="utf-8"))
+    }
+    assert found <= own
+
+
+def test_there_is_no_other_reader_of_toml() -> None:
+    found = set()
+    for path in ROOT.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [each.name for each in node.names] if isinstance(node, ast.Import) else []
+            if "tomllib" in names or (
+                isinstance(node, ast.ImportFrom) and node.module == "tomllib"
+            ):
+                found.add(path.relative_to(ROOT).as_posix())
+    assert found == {"models/toml_files.py"}
