@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from aioduco import ParameterError
 from aioduco._wire.address import parse_address
 from aioduco._wire.endpoint import is_host
+from aioduco.api.status_port import StatusPort
 from aioduco.recording.tap import Tap
-from aioduco.status_port import StatusPort
 
 ROOT = Path(__file__).parents[2] / "aioduco"
 
