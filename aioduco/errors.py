@@ -144,7 +144,7 @@ class ParameterError(DucoError, ValueError):
         self.parameter = parameter
         self.value = value
         self.expected = expected
-        super().__init__(f"{parameter} is {value!r}, but must be {expected}; nothing was sent")
+        super().__init__(f"{parameter} is {_text(value)}, but must be {expected}; nothing was sent")
 
 
 class MotionCarriedOut(DucoError, TypeError):
@@ -768,6 +768,14 @@ class _Described:
         return self._text
 
 
+def _text(value: object) -> str:
+    """The `repr` of what was given, which may be anything: some have none."""
+    try:
+        return repr(value)
+    except Exception as error:  # such as that of a number with more than 4300 digits
+        return f"a {type(value).__name__} ({error})"
+
+
 def _restored(kind: type[_Error], arguments: tuple[Any, ...], fields: dict[str, Any]) -> _Error:
     error = kind.__new__(kind, *arguments)
     error.args = arguments
@@ -781,7 +789,7 @@ def _pickleable(value: object) -> object:
     try:
         pickle.dumps(value)
     except Exception:
-        return _Described(repr(value))
+        return _Described(_text(value))
     return value
 
 

@@ -17,6 +17,7 @@ from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.names import ManualNames
+from aioduco.models.ranges import PORT
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.trace import ProcedureFinished, emit
 from aioduco.supervision.concurrency import DaemonThread
@@ -329,8 +330,7 @@ class Robot(Uncopied, ManualNames):
     def __init__(self, host: str, port: int, settings: RobotSettings) -> None:
         if not isinstance(host, str) or not is_host(host):
             raise ParameterError("host", host, HOST_RULE)
-        if type(port) is not int or not 1 <= port <= 65535:
-            raise ParameterError("port", port, "a whole number from 1 to 65535")
+        port = PORT("port", port)
         # Loaded here and not at import: `import aioduco` stays quick.
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
 

@@ -14,7 +14,9 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.bodies import bodies, cylinder_inertia
 from aioduco.kinematics.mounting import base_in_world
+from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
+from aioduco.models.rules import stored
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -72,8 +74,7 @@ class ToolDescription:
 
     def __post_init__(self) -> None:
         Pose.of(self.tcp)
-        if not 0.0 <= self.mass < math.inf:
-            raise ParameterError("mass", self.mass, "a number from 0 on [kg]")
+        stored(self, mass=ranges.FROM_0)
         if len(self.centre) != 3 or not all(map(math.isfinite, self.centre)):
             raise ParameterError("centre", self.centre, "three finite numbers [m]")
         if self.inertia is not None:

@@ -86,7 +86,7 @@ class EnvelopeLimit:
     def __post_init__(self) -> None:
         if self.action not in get_args(Action):
             raise ParameterError("action", self.action, '"refuse", "slow" or "stop"')
-        _positive("speed", self.speed, "m/s")
+        object.__setattr__(self, "speed", _positive("speed", self.speed, "m/s"))
         if not isinstance(self.name, str) or len(self.name) > 64:
             raise ParameterError("name", self.name, "a text of up to 64 characters")
 
@@ -245,7 +245,7 @@ class ToolSpeed(EnvelopeLimit):
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
-        _positive("most", self.most, "m/s")
+        object.__setattr__(self, "most", _positive("most", self.most, "m/s"))
 
     def _what(self) -> str:
         return "tool speed"
@@ -263,7 +263,7 @@ class JointMargin(EnvelopeLimit):
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
-        _positive("least", self.least, "rad")
+        object.__setattr__(self, "least", _positive("least", self.least, "rad"))
 
     def _what(self) -> str:
         return "margin to joint limits"
@@ -281,8 +281,7 @@ class SingularityMargin(EnvelopeLimit):
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
-        if _positive("least", self.least, "") > 1.0:
-            raise ParameterError("least", self.least, "above 0 to 1")
+        object.__setattr__(self, "least", _positive("least", self.least, "", 1.0))
 
     def _what(self) -> str:
         return "margin to singularities"
@@ -300,7 +299,7 @@ class ToolForce(EnvelopeLimit):
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
-        _positive("most", self.most, "N")
+        object.__setattr__(self, "most", _positive("most", self.most, "N"))
 
     def _what(self) -> str:
         return "force on the tool"
@@ -390,17 +389,18 @@ def _numbers(name: str, values: Any, *counts: int) -> tuple[float, ...]:
     wanted = f"{' or '.join(map(str, counts))} finite numbers"
     try:
         numbers = tuple(float(value) for value in values)
-    except (TypeError, ValueError) as exc:
+    except (TypeError, ValueError, OverflowError) as exc:
         raise ParameterError(name, values, wanted) from exc
     if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
         raise ParameterError(name, values, wanted)
     return numbers
 
 
-def _positive(name: str, value: Any, unit: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
-        raise ParameterError(name, value, f"a number above 0 {unit}".rstrip())
-    return float(value)
+def _positive(name: str, value: Any, unit: str, most: float = math.inf) -> float:
+    # Imported here: the worker of a stream, which checks nothing, does not load the rules.
+    from aioduco.models.rules import Number  # noqa: PLC0415
+
+    return Number(0.0, most, unit, open_low=True, source="this package")(name, value)
 
 
 def _rotation(rx: float, ry: float, rz: float) -> tuple[float, ...]:

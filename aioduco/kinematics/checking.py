@@ -16,12 +16,14 @@ from aioduco.kinematics.catalogue import arm as _model
 from aioduco.kinematics.forward import singular_values
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
 
 __all__ = ["Finding", "PointReport", "Problem", "check"]
 
+_MOST_TURN = Number(0.0, unit="rad", open_low=True, source="this package")
 #: distance from a singularity below which a point is reported, see `Singularity`
 _NEAR = 0.05
 _BRANCHES = ("shoulder", "elbow", "wrist")
@@ -127,10 +129,8 @@ def check(
     model = _model(arm) if isinstance(arm, str) else arm
     if not isinstance(model, Arm):
         raise ParameterError("arm", arm, "an Arm, or the name of a model")
-    if not 0.0 <= singular <= 1.0:
-        raise ParameterError("singular", singular, "a number from 0 to 1")
-    if not most_turn > 0.0:
-        raise ParameterError("most_turn", most_turn, "an angle above 0 [rad]")
+    singular = Number(0.0, 1.0, source="this package")("singular", singular)
+    most_turn = _MOST_TURN("most_turn", most_turn)
     named = _named(points)
     to_tip = Pose(0, 0, 0, 0, 0, 0) if tool is None else Pose.of(tool)
     base = Pose(0, 0, 0, 0, 0, 0) if wobj is None else Pose.of(wobj)

@@ -10,7 +10,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, overload
 
 from aioduco.errors import ParameterError
-from aioduco.models.numpy_on_use import is_array, np
+from aioduco.models.numpy_on_use import is_array, is_scalar, np
 from aioduco.models.rotation import (
     matrix_from_quaternion,
     matrix_from_rotvec,
@@ -31,7 +31,10 @@ __all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder"]
 
 QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
 
-_ORTHONORMAL = 1e-6  # tolerance for a given rotation matrix: only for digits lost in a file
+#: tolerance for a rotation matrix times its transpose: only for digits lost in a file. With six
+#: decimals each element is off by up to 5e-7, and the product by up to 2·√3 times as much
+_ORTHONORMAL = 2e-6
+_EXACT = 1e-12  # the same, by computing alone
 
 
 class _Six(Sequence[float]):
@@ -51,12 +54,17 @@ class _Six(Sequence[float]):
         """Convert other numbers to floats; raise an error for a value that is not a number."""
         values: tuple[Any, ...] = self._values()
         names: tuple[str, ...] = type(self).__slots__
-        for name, value in zip(names, values, strict=True):
+        for name, given in zip(names, values, strict=True):
+            value = given.item() if is_scalar(given) else given
             if isinstance(value, bool) or not isinstance(value, Real):
-                raise ParameterError(name, value, f"a number, as one of {self._expected}")
-            if not math.isfinite(value):
-                raise ParameterError(name, value, f"finite, as one of {self._expected}")
-            object.__setattr__(self, name, float(value))
+                raise ParameterError(name, given, f"a number, as one of {self._expected}")
+            try:
+                number = float(value)
+            except OverflowError:  # a whole number, or a fraction, beyond all floats
+                number = math.inf
+            if not math.isfinite(number):
+                raise ParameterError(name, given, f"finite, as one of {self._expected}")
+            object.__setattr__(self, name, number)
 
     @classmethod
     def of(cls, values: Sequence[float] | NDArray[Any]) -> Self:
@@ -202,6 +210,9 @@ class Pose(_Six):
             raise ParameterError(
                 "rotation", matrix.tolist(), "a rotation: orthonormal, with determinant one"
             )
+        if off > _EXACT:
+            left, _, right = np.linalg.svd(matrix)
+            matrix = left @ right  # the nearest rotation
         return cls(*point.tolist(), *rpy_from_matrix(matrix).tolist())
 
     @classmethod
@@ -374,7 +385,7 @@ def _order(order: str) -> str:
 def _finite(name: str, values: object, shape: tuple[int, ...], expected: str) -> Array:
     try:
         array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as exc:
+    except (TypeError, ValueError, OverflowError) as exc:
         raise ParameterError(name, values, expected) from exc
     if array.shape != shape or not np.isfinite(array).all():
         raise ParameterError(name, array.tolist(), f"finite, {expected}")

@@ -10,10 +10,11 @@ or an unusual one, the comment explains which range is checked instead, and why.
 
 from __future__ import annotations
 
+import numbers
 import sys
 import warnings
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import ParameterError, UnitWarning
 from aioduco.models import jog, realtime
@@ -35,7 +36,7 @@ from aioduco.models.rules import (
     Vector,
 )
 from aioduco.models.rules.lists import ordered
-from aioduco.models.rules.scalars import LONGEST_ARM
+from aioduco.models.rules.scalars import LONGEST, LONGEST_ARM
 
 if TYPE_CHECKING:
     from aioduco.models.rules import FlagsLike, Real, VectorLike, Whole
@@ -59,9 +60,15 @@ INT_32 = Integer(-(2**31), 2**31 - 1, source="i32 on the wire")
 TASK_ID = Integer(0, 2**31 - 1, source="1.3.8")
 
 #: time limit for an answer, in this program
-TIMEOUT = Number(0.0, unit="s", open_low=True, source="this package")
+TIMEOUT = Number(0.0, LONGEST, "s", open_low=True, source="this package")
 #: time to wait, in this program; 0 not to wait
-WAIT = Number(0.0, unit="s", source="this package")
+WAIT = Number(0.0, LONGEST, "s", source="this package")
+#: a number above 0, as of a length, a speed or a mass, of which nothing else is known
+ABOVE = Number(0.0, open_low=True, source="this package")
+#: the same, or 0
+FROM_0 = Number(0.0, source="this package")
+#: TCP port of a server
+PORT = Integer(1, 65535, source="this package")
 #: samples of the state per second
 STATE_RATE = Number(0.0, 1000.0, "Hz", open_low=True, source="this package")
 
@@ -349,6 +356,10 @@ def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
     return hertz, percent
 
 
+#: also a whole number of numpy
+_WHOLE: Any = numbers.Integral
+
+
 def percent_of_speed(name: str, value: Real) -> float:
     """Check a speed in percent; warn if it looks like rad/s: 1.0 would be 1 %.
 
@@ -358,7 +369,7 @@ def percent_of_speed(name: str, value: Real) -> float:
         ParameterError: it is out of range.
     """
     percent = PERCENT(name, value)
-    if not isinstance(value, int) and percent <= JOINT_SPEED.high:
+    if not isinstance(value, _WHOLE) and percent <= JOINT_SPEED.high:
         warnings.warn(
             f"{name}={value!r} is {percent:g} % of the arm's speed here, not rad/s: movej2 and "
             f"movej_pose2 take rad/s. Percent as a whole number ({name}={max(1, round(percent))}) "

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import FINITE, WAIT
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ class Plan:
 
     def at(self, time: float) -> Joints:
         """Joints at a time [s]; before and after the plan, those of its start and end."""
-        return Joints.of(self._curve().at(np.array([time]))[0])
+        return Joints.of(self._curve().at(np.array([FINITE("time", time)]))[0])
 
     def pose(self, time: float) -> Pose:
         """Pose of the tool's tip at a time [s], in the base frame."""
@@ -165,7 +166,7 @@ class Plan:
         Returns:
             The result: true if the arm touches nothing.
         """
-        times, q = self._samples(after)
+        times, q = self._samples(WAIT("after", after))
         checker = scene.checker()
         checker.padding = _NEAR
         near = [row for row in range(len(q)) if not checker.free(q[row])]

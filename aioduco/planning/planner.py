@@ -16,6 +16,7 @@ from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.rules import Number
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
 from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Planner"]
 
+_SPEED = Number(1e-4, unit="m/s", source="this package")
+_TIMEOUT = Number(1e-3, 600.0, "s", source="this package")
 _NEEDS = ("mujoco", "ompl", "scipy", "toppra")
 _GRACE = 5.0  # from a problem's time-out until its process is killed, such as to time a path [s]
 #: packages that the process imports; MuJoCo imports mostly OpenGL
@@ -263,8 +266,7 @@ class Planner(Uncopied):
         timeout: float,
     ) -> _Request:
         scene = self.scene
-        if not 1e-4 <= speed < float("inf"):
-            raise ParameterError("speed", speed, "from 0.0001 m/s")
+        speed = _SPEED("speed", speed)
         goals = (Pose.of(to),) if via is None else (Pose.of(via), Pose.of(to))
         if via is not None:
             # Raises if the three points are on a line, which is not an arc.
@@ -286,8 +288,7 @@ class Planner(Uncopied):
         timeout: float,
         **more: Any,
     ) -> _Request:
-        if not 1e-3 <= timeout <= 600.0:
-            raise ParameterError("timeout", timeout, "from 0.001 to 600 s")
+        timeout = _TIMEOUT("timeout", timeout)
         problem = PlanningProblem(
             arm=scene.arm,
             start=clipped(Joints.of(start), scene.arm.lower, scene.arm.upper),
@@ -296,7 +297,7 @@ class Planner(Uncopied):
             tip=self._tip,
             up=scene.mounting.matrix[2, :3].copy(),
             padding=scene.padding,
-            timeout=float(timeout),
+            timeout=timeout,
             **more,
         )
         return _Request(problem, scene)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.rules import Number, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +30,8 @@ __all__ = [
     "goals_of",
 ]
 
+_SIZES = Vector(Number(0.0, unit="m or rad", source="this package"), length=3)
+
 
 @dataclass(frozen=True, slots=True)
 class Region:
@@ -47,10 +50,7 @@ class Region:
     def __post_init__(self) -> None:
         object.__setattr__(self, "at", Pose.of(self.at))
         for name in ("size", "turn"):
-            given = tuple(float(each) for each in getattr(self, name))
-            if len(given) != 3 or not all(0.0 <= each < float("inf") for each in given):
-                raise ParameterError(name, given, "three finite numbers, 0 or more")
-            object.__setattr__(self, name, given)
+            object.__setattr__(self, name, tuple(_SIZES(name, getattr(self, name))))
 
 
 Goal: TypeAlias = Joints | Pose | Region

@@ -10,9 +10,10 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from aioduco.errors import MissingExtra, ParameterError, SceneError
+from aioduco.errors import MissingExtra, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.rules import Number
 from aioduco.planning.problem import WorkerScene
 from aioduco.planning.shapes import Mesh
 from aioduco.sim.scene import Thing, mjcf_of, mounting_of
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from aioduco.sim.view.camera import Camera
 
 __all__ = ["Scene"]
+
+_PADDING = Number(0.0005, 0.1, "m", source="this package")
 
 
 class Scene:
@@ -70,11 +73,9 @@ class Scene:
         pedestal: float = 0.0,
         padding: float = 0.005,
     ) -> None:
-        if not 0.0005 <= padding < 0.1:
-            raise ParameterError("padding", padding, "from 0.0005 to 0.1 m")
         self.arm: Arm = arm_of(model) if isinstance(model, str) else model
         self.mounting: Pose = mounting_of(mounting, self.arm, pedestal)
-        self.padding = padding
+        self.padding = _PADDING("padding", padding)
         self._pedestal = pedestal > 0.0
         self._around = None if around is None else mjcf_of(around)
         self._tool = None if tool is None else mjcf_of(tool, free=False)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.errors import ParameterError
+from aioduco.models.rules import Integer
 from aioduco.recording.recorder import RobotObserver
 from aioduco.recording.writer import PublicationWriter
 
@@ -37,8 +38,7 @@ class Publication(RobotObserver):
     _MADE_BY = "publish"
 
     def __init__(self, supervisor: Supervisor, port: int, host: str, forces: bool) -> None:
-        if type(port) is not int or not 0 <= port <= 65535:
-            raise ParameterError("port", port, "a whole number from 0 to 65535; 0: a free one")
+        port = Integer(0, 65535, source="this package")("port", port)
         if not isinstance(host, str) or not host:
             raise ParameterError("host", host, 'an address of this computer, such as "127.0.0.1"')
         self._server = PublicationWriter(host, port)

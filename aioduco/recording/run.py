@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -146,12 +147,14 @@ class RecordedRun:
 
         Raises:
             ParameterError: there is no such channel in this recording.
+            RecordingError: its messages are of a kind that is not known, or one is damaged.
         """
         if topic not in self._messages:
             there = ", ".join(self.topics) or "none"
             raise ParameterError("topic", topic, f"a channel of this recording: {there}")
         messages = self._messages[topic]
-        times = np.array([message.time_ns for message in messages], dtype=np.int64) - self._start
+        # differences first: the times themselves may be beyond 64 bits with a sign
+        times = np.array([float(message.time_ns - self._start) for message in messages])
         rows = [dict(_flat(_decoded(message))) for message in messages]
         names = dict.fromkeys(name for row in rows for name in row)
         return {
@@ -223,15 +226,20 @@ class RecordedRun:
 
 def _decoded(message: McapMessage) -> dict[str, Any]:
     channel = message.channel
-    if channel.encoding == "json":
-        found: dict[str, Any] = json.loads(bytes(message.data))
-        return found
     name = channel.schema.name if channel.schema is not None else ""
-    if name not in DECODERS:
+    if channel.encoding != "json" and name not in DECODERS:
         raise RecordingError(
             f"messages of {channel.topic} are not known here: {name or 'no schema'}"
         )
-    return DECODERS[name](message.data)
+    try:
+        if channel.encoding == "json":
+            return {**json.loads(bytes(message.data))}
+        return DECODERS[name](message.data)
+    except Exception as error:  # a file of somebody else may hold anything
+        raise RecordingError(
+            f"a message of {channel.topic} at {message.time_ns} ns cannot be read: "
+            f"{type(error).__name__}: {error}"
+        ) from error
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
@@ -247,7 +255,8 @@ def _array(values: Sequence[Any]) -> NDArray[Any]:
     """Return one field of all messages as an array."""
     kinds = {type(value) for value in values} - {type(None)}
     if kinds <= {int, float}:
-        return np.array([math.nan if value is None else value for value in values], dtype=float)
+        with suppress(OverflowError):  # a whole number of another maker's, beyond all floats
+            return np.array([math.nan if value is None else value for value in values], dtype=float)
     if kinds == {bool} and None not in values:
         return np.array(values, dtype=bool)
     if kinds == {list} and (table := _table(values)) is not None:
@@ -267,10 +276,11 @@ def _table(values: Sequence[list[Any] | None]) -> NDArray[Any] | None:
         return np.array(values, dtype=bool)
     (length,) = lengths
     missing = [math.nan] * length
-    return np.array(
-        [
-            missing if row is None else [math.nan if each is None else each for each in row]
-            for row in values
-        ],
-        dtype=float,
-    )
+    rows = [
+        missing if row is None else [math.nan if each is None else each for each in row]
+        for row in values
+    ]
+    try:
+        return np.array(rows, dtype=float)
+    except OverflowError:  # as above
+        return None

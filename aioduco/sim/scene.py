@@ -11,7 +11,7 @@ import math
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 from xml.etree import ElementTree as ET
 
@@ -21,6 +21,7 @@ from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import quaternion_from_matrix
+from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -58,6 +59,8 @@ _FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
 _SPRUNG = {**_LOOSE, "priority": "3"}
 _PERIOD = 0.004  # period of a sprung plate over 2π: a step of 1 ms still resolves it [s]
 _LOWEST_PEDESTAL = 0.05  # [m]
+_MASS = Number(0.0, unit="kg", source="this package")
+_SIZE = Number(0.0, unit="m", open_low=True, source="this package")
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""
@@ -84,12 +87,15 @@ class Thing(ABC):
 
     def __post_init__(self) -> None:
         _pose(self.at)
-        if not (math.isfinite(self.mass) and self.mass >= 0.0):
-            raise ParameterError("mass", self.mass, "a number of kilograms, 0 or more")
-        for field in self._sizes():
-            for size in _numbers(getattr(self, field)):
-                if not (math.isfinite(size) and size > 0.0):
-                    raise ParameterError(field, getattr(self, field), "above 0")
+        stored(self, mass=_MASS)
+        defaults = {field.name: field.default for field in fields(self)}
+        for name in self._sizes():
+            default = defaults[name]
+            if isinstance(default, tuple):
+                rule = Vector(_SIZE, length=len(default))
+                object.__setattr__(self, name, tuple(rule(name, getattr(self, name))))
+            else:
+                stored(self, **{name: _SIZE})
 
     @abstractmethod
     def _sizes(self) -> tuple[str, ...]:
@@ -310,10 +316,6 @@ def _sprung(
 def _pose(at: Sequence[float]) -> Pose:
     numbers = list(at)
     return Pose.of([*numbers, 0.0, 0.0, 0.0] if len(numbers) == 3 else numbers)
-
-
-def _numbers(value: float | Sequence[float]) -> tuple[float, ...]:
-    return (value,) if isinstance(value, int | float) else tuple(value)
 
 
 def _text(values: Iterable[float]) -> str:

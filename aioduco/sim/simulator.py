@@ -16,6 +16,8 @@ from aioduco._copying import Uncopied
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import WAIT
+from aioduco.models.rules import Number
 from aioduco.sim.assembly import SimulatorAssembly, SimulatorSettings
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
@@ -148,14 +150,12 @@ class Simulator(Uncopied):
         cycle: float = CYCLE,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
-        if not 0.0 < cycle <= 0.004:
-            raise ValueError(f"cycle is {cycle}, but must be above 0 and at most 0.004 s")
+        cycle = Number(0.0, 0.004, "s", open_low=True, source="this package")("cycle", cycle)
         if heartbeat_slack is None:
             heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
         times = {"vibration_time": vibration_time, "program_lag": program_lag}
         for name, time in (times | {"heartbeat_slack": heartbeat_slack}).items():
-            if not 0.0 <= time < math.inf:
-                raise ValueError(f"{name} is {time}, but must be from 0 s")
+            WAIT(name, time)
         if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
         self.arm: Final[Arm] = arm_of(model)
@@ -413,8 +413,8 @@ class Simulator(Uncopied):
             ValueError: The time is negative.
             TimeoutError: The condition did not hold in time.
         """
-        if not timeout >= 0.0:
-            raise ValueError(f"timeout is {timeout}, but must be from 0 s")
+        if timeout != math.inf:
+            timeout = WAIT("timeout", timeout)
         if not self._running().runtime.wait_until(predicate, timeout):
             raise TimeoutError(f"it did not come to hold within {timeout} s of simulated time")
 

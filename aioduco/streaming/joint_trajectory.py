@@ -10,6 +10,7 @@ import numpy as np
 from aioduco._copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.rules import Number, Vector, stored
 from aioduco.streaming.sampling import Spline, numbers
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from aioduco.streaming.report import StreamStatistics
 
 __all__ = ["Feedback", "JointTrajectory", "Tolerances", "TrajectoryResult"]
+
+_DISTANCE = Number(0.0, unit="rad", source="this package")
+_DISTANCES = Vector(_DISTANCE, length=6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +36,7 @@ class Tolerances:
         goal_time: time after the trajectory's end within which the goal must be reached [s].
 
     Raises:
-        ParameterError: the time is below 0.
+        ParameterError: a number is below 0, or not finite.
     """
 
     path: float | tuple[float, ...] = 0.1
@@ -40,7 +44,13 @@ class Tolerances:
     goal_time: float = 1.0
 
     def __post_init__(self) -> None:
-        ranges.WAIT("goal_time", self.goal_time)
+        stored(self, goal_time=ranges.WAIT)
+        for name in ("path", "goal"):
+            given = getattr(self, name)
+            if np.ndim(given) == 0:
+                stored(self, **{name: _DISTANCE})
+            else:
+                object.__setattr__(self, name, tuple(_DISTANCES(name, given)))
 
 
 class Feedback(NamedTuple):
@@ -106,6 +116,7 @@ class JointTrajectory(Frozen):
             raise ParameterError("times", times, f"{count} numbers")
         if self.times[0] < 0 or np.any(np.diff(self.times) <= 0):
             raise ParameterError("times", times, "rising, the first at least 0")
+        ranges.WAIT("times[-1]", self.duration)
         self.velocities: NDArray[np.float64] | None = (
             None if velocities is None else _matrix("velocities", velocities, count)
         )

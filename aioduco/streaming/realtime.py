@@ -8,7 +8,7 @@ from aioduco._copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
-from aioduco.models.rules import Integer
+from aioduco.models.rules import Choice, Integer
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
 from aioduco.streaming.shared.space import JERK, Limits
@@ -152,13 +152,16 @@ class RealtimeStreams(Uncopied):
         return Stream(self._endpoint, fed, options, sent, check)
 
 
+_MODE = Choice({int(each): each.name for each in _MODES}, source="this package")
+
+
 def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
     names = {known.name.lower(): known for known in _MODES}
-    chosen: Any = names.get(mode) if isinstance(mode, str) else mode
-    known = isinstance(chosen, int) and not isinstance(chosen, bool) and chosen in _MODES
-    if not known:  # torques are refused, too: they would not hold the arm
-        raise ParameterError("mode", mode, f"one of {', '.join(names)}")
-    return RealtimeMode(chosen)
+    try:
+        chosen = RealtimeMode(_MODE("mode", names[mode] if isinstance(mode, str) else mode))
+    except (KeyError, ParameterError):  # torques are refused, too: they would not hold the arm
+        raise ParameterError("mode", mode, f"one of {', '.join(names)}") from None
+    return chosen
 
 
 def _limits(v: _Limit, a: _Limit, jerk: _Limit | None, groups: int) -> Limits:

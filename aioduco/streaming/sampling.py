@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import ParameterError
+from aioduco.models.rules.scalars import LONGEST
 from aioduco.streaming.shared.space import PoseSpace
 
 if TYPE_CHECKING:
@@ -15,7 +16,10 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Space
 
-__all__ = ["Spline", "numbers", "sampled"]
+__all__ = ["Spline", "instants", "numbers", "sampled"]
+
+#: largest number of set-points of one trajectory: 5.5 hours at 500 Hz, half a gigabyte
+_MOST_INSTANTS = 10_000_000
 
 
 class Spline:
@@ -131,11 +135,25 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArr
     if np.any(np.diff(moments) <= 0):
         raise ParameterError("times", times, "rising")
     moments = moments - moments[0]
-    count = int(np.ceil(moments[-1] / interval - 1e-9))
-    at = np.minimum(np.arange(count + 1) * interval, moments[-1])
+    at = instants(float(moments[-1]), interval)
     if isinstance(space, PoseSpace):
         return _poses(space, points, moments, at)
     return Spline(moments, points).at(at)
+
+
+def instants(duration: float, interval: float) -> NDArray[np.float64]:
+    """Times from 0 to a duration at a fixed interval, the end included [s].
+
+    Raises:
+        ParameterError: there would be too many for a computer's memory.
+    """
+    if not duration <= _MOST_INSTANTS * interval:
+        hint = " (seconds, not nanoseconds)" if duration >= LONGEST else ""
+        expected = f"at most {_MOST_INSTANTS * interval:g} s long at {1 / interval:g} Hz{hint}"
+        raise ParameterError("times", f"{duration:g} s long", expected)
+    count = int(np.ceil(duration / interval - 1e-9))
+    found: NDArray[np.float64] = np.minimum(np.arange(count + 1) * interval, duration)
+    return found
 
 
 def _poses(
@@ -168,8 +186,10 @@ def numbers(name: str, value: Any) -> NDArray[np.float64]:
         ParameterError: it is none.
     """
     try:
+        if np.asarray(value).dtype.kind in "SU":
+            raise ParameterError(name, value, "an array of numbers, not of texts")
         found = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as exc:
+    except (TypeError, ValueError, OverflowError) as exc:
         raise ParameterError(name, value, "an array of numbers") from exc
     if not np.all(np.isfinite(found)):
         raise ParameterError(name, value, "an array of finite numbers")

@@ -28,6 +28,7 @@ from aioduco.errors import (
 )
 from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.models.rules import Integer
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.supervision.concurrency import Alarm, every, on_grid
 
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
     from aioduco.supervision.concurrency import BackgroundTasks
 
 __all__ = ["FeedStatistics", "Policy", "Snapshot", "StateFeed", "Subscription"]
+
+_SIZE = Integer(1, 2**31 - 1, source="this package")
 
 T = TypeVar("T")
 
@@ -65,10 +68,8 @@ class Subscription(Uncopied, Generic[T]):
     def __init__(self, policy: Policy, size: int, owner_loop: OwnerLoop) -> None:
         if policy not in ("latest", "drop_oldest", "every"):
             raise ParameterError("policy", policy, '"latest", "drop_oldest" or "every"')
-        if type(size) is not int or size < 1:
-            raise ParameterError("size", size, "a whole number from 1")
         self._policy = policy
-        self._size = 1 if policy == "latest" else size
+        self._size = 1 if policy == "latest" else _SIZE("size", size)
         self._owner_loop = owner_loop
         self._items: deque[T] = deque()
         self._overflown = False

@@ -8,7 +8,6 @@ client must distinguish "nothing was done" from "it may have been done".
 from __future__ import annotations
 
 import enum
-import math
 import random
 import threading
 from collections import deque
@@ -17,7 +16,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from aioduco._copying import Uncopied
-from aioduco.errors import ParameterError
+from aioduco.models import ranges
+from aioduco.models.rules import stored
 from aioduco.testing.message_parser import Message, MessageType, application_error
 
 __all__ = [
@@ -96,8 +96,7 @@ class Throttle:
     rate: float
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.rate < math.inf:
-            raise ParameterError("rate", self.rate, "a number of bytes per second above 0")
+        stored(self, rate=ranges.ABOVE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +129,8 @@ class HalfOpen:
     seconds: float | None = None
 
     def __post_init__(self) -> None:
-        if self.seconds is not None and not 0.0 <= self.seconds < math.inf:
-            raise ParameterError("seconds", self.seconds, "a number from 0 s, or None")
+        if self.seconds is not None:
+            stored(self, seconds=ranges.WAIT)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from aioduco._copying import Uncopied
+from aioduco.models.ranges import WAIT
 from aioduco.testing.waiting import eventually, eventually_async
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class no_leaks(Uncopied):  # noqa: N801 - used like a function, as contextlib.su
         Args:
             timeout: seconds within which everything must be closed after the block.
         """
-        self._timeout = timeout
+        self._timeout = WAIT("timeout", timeout)
         self._before = Resources({}, {}, {})
 
     def __enter__(self) -> Self:

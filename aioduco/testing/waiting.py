@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco.models.ranges import TIMEOUT
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -58,6 +60,7 @@ def _pauses(
     condition: Callable[[], object], timeout: float, what: str | Callable[[], str]
 ) -> Iterator[float]:
     """Yield the seconds to sleep before each further check, until the condition holds."""
+    timeout = TIMEOUT("timeout", timeout)
     deadline = time.monotonic() + timeout
     pause = _FIRST
     while not condition():

@@ -12,6 +12,7 @@ from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceV
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.streaming.options import per_group
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
+from aioduco.streaming.sampling import instants
 from aioduco.streaming.servo import Servo
 
 if TYPE_CHECKING:
@@ -74,8 +75,7 @@ async def follow(
     limits = tolerances or Tolerances()
     curve = trajectory.curve(await read_joints())
     interval = CYCLE if realtime else 1 / rate
-    count = int(np.ceil(curve.duration / interval - 1e-9))
-    points = curve.at(curve.times[0] + np.minimum(np.arange(count + 1) * interval, curve.duration))
+    points = curve.at(curve.times[0] + instants(curve.duration, interval))
     speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
     if speed > v * (1 + 1e-6):
         raise ParameterError("trajectory", f"a joint at {speed:.4g} rad/s", f"up to {v:g} rad/s")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from aioduco.errors import ParameterError
+from aioduco.models import ranges
+from aioduco.models.rules import Integer, stored
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,10 +42,10 @@ class Intrinsics:
     distortion: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("width", "height", "fx", "fy"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
-                raise ParameterError(name, value, "above 0")
+        for name in ("width", "height"):
+            size = Integer(1, 1 << 16, "pixels", source="this package")
+            object.__setattr__(self, name, size(name, getattr(self, name)))
+        stored(self, fx=ranges.ABOVE, fy=ranges.ABOVE, cx=ranges.FINITE, cy=ranges.FINITE)
 
     @property
     def matrix(self) -> NDArray[np.float64]:

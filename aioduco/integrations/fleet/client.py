@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import anyio
 
 from aioduco._copying import Uncopied
-from aioduco.errors import ParameterError
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.reports import (
     GatewayReport,
@@ -17,6 +15,7 @@ from aioduco.integrations.fleet.reports import (
     StopReport,
     StopRequest,
 )
+from aioduco.models.ranges import TIMEOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -202,5 +201,4 @@ class FleetClient(Uncopied):
 
 
 def _require_time(timeout: float) -> None:
-    if not 0.0 < timeout < math.inf:
-        raise ParameterError("timeout", timeout, "a number above 0 s")
+    TIMEOUT("timeout", timeout)

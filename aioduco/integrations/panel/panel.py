@@ -59,6 +59,7 @@ from aioduco.integrations.panel.page_state import (
 )
 from aioduco.integrations.panel.simulator_port import ask_simulator
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.rules import Number
 from aioduco.recording.playback.player import arm_named, model_named
 
 if TYPE_CHECKING:
@@ -145,12 +146,9 @@ class Panel(Uncopied):
         directions: JogDirections = JogDirections.MANUAL_3_8,
         **options: Any,
     ) -> None:
-        if not 2.0 <= rate <= 50.0:
-            raise ParameterError("rate", rate, "from 2 to 50 Hz")
-        if not 0.1 <= hold_limit <= 600.0:
-            raise ParameterError("hold_limit", hold_limit, "from 0.1 to 600 s")
-        if not 0.5 <= page_limit <= 600.0:
-            raise ParameterError("page_limit", page_limit, "from 0.5 to 600 s")
+        rate = Number(2.0, 50.0, "Hz", source="this package")("rate", rate)
+        hold_limit = Number(0.1, 600.0, "s", source="this package")("hold_limit", hold_limit)
+        page_limit = Number(0.5, 600.0, "s", source="this package")("page_limit", page_limit)
         if not isinstance(directions, JogDirections):
             raise ParameterError("directions", directions, "a member of JogDirections")
         if model is not None:

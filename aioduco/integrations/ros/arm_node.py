@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 import time
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -18,6 +17,7 @@ from aioduco.integrations.ros.arm_services import ArmServices
 from aioduco.integrations.ros.joint_commands import JointCommands
 from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
 from aioduco.integrations.ros.trajectory_server import Through, TrajectoryServer
+from aioduco.models.rules import Number, stored
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -85,11 +85,8 @@ class NodeSettings:
             *(("rate", 500.0), ("slow_rate", 100.0), ("feedback_rate", 50.0)),
             ("command_rate", 500.0),
         ):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and 0.1 <= value <= most):
-                raise ParameterError(name, value, f"0.1 to {most:g} Hz")
-        if not 0.1 <= self.command_timeout <= 10.0:
-            raise ParameterError("command_timeout", self.command_timeout, "0.1 to 10 s")
+            stored(self, **{name: Number(0.1, most, "Hz", source="this package")})
+        stored(self, command_timeout=Number(0.1, 10.0, "s", source="this package"))
         if self.through not in get_args(Through):
             raise ParameterError("through", self.through, f"one of {', '.join(get_args(Through))}")
 

@@ -36,6 +36,7 @@ from aioduco.models.rules.scalars import (
     Rule,
     Text,
     Whole,
+    stored,
 )
 
 __all__ = [
@@ -61,4 +62,5 @@ __all__ = [
     "VectorLike",
     "Whole",
     "WholesLike",
+    "stored",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 import sys
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -19,11 +20,32 @@ Real: TypeAlias = "float | np.floating[Any] | np.integer[Any]"
 Whole: TypeAlias = "int | np.integer[Any]"
 
 _MAX = sys.float_info.max
+#: what counts as a number: also those of numpy, and fractions
+_REAL: Any = numbers.Real
+_WHOLE: Any = numbers.Integral
 #: distance from base to flange of the longest arms, gcr10_2000 and gcr16_2000, stretched out [m]
 LONGEST_ARM = 2.51
 #: maximum distance of a pose from the origin of its frame [m]: eight times the longest arm, since
 #: a work object may be beside the arm, and the arm may be on an external axis
 FARTHEST = 20.0
+
+
+#: the longest time that is plausible, 11 days: 1 ms in nanoseconds is as much [s]
+LONGEST = 1e6
+
+
+def stored(settings: object, **rules: Number) -> None:
+    """Check fields of a frozen dataclass, and store the plain numbers that the rules return.
+
+    Args:
+        settings: the object.
+        rules: the rule of each field, by its name.
+
+    Raises:
+        ParameterError: a field is not what its rule wants.
+    """
+    for name, rule in rules.items():
+        object.__setattr__(settings, name, rule(name, getattr(settings, name)))
 
 
 def _plain(value: object) -> object:
@@ -101,8 +123,8 @@ class Number(Rule):
         return self._other(name, value)
 
     def _other(self, name: str, value: object) -> float:
-        number = _plain(value)
-        if isinstance(number, bool) or not isinstance(number, (int, float)):
+        number: Any = _plain(value)
+        if isinstance(number, bool) or not isinstance(number, _REAL):
             raise ParameterError(name, value, self.expected)
         if self._low <= number <= self._high:
             return float(number)
@@ -115,6 +137,8 @@ class Number(Rule):
             hint = f", and within what these arms reach, {shown(self.plausible)} m (millimetres?)"
         if self.unit == "rad" and 2 * math.pi < abs(number) < 2000:
             hint = " (radians, not degrees)"
+        if self.unit == "s" and number >= LONGEST:
+            hint = " (seconds, not nanoseconds)"
         raise ParameterError(name, value, self.expected + hint)
 
 
@@ -140,8 +164,8 @@ class Integer(Rule):
         """Check `value` and return it as an int."""
         if type(value) is int and self.low <= value <= self.high:
             return value
-        number = _plain(value)
-        if isinstance(number, bool) or not isinstance(number, int):
+        number: Any = _plain(value)
+        if isinstance(number, bool) or not isinstance(number, _WHOLE):
             raise ParameterError(name, value, self.expected)
         if not self.low <= number <= self.high:
             raise ParameterError(name, value, self.expected)

@@ -27,6 +27,7 @@ from aioduco.errors import (
 from aioduco.kinematics import Arm, models
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import JOINT_SPEED
+from aioduco.models.rules import Number
 from aioduco.recording.playback.path_check import (
     PathFinding,
     check_path,
@@ -61,6 +62,7 @@ __all__ = [
     "run_waypoints",
 ]
 
+_SHARE = Number(0.0, 1.0, open_low=True, source="this package")
 _NEAR = 0.01  # largest distance of a joint from the begin of the path [rad]
 _ROOM = 1.5  # factor on the stream's acceleration limit, so that it does not round the path
 _LEAST = 0.5  # least acceleration limit of a stream [rad/s²]
@@ -307,8 +309,7 @@ async def run_waypoints(
     """
     if not isinstance(waypoints, WaypointFile):
         raise ParameterError("waypoints", waypoints, "a WaypointFile")
-    if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0.0 < speed <= 1.0:
-        raise ParameterError("speed", speed, "above 0 to 1")
+    speed = _SHARE("speed", speed)
     found = await check_waypoints_on(robot, waypoints, arm=arm)
     if found:
         raise refused(waypoints.title, found)

@@ -15,6 +15,8 @@ import numpy as np
 
 from aioduco.errors import ParameterError, RecordingError
 from aioduco.models.pose import Joints
+from aioduco.models.ranges import TIMEOUT, WAIT
+from aioduco.models.rules import Number
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["RecordedOutput", "RecordedPath"]
 
+_FACTOR = Number(0.01, 10.0, source="this package")
 #: longest time between two samples of a moving arm [s]: a curve through them is off by less than
 #: 0.1 mrad up to there, at a jerk of 100 rad/s³
 MAX_GAP = 0.1
@@ -111,11 +114,11 @@ class RecordedPath:
             RecordingError: the recording has no joints, the arm did not move in that time, or
                 samples are missing while it moved: the message says where.
         """
-        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0.01 <= speed <= 10:
-            raise ParameterError("speed", speed, "0.01 to 10 times as fast")
+        speed = _FACTOR("speed", speed)
         if of not in ("setpoints", "states"):
             raise ParameterError("of", of, '"setpoints" or "states"')
-        first, last = begin or 0.0, run.duration if end is None else end
+        first = 0.0 if begin is None else WAIT("begin", begin)
+        last = run.duration if end is None else TIMEOUT("end", end)
         if not 0.0 <= first < last:
             raise ParameterError("begin", begin, f"at least 0, and before the end, {last:g} s")
         topic = f"/joint_{of}"
@@ -142,7 +145,7 @@ class RecordedPath:
         return cls(
             source=run.path,
             arm=run.metadata.get("arm", ""),
-            speed=float(speed),
+            speed=speed,
             times=eased,
             recorded=times,
             positions=positions,

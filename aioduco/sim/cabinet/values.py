@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeVar
 
+from aioduco.models.numpy_on_use import is_array, is_scalar
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -93,11 +95,14 @@ class SystemValues:
 
 
 def _stored(value: Value) -> _Stored:
+    if is_array(value) or is_scalar(value):
+        value = value.tolist()
     if isinstance(value, bool | str):
         return value
     if isinstance(value, int | float):
         return _finite(value)
-    rows = [row if isinstance(row, int | float) else [_finite(n) for n in row] for row in value]
+    plain = [row.tolist() if is_array(row) or is_scalar(row) else row for row in value]
+    rows = [row if isinstance(row, int | float) else [_finite(n) for n in row] for row in plain]
     nested = [row for row in rows if isinstance(row, list)]
     if nested:
         if len(nested) != len(rows):
@@ -107,9 +112,13 @@ def _stored(value: Value) -> _Stored:
 
 
 def _finite(value: float) -> float:
-    if not math.isfinite(value):
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
         raise ValueError(f"a system value holds finite numbers, not {value}")
-    return float(value)
+    return number
 
 
 def _checked(name: str, value: object, kind: type[T]) -> T:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.errors import ParameterError
+from aioduco.models import ranges
+from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Pose
 
 __all__ = ["Camera", "PictureMark", "towards"]
+
+_TARGET = Vector(Number(unit="m", source="this package"), length=3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,11 +54,8 @@ class Camera:
     elevation: float = math.radians(-18.0)
 
     def __post_init__(self) -> None:
-        numbers = [*self.target, self.distance, self.azimuth, self.elevation]
-        if len(self.target) != 3 or not all(map(math.isfinite, numbers)):
-            raise ParameterError("target", self.target, "three finite numbers, as the others")
-        if self.distance <= 0.0:
-            raise ParameterError("distance", self.distance, "above 0 m")
+        object.__setattr__(self, "target", tuple(_TARGET("target", self.target)))
+        stored(self, distance=ranges.ABOVE, azimuth=ranges.FINITE, elevation=ranges.FINITE)
 
     def put(self, view: Any) -> None:
         """Set a free camera of MuJoCo, which uses degrees, to this view."""

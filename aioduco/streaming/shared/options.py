@@ -74,18 +74,17 @@ class WorkerOptions:
     away_limit: float = 0.25
 
     def __post_init__(self) -> None:
-        from aioduco.models.rules import Integer, Number  # noqa: PLC0415 - not in a worker
+        from aioduco.models.rules import Integer, Number, stored  # noqa: PLC0415 - not in a worker
 
         if self.run_in not in ("process", "thread"):
             raise ParameterError("run_in", self.run_in, '"process" or "thread"')
         if self.priority is not None:
             Integer(0, 99, source=_SOURCE)("priority", self.priority)
-        for name in ("spin", "watch"):
-            Number(0.0, 3600.0, "s", source=_SOURCE)(name, getattr(self, name))
-        Number(0.2, 60.0, "s", source=_SOURCE)("away_limit", self.away_limit)
-        for name in ("timeout", "connect_timeout"):
-            answer = Number(0.0, 3600.0, "s", open_low=True, source=_SOURCE)
-            answer(name, getattr(self, name))
+        pause = Number(0.0, 3600.0, "s", source=_SOURCE)
+        answer = Number(0.0, 3600.0, "s", open_low=True, source=_SOURCE)
+        away = Number(0.2, 60.0, "s", source=_SOURCE)
+        stored(self, spin=pause, watch=pause, away_limit=away)
+        stored(self, timeout=answer, connect_timeout=answer)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,12 +119,19 @@ class Feeding:
     blend: float = 0.1
 
     def __post_init__(self) -> None:
-        from aioduco.models.rules import Flag, Integer, Number  # noqa: PLC0415 - not in a worker
+        from aioduco.models.rules import (  # noqa: PLC0415 - not in a worker
+            Flag,
+            Integer,
+            Number,
+            stored,
+        )
 
         rate = rate_rule()
-        rate("rate", self.rate)
+        stored(self, rate=rate)
         Flag(source=_SOURCE)("latest", self.latest)
-        if self.source_rate is not None and rate("source_rate", self.source_rate) > self.rate:
+        if self.source_rate is not None:
+            stored(self, source_rate=rate)
+        if self.source_rate is not None and self.source_rate > self.rate:
             raise ParameterError(
                 "source_rate",
                 self.source_rate,
@@ -141,10 +147,10 @@ class Feeding:
             raise ParameterError(
                 "source_rate", None, "given when every target counts and is up-sampled"
             )
-        Number(0.0, 10.0, "s", source=_SOURCE)("blend", self.blend)
+        stored(self, blend=Number(0.0, 10.0, "s", source=_SOURCE))
         if Flag(source=_SOURCE)("chunks", self.chunks):
             self._check_chunks()
-        Number(0.0, 60.0, "s", open_low=True, source=_SOURCE)("hold", self.hold)
+        stored(self, hold=Number(0.0, 60.0, "s", open_low=True, source=_SOURCE))
         if self.ahead is not None:
             Integer(1, MOST_POINTS, "targets", source=_SOURCE)("ahead", self.ahead)
 

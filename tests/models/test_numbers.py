@@ -1,0 +1,219 @@
+"""Numbers and times: those of numpy are numbers everywhere, and what is none is refused by name."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import math
+from fractions import Fraction
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import made as making
+import numpy as np
+import pytest
+import yaml
+from made import made
+from public_classes import public_classes
+
+import aioduco
+import aioduco.sync
+from aioduco import (
+    Joints,
+    JointTrajectory,
+    ParameterError,
+    Pose,
+    Tolerances,
+    descriptions,
+    kinematics,
+)
+from aioduco.envelope import JointMargin, SingularityMargin, ToolForce, ToolSpeed, Zone
+from aioduco.models import ranges
+from aioduco.planning import Planner, Region, Scene
+from aioduco.sim import Simulator, scene
+from aioduco.sim.cabinet import SystemValues
+from aioduco.sim.view.camera import Camera
+from aioduco.streaming.sampling import instants, sampled
+from aioduco.streaming.shared.space import JOINT_SPACE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SCALARS: list[Any] = [
+    *(np.float32(0.25), np.float16(0.25), np.float64(0.25), np.longdouble(0.25), np.array(0.25)),
+    *(Fraction(1, 4), np.int64(1), np.uint8(1), 1),
+]
+#: by name, what takes one number
+TAKERS: dict[str, Callable[[Any], Any]] = {
+    "Sphere": lambda x: scene.Sphere(radius=x).radius,
+    "Cylinder": lambda x: scene.Cylinder(radius=x, length=x).length,
+    "Box": lambda x: scene.Box(size=(x, x, x)).size[0],
+    "mass": lambda x: scene.Sphere(mass=x).mass,
+    "ToolSpeed": lambda x: ToolSpeed(x).most,
+    "ToolForce": lambda x: ToolForce(x).most,
+    "JointMargin": lambda x: JointMargin(x).least,
+    "SingularityMargin": lambda x: SingularityMargin(x).least,
+    "speed": lambda x: ToolForce(1.0, speed=x).speed,
+    "Zone": lambda x: Zone.sphere([0, 0, 1], x).size[0],
+    "Pose": lambda x: Pose(x, 0, 0, 0, 0, 0).x,
+    "Joints": lambda x: Joints(x, 0, 0, 0, 0, 0).j1,
+    "Number": lambda x: ranges.FROM_0("x", x),
+    "Camera": lambda x: Camera(distance=x).distance,
+    "Region": lambda x: Region(Pose(0, 0, 0, 0, 0, 0), size=(x, x, x)).size[0],
+    "Tolerances": lambda x: Tolerances(path=x).path,
+    "per joint": lambda x: Tolerances(goal=(x,) * 6).goal[0],  # type: ignore[index]
+    "WorkerOptions": lambda x: aioduco.WorkerOptions(timeout=x).timeout,
+}
+
+
+@pytest.mark.cases(30)
+@pytest.mark.parametrize("name", TAKERS)
+def test_every_kind_of_number_is_taken_and_kept_as_a_float(name: str) -> None:
+    for value in SCALARS:
+        kept = TAKERS[name](value)
+        assert type(kept) is float
+        assert kept == float(value)
+
+
+@pytest.mark.cases(30)
+@pytest.mark.parametrize("name", TAKERS)
+def test_what_is_no_finite_number_is_refused(name: str) -> None:
+    for value in (math.nan, math.inf, None, "1", True, 10**400, 10**5000, 1j, [1]):
+        with pytest.raises(ParameterError):
+            TAKERS[name](value)
+
+
+def test_every_public_value_takes_numbers_of_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """None fails, and what is checked to be a number is kept as one of Python's."""
+    monkeypatch.setitem(making._SIMPLE, float, np.float32(0.5))
+    monkeypatch.setitem(making._SIMPLE, int, np.int64(3))
+    wrong = []
+    kind: type[Any]
+    for kind in public_classes():
+        if not dataclasses.is_dataclass(kind) or inspect.isabstract(kind):
+            continue
+        try:
+            made(kind)
+        except Exception as error:  # all of them in one message
+            wrong.append(f"{kind}: {error!r}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_system_values_of_numpy_are_kept_as_python_has_them() -> None:
+    values = SystemValues({"one": np.float32(0.5), "many": np.arange(3.0), "table": np.eye(2)})  # type: ignore[dict-item]
+    assert values.get("one", float) == 0.5
+    assert values.numbers("many") == [0.0, 1.0, 2.0]
+    assert values.lists("table") == [[1.0, 0.0], [0.0, 1.0]]
+
+
+# -- times ---------------------------------------------------------------------------------------
+
+#: a second in nanoseconds, and what is no time
+NO_TIMES = [math.nan, math.inf, -1.0, "1", True, 10**400, 1_700_000_000_000_000_000]
+
+
+def robot() -> Any:
+    return aioduco.connect("192.0.2.1")
+
+
+async def _planned(timeout: Any) -> None:
+    async with Planner(Scene("gcr5_910")) as planner:
+        await planner.plan(
+            [0.0, 0.0, 1.0, 0.0, -1.0, 0.0], Joints(0, 0, 1, 0, -1, 0), timeout=timeout
+        )
+
+
+CONNECT = (
+    *("call_timeout", "connect_timeout", "stop_timeout", "standstill_timeout"),
+    *("unanswered_timeout", "loop_stall_limit"),
+)
+
+
+def _connected(name: str, value: Any) -> Any:
+    options: dict[str, Any] = {name: value}
+    return aioduco.connect("192.0.2.1", **options)
+
+
+#: by name, what takes a time, which is checked before anything is done
+TIMES: dict[str, Callable[[Any], Any]] = {
+    **{name: partial(_connected, name) for name in CONNECT},
+    "power_on": lambda x: anyio.run(lambda: robot().system.power_on(timeout=x)),
+    "latest": lambda x: anyio.run(lambda: robot().feed.latest(max_age=x)),
+    "plan": lambda x: anyio.run(_planned, x),
+    "goal_time": lambda x: Tolerances(goal_time=x),
+    "worker": lambda x: aioduco.WorkerOptions(timeout=x),
+    "away": lambda x: aioduco.WorkerOptions(away_limit=x),
+    "vibration_time": lambda x: Simulator(vibration_time=x),
+    "trajectory": lambda x: JointTrajectory([[0.0] * 6, [0.1] * 6], [0.0, x]),
+}
+
+
+@pytest.mark.cases(40)
+@pytest.mark.parametrize("name", TIMES)
+def test_what_is_no_time_is_refused(name: str) -> None:
+    for value in [None, *NO_TIMES]:
+        if name == "trajectory" and value is True:
+            continue  # numpy makes 1.0 of it among numbers
+        with pytest.raises(ParameterError):
+            TIMES[name](value)
+
+
+def test_an_open_robot_refuses_what_is_no_time() -> None:
+    with Simulator(speed=5) as sim, aioduco.sync.connect(sim.host, sim.port) as robot:
+        robot.bring_up()
+        home = robot.state.get_actual_joints_position()
+        calls: list[Callable[[Any], Any]] = [
+            robot.stop_now,
+            lambda x: robot.bring_up(timeout=x),
+            lambda x: robot.recover(timeout=x),
+            lambda x: robot.rearm_heartbeat(timeout=x),
+            lambda x: robot.system.enable(timeout=x),
+            lambda x: robot.feed.latest(max_age=x),
+            robot.sleep,
+        ]
+        optional: list[Callable[[Any], Any]] = [
+            lambda x: robot.wait_for(lambda _: True, timeout=x),
+            lambda x: robot.motion.movej2.prepare(home, v=1.0, a=1.0).start(deadline=x),
+        ]
+        for call in [*calls, *optional]:
+            for value in NO_TIMES if call in optional else [None, *NO_TIMES]:
+                with pytest.raises(ParameterError):
+                    call(value)
+
+
+def test_a_time_in_nanoseconds_is_named_as_one() -> None:
+    with pytest.raises(ParameterError, match="seconds, not nanoseconds"):
+        aioduco.connect("192.0.2.1", call_timeout=2e9)
+    with pytest.raises(ParameterError, match="seconds, not nanoseconds"):
+        JointTrajectory([[0.0] * 6, [0.1] * 6], [0.0, 1e9])
+    with pytest.raises(ParameterError, match="seconds, not nanoseconds"):
+        sampled(JOINT_SPACE, [[0.0] * 6, [0.1] * 6], [0.0, 4e8], 0.002)
+
+
+def test_set_points_fit_into_memory() -> None:
+    assert instants(0.01, 0.002).tolist() == pytest.approx([0.0, 0.002, 0.004, 0.006, 0.008, 0.01])
+    with pytest.raises(ParameterError, match=r"at most 20000 s long at 500 Hz"):
+        instants(20001.0, 0.002)
+
+
+# -- rotations and texts -------------------------------------------------------------------------
+
+
+def test_a_rotation_with_six_decimals_is_one() -> None:
+    random = np.random.default_rng(0)
+    for _ in range(500):
+        pose = Pose(0.4, 0.1, 0.3, *random.uniform(-3.1, 3.1, 3))
+        for matrix in (np.round(pose.matrix, 6), pose.matrix.astype(np.float32)):
+            assert Pose.from_matrix(matrix).distance(pose)[1] < 2e-6
+        near = pose.matrix
+        near[:3, :3] *= 1.0 + 1e-5
+        with pytest.raises(ParameterError, match="orthonormal"):
+            Pose.from_matrix(near)
+
+
+@pytest.mark.parametrize("value", [1e-5, 1e-7, 123456.0, 1e16, 1.5e22, 2.0, 0.1])
+def test_yaml_reads_every_limit_as_a_number(value: float) -> None:
+    arm = dataclasses.replace(kinematics.arm("gcr5_910"), acceleration=(value,) * 6)
+    limits = yaml.safe_load(descriptions.moveit(arm)["joint_limits.yaml"])["joint_limits"]
+    assert all(joint["max_acceleration"] == value for joint in limits.values())
