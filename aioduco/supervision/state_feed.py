@@ -69,7 +69,8 @@ class Subscription(Uncopied, Generic[T]):
         if policy not in ("latest", "drop_oldest", "every"):
             raise ParameterError("policy", policy, '"latest", "drop_oldest" or "every"')
         self._policy = policy
-        self._size = 1 if policy == "latest" else _SIZE("size", size)
+        size = _SIZE("size", size)
+        self._size = 1 if policy == "latest" else size
         self._owner_loop = owner_loop
         self._items: deque[T] = deque()
         self._overflown = False
