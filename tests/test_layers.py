@@ -85,7 +85,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # on top of the public interface; can be deleted with its folder
     "integrations.panel": {
         *("errors", "kinematics", "envelope", "__init__", "planning"),
-        *("_copying", "recording.playback"),
+        *("_copying", "models", "recording.playback"),
     },
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
