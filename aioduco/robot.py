@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.controller_clock import WallClock

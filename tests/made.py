@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 import aioduco
 from aioduco import Joints, JointTrajectory, TaughtPoints, kinematics, planning
-from aioduco._copying import Frozen
+from aioduco._process.copying import Frozen
 from aioduco.envelope import Envelope, JointMargin, ToolSpeed
 from aioduco.planning import Scene
 from aioduco.recording.playback import WaypointFile

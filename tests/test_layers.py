@@ -15,7 +15,7 @@ import pytest
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 BASE = {
-    "_copying",
+    "_process.copying",
     "__version__",
     "_process.linked_process",
     "_process.platform",
@@ -34,7 +34,7 @@ CLIENT = BASE | {
 #: by part, the parts that it may import; itself always. A part is a folder or module with all that
 #: is below it, but for what is a part of its own.
 MAY_IMPORT: dict[str, set[str]] = {
-    "_copying": {"errors"},
+    "_process.copying": {"errors"},
     "__version__": set(),
     "_process": set(),
     "_process.platform": set(),
@@ -45,9 +45,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
     "_process.scheduling": set(),
-    "_process.reporting": {"_copying"},
+    "_process.reporting": {"_process.copying"},
     "models.trace": {"_process.reporting"},
-    "models": {"_copying", "errors", "_wire.rpc"},
+    "models": {"_process.copying", "errors", "_wire.rpc"},
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
     # limits and their check: pure, and without numpy where the worker of a stream imports it
@@ -61,7 +61,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
-    "api.status_port": {"_copying", "errors", "models", "_wire"},
+    "api.status_port": {"_process.copying", "errors", "models", "_wire"},
     "recording": CLIENT,
     "robot": CLIENT | {"recording"},
     # moves a robot by its public interface
@@ -85,24 +85,24 @@ MAY_IMPORT: dict[str, set[str]] = {
     # on top of the public interface; can be deleted with its folder
     "integrations.panel": {
         *("errors", "kinematics", "envelope", "__init__", "planning"),
-        *("_copying", "models", "recording.playback"),
+        *("_process.copying", "models", "recording.playback"),
     },
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
         *("errors", "kinematics", "descriptions", "models.trace", "__init__", "models", "sim"),
-        *("_copying", "sync"),
+        *("_process.copying", "sync"),
     },
     # gateways use robots as a program does
     "integrations.fleet": {
         "models",
-        "_copying",
+        "_process.copying",
         "errors",
         "_process.reporting",
         "robot",
         "__init__",
     },
     # where a camera is and what it sees; simulated ones draw by the simulator
-    "devices.cameras": {"_copying", "errors", "models", "models.controller_clock", "sim"},
+    "devices.cameras": {"_process.copying", "errors", "models", "models.controller_clock", "sim"},
     "testing.pytest_plugin": CLIENT
     | {"robot", "__init__", "sim", "sync", "testing", "testing.preflight"},
     "cli": CLIENT

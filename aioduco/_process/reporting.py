@@ -28,7 +28,7 @@ from contextvars import copy_context
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Final
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 
 if TYPE_CHECKING:
     from collections.abc import Callable

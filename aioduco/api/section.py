@@ -19,7 +19,7 @@ from __future__ import annotations
 from operator import not_
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import (
     ControllerError,

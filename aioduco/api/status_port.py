@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.streams.buffered import BufferedByteReceiveStream
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models import ranges

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco import __version__
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco._copying import Frozen
+from aioduco._process.copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models.numpy_on_use import np
 

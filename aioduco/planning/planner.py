@@ -10,7 +10,7 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed

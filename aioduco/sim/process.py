@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import anyio.to_thread
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.models.controller_clock import ScaledClock

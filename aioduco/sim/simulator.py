@@ -12,7 +12,7 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from aioduco._copying import Frozen
+from aioduco._process.copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Number, Vector, stored

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import anyio.lowlevel
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.models.rules import Number
 from aioduco.streaming.options import checked

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.state_feed import Policy, Subscription

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.supervision.command import MotionCommand
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine

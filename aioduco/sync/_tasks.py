@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, TypeVar
 
 import anyio
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import TaskError
 from aioduco.models.ranges import WAIT
 from aioduco.supervision.command import check_motions

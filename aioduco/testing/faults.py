@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.models import ranges
 from aioduco.models.rules import stored
 from aioduco.testing.message_parser import Message, MessageType, application_error

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.models.ranges import WAIT
 from aioduco.testing.waiting import eventually, eventually_async
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self
 import anyio
 from anyio.from_thread import start_blocking_portal
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Plan, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._wire import idl
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.server import Server

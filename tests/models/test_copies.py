@@ -19,7 +19,7 @@ from made import made, same
 from public_classes import public_classes
 
 from aioduco import JointTrajectory, errors, recording
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.compat._foreign import as_thrift
 from aioduco.errors import DucoError, NotCopyable, ParameterError
 from aioduco.planning import Scene

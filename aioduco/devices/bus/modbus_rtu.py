@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.devices.bus import frames
 from aioduco.errors import ModbusGarbled, ModbusTimeout, ParameterError
 from aioduco.models import ranges

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame
 from aioduco.errors import CameraError
 from aioduco.models.controller_clock import WallClock

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.platform import has_device_files
 from aioduco.devices.teleoperation.gamepad import Gamepad
 from aioduco.devices.teleoperation.keyboard import Keyboard

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.models.ranges import TIMEOUT
 from aioduco.models.rules import Number
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.reports import (
     GatewayReport,

@@ -11,7 +11,7 @@ import anyio
 import anyio.abc
 
 from aioduco import events
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopsUnconfirmed
 from aioduco.integrations.fleet.gateway_state import GatewayState

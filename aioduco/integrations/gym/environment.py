@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError, Unreachable
 from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS

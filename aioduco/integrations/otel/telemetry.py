@@ -13,7 +13,7 @@ from opentelemetry import metrics, trace
 from opentelemetry.trace import SpanKind, StatusCode
 
 from aioduco import RobotStateError, TaskState, events
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
 
 if TYPE_CHECKING:

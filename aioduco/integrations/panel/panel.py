@@ -22,7 +22,7 @@ import anyio
 
 import aioduco
 from aioduco import JogDirections, ProgramState, events
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.panel.control_lease import (
     BeginLease,

@@ -6,7 +6,7 @@ import contextlib
 import socket
 from typing import TYPE_CHECKING
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco._wire.endpoint import HOST_RULE, is_host

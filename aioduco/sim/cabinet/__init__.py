@@ -9,7 +9,7 @@ import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.cabinet.modbus import (
     Gripper,

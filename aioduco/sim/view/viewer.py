@@ -9,7 +9,7 @@ import sys
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from aioduco._copying import Uncopied
+from aioduco._process.copying import Uncopied
 from aioduco.errors import RenderError
 
 if TYPE_CHECKING:
