@@ -207,7 +207,6 @@ ONLY_IN: dict[str, set[str]] = {
     },
     # OMPL's bindings complain when an interpreter ends: it is loaded in the planner's process alone
     "ompl": {"planning/search.py"},
-    "toppra": {"planning/timing.py"},
     "scipy": {"planning/curve.py", "planning/time_law.py", "planning/timing.py"},
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},

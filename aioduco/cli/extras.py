@@ -15,7 +15,7 @@ __all__ = ["arm", "need"]
 _BRINGS = {
     "sim": ("mujoco",),
     "plot": ("matplotlib", "PIL"),
-    "plan": ("ompl", "toppra", "scipy"),
+    "plan": ("ompl", "scipy"),
     "sweep": ("distributed",),
     "record": ("foxglove", "zstandard"),
     "parquet": ("pyarrow",),

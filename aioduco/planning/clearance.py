@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["FURTHEST", "Clearance"]
+__all__ = ["FURTHEST", "TOUCHING", "Clearance"]
 
 FURTHEST = 0.1
 """Distances beyond this are not told apart [m]."""
+TOUCHING = 1e-6
+"""Bodies that are this close, or this deep in one another, touch: they do not collide [m]."""
 
 
 class Clearance(NamedTuple):
@@ -27,6 +29,12 @@ class Clearance(NamedTuple):
         if self.pair is None:
             return f"nothing within {FURTHEST * 1e3:.0f} mm"
         one, other = self.pair
-        if self.distance < 0.0:
-            return f"{one} is {-self.distance * 1e3:.1f} mm deep in {other}"
-        return f"{one} is {self.distance * 1e3:.1f} mm from {other}"
+        if abs(self.distance) <= TOUCHING:
+            return f"{one} touches {other}"
+        depth = abs(self.distance) * 1e3
+        amount = f"{depth:.1f} mm" if depth >= 1.0 else f"{depth:.2g} mm"
+        return (
+            f"{one} is {amount} deep in {other}"
+            if self.distance < 0.0
+            else (f"{one} is {amount} from {other}")
+        )

@@ -29,6 +29,9 @@ __all__ = ["CollisionChecker", "build"]
 
 _PREFIXES = ("scene/", "tool/")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
+_SHARE = 0.9  # of the distance at an end that is kept near it
+_BESIDE = 0.01  # from an end, up to which no more is kept than there [m of the furthest point]
+_ROUNDING = 1e-7  # by which a distance at an end may be exceeded all the same [m]
 
 
 def build(
@@ -119,6 +122,9 @@ class CollisionChecker:
         self._moves = ~still
         self.radii: Vector = _radii(model)
         self.count: int = 0
+        self._ends: Vector | None = None
+        self._kept: Vector = np.zeros(0)
+        self._growth = 0.0
         self.padding = padding
 
     @property
@@ -129,7 +135,36 @@ class CollisionChecker:
     @padding.setter
     def padding(self, padding: float) -> None:
         self._padding = padding
+        self._ends = None
         self._within(padding)
+
+    def ease(self, ends: Iterable[tuple[Vector, float]], growth: float) -> None:
+        """Reduce the padding near configurations that are closer to something, until it is set.
+
+        Beside such an end nine tenths of its distance are enough, further on more: a path may begin
+        and end where the arm is close to something, and keeps all of the padding elsewhere.
+
+        Args:
+            ends: configurations [rad], shape (6,), each with its distance to the nearest thing [m].
+            growth: increase of the distance that is kept, on the way from an end, as a share of
+                how far a point of the arm moves at most; 0 for the same along the whole path.
+        """
+        near = [(q, distance) for q, distance in ends if _SHARE * distance < self._padding]
+        self._ends = np.array([q for q, _ in near]) * self.radii if near else None
+        self._kept = np.array([min(_SHARE * each, each - _ROUNDING) for _, each in near])
+        self._growth = growth
+
+    def kept(self, q: Any) -> float:
+        """Distance below which bodies count as touching in a configuration [m].
+
+        Args:
+            q: six joint angles [rad].
+        """
+        if self._ends is None:
+            return self._padding
+        away = np.abs(self._ends - np.asarray(q) * self.radii).sum(axis=1)
+        kept = self._kept + self._growth * np.maximum(away - _BESIDE, 0.0)
+        return min(self._padding, float(kept.min()))
 
     def free(self, q: Any) -> bool:
         """Tell whether the arm is further than the padding from everything, itself included.
@@ -137,6 +172,11 @@ class CollisionChecker:
         Args:
             q: six joint angles [rad]: an array, or anything with an index.
         """
+        if self._nothing_near(q):
+            return True
+        return self._ends is not None and self._nearest() > self.kept(q)
+
+    def _nothing_near(self, q: Any) -> bool:
         model, data, qpos = self._model, self._data, self._qpos
         for joint in range(6):
             qpos[joint] = q[joint]
@@ -158,7 +198,7 @@ class CollisionChecker:
         """
 
         def distance(q: Any) -> float:
-            return within if self.free(q) else float(self._data.contact.dist.min())
+            return within if self._nothing_near(q) else self._nearest()
 
         self._within(within)
         try:
@@ -186,7 +226,7 @@ class CollisionChecker:
         """
         self._within(within)
         try:
-            if self.free(q):
+            if self._nothing_near(q):
                 return Clearance(within)
             contact = self._data.contact
             distances, geoms = contact.dist, contact.geom
@@ -221,6 +261,9 @@ class CollisionChecker:
         found[:3, :3] = turn @ body.xmat.reshape(3, 3)
         found[:3, 3] = turn @ (body.xpos - flange.xpos)
         return found
+
+    def _nearest(self) -> float:
+        return float(self._data.contact.dist.min())
 
     def _within(self, distance: float) -> None:
         # MuJoCo adds the margins of two geoms; a body's margin is the largest of its geoms'.

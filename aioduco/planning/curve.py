@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -11,6 +11,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 from aioduco.planning.spaces import JointPathSpace
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from aioduco.planning.collision import CollisionChecker
@@ -27,6 +29,8 @@ _DEGREE = 3
 _WIDEST = 0.3  # longest spans, where nothing is near [m of the arm's furthest point, about]
 _NARROWEST = 0.004
 _SEEN = 0.06  # largest distance that is measured along a curve [m]
+_REACH = 1.9  # between two places, as a multiple of the distance that is kept at both
+_LEAST = 5e-5  # between two places of a path on which bodies nearly touch [m]
 _FIT = 0.01  # between two configurations that a curve of joints goes through [m, about]
 
 
@@ -77,9 +81,10 @@ def is_free(
 ) -> bool:
     """Tell whether a part of a curve is free, also between the places that are checked.
 
-    At each checked place nothing is within the padding. Between two consecutive places no point of
-    the arm moves further than twice the padding, or than the sum of the distances measured at both
-    minus twice the padding. So few places are checked where nothing is near.
+    At each checked place nothing is within the padding, or within what is kept of it near an end.
+    Between two consecutive places no point of the arm moves further than twice that, or than the
+    sum of the distances measured at both minus twice that, or than 0.05 mm. So few places are
+    checked where nothing is near.
 
     Args:
         curve: curve of points of the space, over a length.
@@ -87,11 +92,11 @@ def is_free(
         checker: collision checker of the scene.
         begin, end: ends of the part.
     """
-    padding = checker.padding
-    reach = 1.9 * padding
+    reach = _REACH * checker.padding
     count = max(int(np.ceil((end - begin) / reach)), 1) + 1
     while True:
-        q = space.joints(curve(np.linspace(begin, end, count)))
+        at = np.linspace(begin, end, count)
+        q = space.joints(curve(at))
         if q is None:
             return False
         steps = np.abs(np.diff(q, axis=0)) @ checker.radii
@@ -102,23 +107,87 @@ def is_free(
             return False  # a jump, not a curve
         count = int(np.ceil((count - 1) * furthest / reach)) + 2
     moved: list[float] = np.concatenate([[0.0], np.cumsum(steps)]).tolist()
-    places: list[list[float]] = q.tolist()
     with checker.looking_within(_SEEN) as distance:
-        first, last = distance(places[0]), distance(places[-1])
-        if min(first, last) <= padding:
+
+        def look(q: Points, at: float, moved: float) -> _Place:
+            return _Place(q, at, moved, distance(q.tolist()), checker.kept(q))
+
+        first, last = (look(q[i], at[i], moved[i]) for i in (0, -1))
+        if not (first.free and last.free):
             return False
         todo = deque([(0, first, count - 1, last)])
         # The widest gap first: checks that are far apart find an obstacle soonest.
         while todo:
             low, before, high, after = todo.popleft()
-            way = moved[high] - moved[low]
-            if high - low < 2 or way <= max(reach, before + after - 2.0 * padding):
+            if _joined(before, after):
+                continue
+            if high - low < 2:
+                if not _free_between(curve, space, look, before, after, checker.radii):
+                    return False
                 continue
             middle = (low + high) // 2
-            there = distance(places[middle])
-            if there <= padding:
+            there = look(q[middle], at[middle], moved[middle])
+            if not there.free:
                 return False
             todo += [(low, before, middle, there), (middle, there, high, after)]
+    return True
+
+
+class _Place(NamedTuple):
+    """A place of a curve that was checked.
+
+    Attributes:
+        q: joints [rad]. Shape (6,).
+        at: its length along the curve.
+        moved: how far a point of the arm may have moved up to here [m].
+        distance: distance to the nearest thing [m].
+        kept: distance that has to be kept here [m].
+    """
+
+    q: Points
+    at: float
+    moved: float
+    distance: float
+    kept: float
+
+    @property
+    def free(self) -> bool:
+        return self.distance > self.kept
+
+
+def _joined(before: _Place, after: _Place) -> bool:
+    """Whether nothing can be touched between two places, as no point of the arm moves so far."""
+    kept = min(before.kept, after.kept)
+    return after.moved - before.moved <= max(
+        _REACH * kept, before.distance + after.distance - 2.0 * kept, _LEAST
+    )
+
+
+def _free_between(
+    curve: Any,
+    space: PathSpace,
+    look: Callable[[Points, float, float], _Place],
+    before: _Place,
+    after: _Place,
+    radii: Points,
+) -> bool:
+    """Whether a curve is free between two places that are closer than the padding needs."""
+    todo = [(before, after)]
+    while todo:
+        before, after = todo.pop()
+        if _joined(before, after):
+            continue
+        at = 0.5 * (before.at + after.at)
+        found = space.joints(curve(np.array([at])))
+        if found is None:
+            return False
+        q = found[0]
+        # Measured anew, since the finer steps of a bent path are longer together.
+        steps = [float(np.abs(q - place.q) @ radii) for place in (before, after)]
+        there = look(q, at, before.moved + steps[0])
+        if not there.free:
+            return False
+        todo += [(before, there), (there, after._replace(moved=there.moved + steps[1]))]
     return True
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import FINITE, WAIT
+from aioduco.planning.clearance import TOUCHING
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ __all__ = ["Plan", "PlanCheck"]
 
 _TURN, _MOVE = np.deg2rad(0.2), 0.001  # between two samples of a check [rad, m]
 _FINEST = 0.002  # between times at which the motion between two samples is measured [s]
+_PARTS = 5  # times of that kind between two points of the plan, at most
 _NEAR = 0.02  # within which distances are measured at each sample [m]
 _GHOSTS = 6  # arms in a picture of a plan
 _SEEN = 24  # difference of colours that counts as the arm
@@ -53,8 +55,8 @@ class PlanCheck:
 
     @property
     def ok(self) -> bool:
-        """Whether the arm touches nothing."""
-        return self.clearance.distance > 0.0
+        """Whether the arm collides with nothing; bodies may touch where the plan begins or ends."""
+        return self.clearance.distance > -2.0 * TOUCHING
 
     def __bool__(self) -> bool:
         return self.ok
@@ -78,7 +80,8 @@ class Plan:
         looked: times at which the clearance was measured [s].
         clearances: distances to the nearest thing then, at most 0.1 [m].
         radii: how far a turn of each joint can move a point of the arm [m/rad]. Shape (6,).
-        padding: distance that is kept all the way [m].
+        padding: distance that is kept all the way, less than the scene's if the start or the goal
+            is closer to something [m].
         fraction: share of a line or an arc that it covers, 0 to 1; 1 for other plans.
         searching: processor time that the path took [s].
         timing: processor time that its times took [s].
@@ -251,7 +254,8 @@ class Plan:
     def _samples(self, after: float) -> tuple[Points, Points]:
         """Times and joints, so close together that no joint and no tool moves far between them."""
         begin = min(after, self.duration)
-        count = max(int(np.ceil((self.duration - begin) / _FINEST)), 1)
+        most = _PARTS * len(self.trajectory.positions)
+        count = int(np.clip(np.ceil((self.duration - begin) / _FINEST), 1, most))
         curve = self._curve()
         times = np.linspace(begin, self.duration, count + 1)
         q = curve.at(times)

@@ -14,6 +14,7 @@ from aioduco.errors import MissingExtra, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules import Number
+from aioduco.planning.clearance import TOUCHING
 from aioduco.planning.problem import WorkerScene
 from aioduco.planning.shapes import Mesh
 from aioduco.sim.scene import Thing, mjcf_of, mounting_of
@@ -54,8 +55,8 @@ class Scene:
         tool: what the flange carries, in its frame: things, or MJCF.
         mounting: where the base is: "floor", "wall", "ceiling", or a pose [m, rad].
         pedestal: height of a column under an arm on the floor [m].
-        padding: distance that plans keep from everything [m], from 0.0005. It is reduced if the
-            start or the goal of a plan is closer.
+        padding: distance that plans keep from everything [m], from 0.0005. It is reduced near the
+            start and the goal of a plan if these are closer.
 
     Raises:
         ParameterError: there is no such model, or `padding` is out of range.
@@ -269,12 +270,14 @@ class Scene:
         return self._own.clearance(Joints.of(joints).array)
 
     def collides(self, joints: JointsLike) -> bool:
-        """Tell whether the arm touches something, without padding.
+        """Tell whether the arm collides with something, without padding.
+
+        Bodies that touch within 0.001 mm, such as a part that stands on a table, do not collide.
 
         Args:
             joints: joint angles [rad]. Shape (6,).
         """
-        return self._own.clearance(Joints.of(joints).array, 1e-9).distance < 0.0
+        return self._own.clearance(Joints.of(joints).array, 1e-9).distance < -TOUCHING
 
     def picture(
         self,

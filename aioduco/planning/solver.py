@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,10 @@ from aioduco.kinematics.single import nearest_turns
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy
+from aioduco.planning.clearance import TOUCHING
 from aioduco.planning.curve import is_free, joint_curve, rounded, through
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
+from aioduco.planning.retreat import retreat
 from aioduco.planning.search import STEP, search
 from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
 from aioduco.planning.timing import timed
@@ -40,7 +42,10 @@ if TYPE_CHECKING:
 
 __all__ = ["solve"]
 
-_LEAST_PADDING = 0.0003  # [m]
+#: growth of the distance that is kept, on the way from an end that is closer: at first, and where
+#: no path was found, as in a narrow hole
+_OPENING, _NARROW = 0.1, 1e-4
+_RETREATS = 16  # goals, at most, for which a straight line away from what is near is tried
 _SAMPLES = 24  # poses of a region that are tried
 _SOON = 0.3  # time before goals a turn away, and goals closer to things, are tried too [s]
 _DIRECT = 8  # goals to which the straight path is tried, the nearest first
@@ -61,19 +66,18 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
     begin, used = time.monotonic(), time.process_time()
     start = problem.start
     near = checker.clearance(start)
-    if near.distance <= 0.0:
+    if near.distance < -TOUCHING:
         raise StartInCollision(
             f"the plan cannot begin at {_degrees(start)}: {near}. Move the arm away by hand or "
             "jog, or allow the contact (Scene.allow)",
             pair=near.pair,
             joints=start.tolist(),
         )
-    checker.padding = max(_LEAST_PADDING, min(problem.padding, 0.9 * near.distance))
     if problem.shape == "free":
-        curve, corners = _free(problem, checker, begin + problem.timeout)
+        curve, corners = _free(problem, checker, near, begin + problem.timeout)
         fraction = 1.0
     else:
-        curve, fraction = _along(problem, checker)
+        curve, fraction = _along(problem, checker, near)
         corners = curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
     found = time.process_time()
     if curve.t[-1] - curve.t[0] <= 1e-6:
@@ -82,6 +86,7 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
     else:
         path = timed(curve, problem.limits, problem.rate)
     ended = time.process_time()
+    kept = min(map(checker.kept, path[1]))
     samples = np.unique(np.linspace(0, len(path[0]) - 1, _CLEARANCE_SAMPLES).round().astype(int))
     return Solution(
         times=path[0],
@@ -92,7 +97,7 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
         looked=path[0][samples],
         clearances=np.array([checker.clearance(path[1][i]).distance for i in samples]),
         radii=checker.radii,
-        padding=checker.padding,
+        padding=max(kept, TOUCHING),
         fraction=fraction,
         searching=found - used,
         timing=ended - found,
@@ -100,9 +105,12 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
 
 
 def _free(
-    problem: PlanningProblem, checker: CollisionChecker, deadline: float
+    problem: PlanningProblem, checker: CollisionChecker, here: Clearance, deadline: float
 ) -> tuple[Curve, Points]:
-    """Find a path to any of the goals, as a curve of joints, and its corners."""
+    """Find a path to any of the goals, as a curve of joints, and its corners.
+
+    `here` is the clearance of the start.
+    """
     start, arm = problem.start, problem.arm
     space: PathSpace = JointPathSpace(arm, checker)
     branch = None
@@ -117,12 +125,8 @@ def _free(
                 "start's: go there without `upright`, or by joints"
             )
     clearances = [checker.clearance(q) for q in reached]
-    if not any(each.distance > 0.0 for each in clearances):
+    if not any(each.distance >= -TOUCHING for each in clearances):
         raise _goal_in_collision(problem, reached, clearances)
-    room = max(each.distance for each in clearances)
-    least = min(each.distance for each in clearances if each.distance > 0.0)
-    padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * room))
-    closer = max(_LEAST_PADDING, min(padding, 0.9 * least))
     # The nearest goals, with all of the padding, may have no path where other goals have one.
     exact = [goal.array for goal in problem.goals if isinstance(goal, Joints)]
     further = [
@@ -133,42 +137,100 @@ def _free(
     ]
     if branch is not None:
         further = [(q, c) for q, c in further if branch.same_branch(q.tolist())]
-    near = list(zip(reached, clearances, strict=True))
-    soon = min(time.monotonic() + _SOON, deadline)
-    for room, known, until in ((padding, near, soon), (closer, near + further, deadline)):
-        checker.padding = room
-        free = [q for q, c in known if c.distance > checker.padding]
-        goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
-        if float(np.abs(goals[0] - start).max()) < 1e-6:
+    padding = checker.padding
+    near = [
+        (q, each.distance)
+        for q, each in zip(reached, clearances, strict=True)
+        if each.distance >= -TOUCHING
+    ]
+    far = [(q, distance) for q, distance in near if distance > padding]
+    every = near + [(q, each.distance) for q, each in further if each.distance >= -TOUCHING]
+    began = time.monotonic()
+    soon, later = min(began + _SOON, deadline), min(began + 2.0 * _SOON, deadline)
+    tries = [_Try(far, soon), _Try(every, deadline)]
+    if min(here.distance, *(distance for _, distance in every)) <= padding:
+        half = max(0.5 * (began + deadline), later)
+        tries[1:] = [
+            _Try(every, later),
+            _Try(every, half, retreating=True),
+            _Try(every, deadline, _NARROW),
+        ]
+    for each in tries:
+        checker.padding = padding
+        start_out, outs = [start], [[q] for q, _ in each.goals]
+        eased = [(start, here.distance), *each.goals]
+        if each.retreating:
+            ways = [
+                retreat(arm, checker, q, problem.tip, problem.up)
+                if distance <= padding and number <= _RETREATS
+                else []
+                for number, (q, distance) in enumerate(eased)
+            ]
+            start_out, *outs = (
+                [p for p, _ in way] or [q] for (q, _), way in zip(eased, ways, strict=True)
+            )
+            eased += [place for way in ways for place in way]
+        checker.ease(eased, each.growth)
+        outs.sort(key=lambda way: float(np.abs(way[0] - start).max()))
+        if outs and float(np.abs(outs[0][0] - start).max()) < 1e-6:
             return through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1))), start[None, :]
-        found = _way_to(goals, start, space, checker, until)
+        found = _way_to(outs, start_out, space, checker, each.until) if outs else None
         if found is not None and branch is None:
             curve, corners = found
             return curve, corners / checker.radii
         if found is not None:
             curve, _ = found
             return curve, curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
+    nearest = max(clearances, key=lambda each: each.distance)
+    closer = "".join(
+        f"; at the {end} {each}, which no straight line of the tool leaves"
+        for end, each in (("start", here), ("goal", nearest))
+        if each.distance <= padding
+    )
     raise NoPathFound(
         f"no path was found within {problem.timeout:g} s from {_degrees(start)} to "
-        f"{_named(problem.goals)}, {checker.padding * 1e3:.1f} mm away from everything: give it "
+        f"{_named(problem.goals)}, {padding * 1e3:.1f} mm away from everything{closer}: give it "
         "more time (timeout), or less padding"
     )
 
 
+class _Try(NamedTuple):
+    """An attempt to find a path.
+
+    Attributes:
+        goals: goals, each with its distance to the nearest thing [rad, m].
+        until: when it ends, of `time.monotonic` [s].
+        growth: growth of the distance that is kept, on the way from an end that is closer.
+        retreating: whether a straight line of the tool leads away from such an end.
+    """
+
+    goals: list[tuple[Points, float]]
+    until: float
+    growth: float = _OPENING
+    retreating: bool = False
+
+
 def _way_to(
-    goals: list[Points],
-    start: Points,
+    goals: list[list[Points]],
+    start: list[Points],
     space: PathSpace,
     checker: CollisionChecker,
     deadline: float,
 ) -> tuple[Curve, Points] | None:
-    """Find a rounded path to any of the goals, and its corners in `space`; None if out of time."""
-    points = [space.point(q) for q in goals]
+    """Find a rounded path to any of the goals, and its corners in `space`; None if out of time.
+
+    Start and goals are each a way out: configurations from it to where the search begins.
+    """
+    begin = np.array([space.point(q) for q in start])
+    ends = [np.array([space.point(q) for q in way]) for way in goals]
+    points = [end[-1] for end in ends]
     direct, step = _DIRECT, STEP
     while time.monotonic() < deadline:
-        corners = search(space, space.point(start), points, deadline, direct=direct, step=step)
+        corners = search(space, begin[-1], points, deadline, direct=direct, step=step)
         if corners is None:
             return None
+        reached = ends[int(np.argmin([np.abs(end - corners[-1]).max() for end in points]))]
+        corners = np.concatenate([begin[:-1], corners, reached[-2::-1]])
         curve = rounded(corners, space, checker)
         joints = None if curve is None else joint_curve(curve, space)
         if joints is not None:
@@ -231,8 +293,13 @@ def _poses(goal: Pose | Region) -> list[Points]:
     return poses
 
 
-def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, float]:
-    """Plan a line or an arc, as far as it is free and within reach."""
+def _along(
+    problem: PlanningProblem, checker: CollisionChecker, here: Clearance
+) -> tuple[Curve, float]:
+    """Plan a line or an arc, as far as it is free and within reach.
+
+    `here` is the clearance of the start.
+    """
     arm, start = problem.arm, problem.start
     poses = [goal.matrix for goal in problem.goals if isinstance(goal, Pose)]
     way = poses_along(
@@ -242,8 +309,8 @@ def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, 
     q, why = followed(arm, way.poses, back, start)
     wanted, pair, place = len(way.poses), None, q[-1]
     # Find the last pose that is free. Keep the padding, or less of it if an end is closer.
-    ends = checker.clearance(q[-1]).distance
-    checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * ends))
+    last = checker.clearance(q[-1]).distance
+    checker.ease([(start, here.distance), *([(q[-1], last)] if last >= -TOUCHING else [])], 0.0)
     space = JointPathSpace(arm, checker)
     at = np.linspace(0.0, way.length, wanted)
     if len(q) >= 6:

@@ -1,20 +1,19 @@
 """Timing of a curve: as fast as the limits of speed, acceleration and jerk of the joints allow.
 
-TOPP-RA finds the fastest time law for speed and acceleration. Its acceleration jumps; a moving
-average of the speed over the time that the jerk needs makes it continuous. Then `time_law` finds
-the pace at which this law is fastest within all limits. Last, the times are scaled a little,
-because the interpolation between the points slightly exceeds a limit, or leaves some room.
+Two passes along the curve find a fast time law for speed and acceleration. Its acceleration jumps;
+a moving average of the speed over the time that the jerk needs makes it continuous. Then `time_law`
+finds the pace at which this law is fastest within all limits. Last, the times are scaled a little,
+because the interpolation between the points slightly exceeds a limit, or leaves some room. A plan
+has at most a given number of points, so that the work does not grow with its duration.
 """
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from aioduco.errors import PlanningError
 from aioduco.planning.time_law import PaceSpline, PathNodes, faster
 
 if TYPE_CHECKING:
@@ -25,18 +24,14 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-    toppra: Any  # without types
-else:
-    import toppra
-    import toppra.constraint
-
 __all__ = ["TimedPath", "timed"]
 
-_GRID = 0.02  # between two nodes of TOPP-RA's law [rad of the joint that moves most]
+_GRID = 0.02  # between two nodes of the first law [rad of the joint that moves most]
 _LEAST = 40
 _TICK = 0.008  # between two points of the result, at most [s]
 _FINEST = 0.002  # and at least, if the jerk may be high [s]
 _TICKS = 40  # least number of points of a short path, about
+_MOST = 4000  # largest number of points, about
 _ORDER = 5
 _SPAN = 2  # ticks in a span of the pace
 _EDGE = 6  # ticks at either end where points are twice as close
@@ -69,14 +64,10 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
         curve: of joints [rad].
         limits: limits that no joint exceeds.
         rate: largest derivative of the curve's length over time [its unit per second].
-
-    Raises:
-        PlanningError: no time law was found.
     """
-    logging.getLogger("toppra").setLevel(logging.CRITICAL)  # failures that it logs are raised here
     law, ramp = _slower(curve, limits, rate)
     end = float(law.t[-1 - _ORDER])
-    tick = min(max(0.08 * ramp, _FINEST), _TICK, end / _TICKS)
+    tick = max(min(max(0.08 * ramp, _FINEST), _TICK, end / _TICKS), end / _MOST)
     times = _ticks(curve, law, end, tick)
     pace = PaceSpline(end, int(np.ceil(end / (_SPAN * tick))))
     tighter = np.ones((len(times), 3))
@@ -108,35 +99,46 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
 
 def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[Any], float]:
     """Give a law whose acceleration is continuous, and the time from rest to full acceleration."""
-    _, acceleration, jerk = limits.arrays
+    speed, acceleration, jerk = limits.arrays
     begin, end = float(curve.t[0]), float(curve.t[-1])
-    moved = np.abs(np.diff(curve(np.linspace(begin, end, 50)), axis=0)).sum(axis=0).max()
-    grid = np.linspace(begin, end, max(int(moved / _GRID), _LEAST) + 1)
-    law = toppra.algorithm.TOPPRA(
-        [_Bounds(limits, rate)], _Path(curve), grid, solver_wrapper="seidel"
-    )
-    rates = law.compute_parameterization(0.0, 0.0)[1]
-    if rates is None or not np.isfinite(rates).all():
-        raise PlanningError("no speeds were found along the path within the limits")
-    rates = np.asarray(rates)
+    turned = np.abs(np.diff(curve(np.linspace(begin, end, 50)), axis=0)).sum(axis=0)
+    grid = np.linspace(begin, end, max(int(turned.max() / _GRID), _LEAST) + 1)
+    rates = np.sqrt(_squares(curve, grid, limits, rate))
     # The rate is linear over time between two nodes.
-    steps = 2.0 * np.diff(grid) / np.maximum(rates[1:] + rates[:-1], 1e-9)
+    steps = 2.0 * np.diff(grid) / (rates[1:] + rates[:-1])
     times = np.concatenate([[0.0], np.cumsum(steps)])
-    ramp = float((acceleration / jerk).max())
+    # A joint that reaches its speed, or its end, before its full acceleration has a shorter ramp.
+    ramps = acceleration / jerk, np.sqrt(speed / jerk), np.cbrt(turned / jerk)
+    ramp = float(np.min(ramps, axis=0).max())
     return _smooth(grid, times, rates, ramp), ramp
 
 
-class _Path:
-    """A curve with the interface that TOPP-RA expects."""
+def _squares(curve: Curve, grid: Points, limits: MotionLimits, rate: float) -> Points:
+    """Give the square of the rate at each node: fast, within speed and acceleration at the nodes.
 
-    def __init__(self, curve: Curve) -> None:
-        self._curve = curve
-        self.path_interval: Points = np.array([curve.t[0], curve.t[-1]])
-        self.dof = 6
-        self.waypoints = None
+    At a rate with the square `x` and the slope `x'` over the length, a joint's acceleration is
+    q' x'/2 + q'' x. So x' has a largest value where x is known: one pass from the start goes up as
+    fast as that allows, one from the end likewise, and the lower of the two is taken.
+    """
+    speed, acceleration, jerk = limits.arrays
+    along, bend, change = (curve(grid, order) for order in (1, 2, 3))
+    with np.errstate(divide="ignore"):
+        most = np.minimum((speed / np.abs(along)).min(axis=1), min(rate, 1e3)) ** 2
+        most = np.minimum(most, (acceleration / np.abs(bend)).min(axis=1))
+        most = np.minimum(most, (jerk / np.abs(change)).min(axis=1) ** (2.0 / 3.0))
+    # The slope is that of the node before; along 1e-12 a joint does not limit it.
+    weights = 2.0 * np.diff(grid)[0] / np.maximum(np.abs(along), 1e-12)
 
-    def __call__(self, at: Any, order: int = 0) -> Points:
-        return self._curve(at, order)
+    def one_pass(sense: float, order: slice) -> Points:
+        tops, squares = most[order], [0.0]
+        bends, nodes = (sense * np.sign(along) * bend)[order], weights[order]
+        for i, top in enumerate(tops[1:]):
+            last = squares[-1]
+            step = float((nodes[i] * (acceleration - bends[i] * last)).min())
+            squares.append(min(max(last + step, 1e-6 * top), top))
+        return np.array(squares)[order]
+
+    return np.minimum(one_pass(1.0, slice(None)), one_pass(-1.0, slice(None, None, -1)))
 
 
 def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSpline[Any]:
@@ -144,7 +146,7 @@ def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSplin
 
     It is a spline of fifth degree, whose derivatives are exact.
     """
-    count = max(int(np.ceil(times[-1] / _TICK)), 2)
+    count = int(np.clip(np.ceil(times[-1] / _TICK), 2, _MOST))
     tick = float(times[-1]) / count
     rate = np.interp((np.arange(count) + 0.5) * tick, times, rates)
     for width in (window, 0.25 * window):
@@ -241,26 +243,3 @@ def _beyond(found: TimedPath, limits: MotionLimits) -> Points:
 
 def _starts(found: TimedPath) -> tuple[Points, Points, Points]:
     return found.positions[:-1], found.velocities[:-1], found.accelerations[:-1]
-
-
-class _Bounds(toppra.constraint.LinearConstraint):  # type: ignore[misc]  # TOPP-RA has no types
-    """The limits at each node, and a lower rate where the curve's third derivative is large."""
-
-    def __init__(self, limits: MotionLimits, rate: float) -> None:
-        super().__init__()
-        self._limits, self._rate = limits, min(rate, 1e3)
-        self.identical = True
-        self.set_discretization_type(1)  # applies the limits between the nodes, too
-
-    def compute_constraint_params(self, path: Any, grid: Points, *_: Any) -> tuple[Any, ...]:
-        """Coefficients of the limits, as TOPP-RA expects them."""
-        speed, acceleration, jerk = self._limits.arrays
-        along, bend, change = (path(grid, order) for order in (1, 2, 3))
-        with np.errstate(divide="ignore"):
-            fastest = (speed / np.abs(along)).min(axis=1) ** 2
-            smooth = (jerk / np.abs(change)).min(axis=1) ** (2.0 / 3.0)
-        most = np.minimum(np.minimum(fastest, smooth), self._rate**2)
-        bounds = np.column_stack([np.zeros(len(grid)), most])
-        sides = np.vstack([np.eye(6), -np.eye(6)])
-        zero = np.zeros((len(grid), 6))
-        return along / acceleration, bend / acceleration, zero, sides, np.ones(12), None, bounds

@@ -10,41 +10,19 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
-from types import ModuleType
-from typing import TYPE_CHECKING
 
 from aioduco._process.linked_process import ValueChannel
 from aioduco.errors import PlanningError
 from aioduco.planning.collision import CollisionChecker
 from aioduco.planning.problem import PlanningProblem, WorkerScene
 from aioduco.planning.search import seed
+from aioduco.planning.solver import solve
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.planning.problem import Solution
-
-    Solver = Callable[[PlanningProblem, CollisionChecker], Solution]
-
-__all__ = ["load", "main", "serve"]
+__all__ = ["main", "serve"]
 
 
-def load() -> Solver:
-    """Import the solver without matplotlib, and return it.
-
-    TOPP-RA imports matplotlib for plots that nobody makes in this process. That would take a third
-    of the time until the process has started, and 30 MB.
-    """
-    for name in ("matplotlib", "matplotlib.pyplot"):
-        sys.modules.setdefault(name, ModuleType(name))
-    from aioduco.planning.solver import solve  # noqa: PLC0415  # it imports TOPP-RA
-
-    return solve
-
-
-def serve(channel: ValueChannel, solve: Solver) -> None:
-    """Answer problems by a solver until the channel closes."""
+def serve(channel: ValueChannel) -> None:
+    """Answer problems until the channel closes."""
     channel.send(None)
     seed(channel.receive())
     checker: CollisionChecker | None = None
@@ -68,5 +46,5 @@ def serve(channel: ValueChannel, solve: Solver) -> None:
 def main(arguments: list[str]) -> int:
     """Serve the program that started this process, then exit."""
     with contextlib.suppress(KeyboardInterrupt, EOFError, OSError):
-        serve(ValueChannel.of(arguments), load())
+        serve(ValueChannel.of(arguments))
     os._exit(0)

@@ -27,7 +27,7 @@ from aioduco.kinematics import arm
 from aioduco.kinematics.forward import singular_values
 from aioduco.planning import Plan, Planner, Region, Scene
 from aioduco.planning.spaces import UprightPathSpace
-from aioduco.sim.scene import Box
+from aioduco.sim.scene import Box, Rod
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -298,7 +298,7 @@ def test_nothing_is_printed_and_importing_loads_nothing_of_the_extra() -> None:
         "import sys\n"
         "from aioduco import Joints\n"
         "from aioduco.planning import Planner, Scene\n"
-        "heavy = {'ompl', 'mujoco', 'scipy', 'toppra'} & set(sys.modules)\n"
+        "heavy = {'ompl', 'mujoco', 'scipy'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
         "with Planner(Scene()) as planner:\n"
         "    start = Joints.deg(0, 0, 90, 0, -90, 0)\n"
@@ -325,3 +325,76 @@ def test_a_branch_is_that_of_the_kinematics_singular_values(scene: Scene) -> Non
     found = np.sign(singular_values(scene.arm.geometry, configurations))
     assert same == (found == signs).all(axis=1).tolist()
     assert 0 < sum(same) < len(same)
+
+
+def near(gap: float, tool: list[Rod] | None = None) -> Scene:
+    """A scene with a box below the flange, or the tool, at RIGHT."""
+    scene = Scene("gcr5_910", [Box(at=(0, 0, -1), size=(0.1, 0.1, 0.1), name="box")], tool=tool)
+    x, y, z = scene.arm.fkine(RIGHT)[:3, 3]
+    low, high = z - 0.6, z - 0.05
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        scene.move("box", (x, y, middle))
+        low, high = (middle, high) if scene.clearance(RIGHT).distance > gap else (low, middle)
+    scene.move("box", (x, y, low))
+    assert scene.clearance(RIGHT).distance == pytest.approx(gap, abs=1e-8)
+    return scene
+
+
+def raised(scene: Scene, q: Joints, *by: float) -> Pose:
+    pose = scene.arm.fkine(q)
+    pose[:3, 3] += by
+    return Pose.from_matrix(pose)
+
+
+@pytest.mark.parametrize("gap", [3e-4, 2e-4, 1e-5, 0.0])
+@pytest.mark.cases(2)
+def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float) -> None:
+    scene = near(gap, [Rod(length=0.1, radius=0.01)] if gap in (3e-4, 1e-5) else None)
+    here, up = raised(scene, RIGHT, 0, 0, 0), raised(scene, RIGHT, 0, 0, 0.1)
+    above = Joints.of(scene.arm.ikine(up, RIGHT))
+    turned = Joints.of(RIGHT.array + np.array([0, 0, 0, 0, 0, 1.0]))
+    with Planner(scene) as planner:
+        for plan in (
+            planner.plan_blocking(LEFT, RIGHT, timeout=20),
+            planner.plan_blocking(RIGHT, LEFT, timeout=20),
+            planner.plan_blocking(LEFT, here, timeout=20),
+            planner.plan_blocking(LEFT, Region(here, (0.001, 0.001, 0.0)), timeout=20),
+            planner.plan_blocking(RIGHT, turned, timeout=20),
+            planner.line_blocking(RIGHT, up, timeout=20),
+            planner.line_blocking(above, here, timeout=20),
+            planner.line_blocking(RIGHT, raised(scene, RIGHT, 0.02, 0, 0), timeout=20),
+        ):
+            assert plan.fraction == 1.0
+            assert plan.check(scene), plan.check(scene)
+            assert plan.padding <= max(gap, 1e-6)
+            assert not any(scene.collides(q) for q, _ in plan.waypoints())
+
+
+def test_away_from_a_near_end_all_of_the_padding_is_kept() -> None:
+    scene = near(2e-4)
+    with Planner(scene) as planner:
+        plan = planner.plan_blocking(RIGHT, LEFT, timeout=20)
+    steps = np.abs(plan.trajectory.positions - RIGHT.array) @ plan.radii
+    for q, away in zip(plan.trajectory.positions, steps, strict=True):
+        least = min(scene.padding, 1.8e-4 + 0.1 * max(away - 0.01, 0.0))
+        assert scene.clearance(Joints.of(q)).distance >= 0.99 * least
+
+
+@pytest.mark.slow
+def test_a_gripper_leaves_the_part_between_its_fingers_and_comes_back() -> None:
+    gap = 2e-4
+    fingers = [
+        Box(at=(side * (0.03 + gap), 0, 0.05), size=(0.01, 0.02, 0.1)) for side in (-1.0, 1.0)
+    ]
+    scene = Scene("gcr5_910", tool=fingers)
+    pose = scene.arm.fkine(RIGHT)
+    pose[:3, 3] += 0.09 * pose[:3, 2]
+    scene.add(Box(at=tuple(Pose.from_matrix(pose)), size=(0.05, 0.05, 0.05), name="part"))
+    assert 0.0 < scene.clearance(RIGHT).distance < 3e-4
+    with Planner(scene) as planner:
+        for plan in (
+            planner.plan_blocking(RIGHT, LEFT, timeout=60),
+            planner.plan_blocking(LEFT, RIGHT, timeout=60),
+        ):
+            assert plan.check(scene), plan.check(scene)

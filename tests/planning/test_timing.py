@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from aioduco.kinematics import arm as arm_of
-from aioduco.planning import MotionLimits
+from aioduco.planning import MotionLimits, Plan
 from aioduco.planning.timing import TimedPath, timed
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
@@ -84,3 +84,40 @@ def test_without_a_limit_of_jerk_it_is_as_fast_as_toppra(seed: int) -> None:
     smooth = timed(curve, MotionLimits.of(ARM, V, A, JERK))
     assert smooth.times[-1] <= 1.15 * fastest
     assert excess(smooth, MotionLimits.of(ARM, V, A, JERK)) <= 1.001
+
+
+@pytest.mark.parametrize(
+    ("v", "a", "jerk"),
+    [(2e-4, 2.0, 20.0), (1.0, 2.0, 1e-3), (3.0, 1.75e-4, 30.0), (2e-4, 1.75e-4, 1e-6)],
+)
+def test_a_slow_limit_makes_a_plan_long_and_not_large(v: float, a: float, jerk: float) -> None:
+    way = 0.5
+    control = np.outer(np.linspace(0.0, way, 4), [1.0, 0.5, -0.3, 0.0, 0.2, -1.0])
+    limits = MotionLimits.of(ARM, v, a, jerk)
+    found = timed(BSpline([0.0] * 4 + [1.0] * 4, control, 3), limits)
+    assert len(found.times) < 5000
+    least = max(way / v, 2.0 * np.sqrt(way / a), (32.0 * way / jerk) ** (1.0 / 3.0))
+    assert 0.999 * least <= found.times[-1] <= 1.06 * least
+    speed, acceleration = np.abs(found.velocities).max(), np.abs(found.accelerations).max()
+    assert speed <= 1.001 * v
+    assert acceleration <= 1.001 * a
+
+
+def test_a_long_plan_is_checked_by_no_more_looks_than_a_short_one() -> None:
+    control = np.outer(np.linspace(0.0, 0.5, 4), [1.0, 0.5, -0.3, 0.0, 0.2, -1.0])
+    curve = BSpline([0.0] * 4 + [1.0] * 4, control, 3)
+    looks = []
+    for v in (1.0, 2e-4):
+        limits = MotionLimits.of(ARM, v, 2.0, None)
+        found = timed(curve, limits)
+        plan = Plan(
+            ARM,
+            JointTrajectory(found.positions, found.times, found.velocities, found.accelerations),
+            limits,
+            np.eye(4),
+            *(np.zeros((1, 6)), np.zeros(1), np.ones(1), np.ones(6)),
+        )
+        times, q = plan._samples(0.0)
+        assert np.abs(np.diff(q, axis=0)).max() <= np.deg2rad(0.21)
+        looks.append(len(times))
+    assert looks[1] <= 1.1 * looks[0]
