@@ -2,7 +2,7 @@
 
 Simulated cameras (`SimulatedCamera`) and real ones (`OpenCvCamera`) have the same protocol,
 `CameraDevice`. `calibrate_hand_eye` computes the pose of a camera from views of a board, and
-`find_board` detects the board in an image. Functions that use OpenCV need the extra `camera`.
+`find_board` detects the board in an image. `OpenCvCamera` and `find_board` need the extra `camera`.
 """
 
 from __future__ import annotations
@@ -11,13 +11,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from aioduco.devices.cameras.board import BoardSize, find_board
     from aioduco.devices.cameras.camera import CameraDevice, CameraFrame, Intrinsics
-    from aioduco.devices.cameras.hand_eye import (
-        BoardSize,
-        HandEye,
-        calibrate_hand_eye,
-        find_board,
-    )
+    from aioduco.devices.cameras.hand_eye import HandEye, calibrate_hand_eye
     from aioduco.devices.cameras.opencv import OpenCvCamera
     from aioduco.devices.cameras.simulated import SimulatedCamera
 
@@ -35,7 +31,8 @@ __all__ = [
 
 _MODULES = {
     **dict.fromkeys(("CameraDevice", "CameraFrame", "Intrinsics"), "camera"),
-    **dict.fromkeys(("BoardSize", "HandEye", "calibrate_hand_eye", "find_board"), "hand_eye"),
+    **dict.fromkeys(("BoardSize", "find_board"), "board"),
+    **dict.fromkeys(("HandEye", "calibrate_hand_eye"), "hand_eye"),
     "OpenCvCamera": "opencv",
     "SimulatedCamera": "simulated",
 }

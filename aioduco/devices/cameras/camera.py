@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CameraDevice", "CameraFrame", "Intrinsics"]
 
+_COEFFICIENTS = (0, 4, 5, 8, 12, 14)  # numbers of coefficients that OpenCV's lens models have
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Intrinsics:
@@ -30,7 +32,11 @@ class Intrinsics:
         width, height: size of images [pixels].
         fx, fy: focal lengths [pixels].
         cx, cy: position of the optical axis in the image [pixels].
-        distortion: OpenCV's coefficients k1, k2, p1, p2, ...; empty for a lens without distortion.
+        distortion: OpenCV's coefficients k1, k2, p1, p2, ..., as `cv2.calibrateCamera` gives them:
+            4, 5, 8, 12 or 14 numbers; empty for a lens without distortion.
+
+    Raises:
+        ParameterError: a value is not a finite number, or out of range.
     """
 
     width: int
@@ -46,6 +52,12 @@ class Intrinsics:
             size = Integer(1, 1 << 16, "pixels", source="this package")
             object.__setattr__(self, name, size(name, getattr(self, name)))
         stored(self, fx=ranges.ABOVE, fy=ranges.ABOVE, cx=ranges.FINITE, cy=ranges.FINITE)
+        # OpenCV gives an array of one row.
+        given = () if self.distortion is None else self.distortion
+        found = tuple(ranges.FINITE("distortion", each) for each in np.ravel(given).tolist())
+        if len(found) not in _COEFFICIENTS:
+            raise ParameterError("distortion", found, "0, 4, 5, 8, 12 or 14 numbers")
+        object.__setattr__(self, "distortion", found)
 
     @property
     def matrix(self) -> NDArray[np.float64]:

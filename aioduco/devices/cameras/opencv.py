@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame
-from aioduco.errors import CameraError
+from aioduco.errors import CameraError, ParameterError
 from aioduco.models.controller_clock import WallClock
 
 if TYPE_CHECKING:
@@ -33,7 +33,10 @@ class OpenCvCamera(Uncopied):
         intrinsics: intrinsics of the camera, from a calibration; they contain the image size.
         clock: the robot's clock, as given to `connect`; None for the clock of this computer, which
             is used with every real controller.
-        latency: time between taking an image and its arrival [s].
+        latency: time between taking an image and its arrival, from 0 [s].
+
+    Raises:
+        ParameterError: `latency` is out of range.
     """
 
     def __init__(
@@ -44,6 +47,8 @@ class OpenCvCamera(Uncopied):
         clock: Clock | None = None,
         latency: float = 0.0,
     ) -> None:
+        if not 0.0 <= latency < float("inf"):
+            raise ParameterError("latency", latency, "0 s or more")
         self._source, self._intrinsics = source, intrinsics
         self._clock = WallClock() if clock is None else clock
         self._latency = latency

@@ -8,9 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
+from aioduco import Pose
 from aioduco.devices.cameras import (
     BoardSize,
     CameraDevice,
+    CameraFrame,
     Intrinsics,
     OpenCvCamera,
     SimulatedCamera,
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 
     Matrix = NDArray[np.float64]
 
+BOARD = BoardSize(6, 5, 0.03)
 READY = np.array((0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0))
 
 
@@ -68,6 +71,224 @@ def test_the_camera_is_found_from_noisy_views(mounted: Any) -> None:
     swapped[[3, 4]] = seen[[4, 3]]
     with pytest.raises(CalibrationError, match="disagree"):
         calibrate_hand_eye(hands, swapped, mounted=mounted)
+
+
+def views(rng: Any, turns: Any) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+    """Flanges with rotations about their own axes, a hidden camera, a board, and what is seen."""
+    down = pose((np.pi, 0, 0), (0, 0, 0))
+    flanges = np.array([down @ pose(turn, (0, 0, 0)) for turn in turns])
+    flanges[:, :3, 3] = rng.normal((0.4, 0, 0.5), 0.1, (len(flanges), 3))
+    camera, board = (
+        pose(rng.normal(0, 1.0, 3), rng.normal(0, 0.05, 3)),
+        pose((0, 0, 0.3), (0.5, 0.1, 0)),
+    )
+    return flanges, camera, board, np.linalg.inv(flanges @ camera) @ board
+
+
+def with_half_turns(tilts: Any) -> list[Any]:
+    """Tilts about x and y, each without and with joint 6 turned by half a turn."""
+    made = [pose((*tilt, 0), (0, 0, 0)) @ pose((0, 0, k * np.pi), (0, 0, 0))
+            for tilt in tilts for k in (0, 1)]  # fmt: skip
+    return [rotvec_from_matrix(one[:3, :3]) for one in made]
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "tilts",
+    [
+        [(0, 0), (0.35, 0), (0, 0.35)],
+        [(-0.4, 0), (-0.2, 0), (0.2, 0), (0, 0.4)],
+        [(np.pi, 0), (0.3, 0), (0, 0.3)],
+    ],
+)
+def test_half_turns_of_the_wrist_are_views_like_others(tilts: Any, seed: int) -> None:
+    flanges, camera, board, seen = views(np.random.default_rng(seed), with_half_turns(tilts))
+    found = calibrate_hand_eye(flanges, seen)
+    assert max(apart(camera, found.camera)) < 1e-9
+    assert max(apart(board, found.board)) < 1e-9
+    rng = np.random.default_rng(seed)
+    noisy = [one @ pose(rng.normal(0, 1e-3, 3), rng.normal(0, 5e-4, 3)) for one in seen]
+    found = calibrate_hand_eye(flanges, noisy)
+    assert apart(camera, found.camera)[0] < found.uncertainty[0] < 0.05
+
+
+@pytest.mark.parametrize("mounted", ["flange", "beside"])
+@pytest.mark.parametrize(
+    "turns",
+    [
+        np.pi * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]),
+        np.pi * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 0, 0)]),
+        # One half turn, and turns about another axis, which is square to it.
+        [(0, 0, 0), (0, 0, np.pi), (0.3, 0, 0), (-0.5, 0, 0)],
+    ],
+)
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_half_turns_alone_say_what_is_missing(mounted: Any, turns: Any, noise: float) -> None:
+    rng = np.random.default_rng(1)
+    flanges, camera, board, seen = views(rng, turns)
+    if mounted == "beside":
+        flanges = np.linalg.inv(flanges).astype(np.float64)
+        seen = np.linalg.inv(np.linalg.inv(flanges) @ camera) @ board
+    noisy = [one @ pose(rng.normal(0, noise, 3), rng.normal(0, noise, 3)) for one in seen]
+    with pytest.raises(CalibrationError, match=r"half turns alone.*add views"):
+        calibrate_hand_eye(flanges, noisy, mounted=mounted)
+
+
+@pytest.mark.parametrize("noise", ["of the board", "in the camera", "in depth", "of the flange"])
+@pytest.mark.parametrize("count", [4, 7, 15])
+def test_the_uncertainty_holds_for_hidden_cameras(count: int, noise: str) -> None:
+    """In 95 of 100 calibrations at least, whatever is noisy; and it is of the error's size."""
+    arm, trials = arm_of("gcr5_910"), 100
+    within, ratios = np.zeros(2), []
+    for seed in range(trials):
+        rng = np.random.default_rng(seed)
+        flanges = arm.fkine(READY + rng.uniform(-0.5, 0.5, (count, 6)))
+        camera = pose(rng.normal(0, 1.0, 3), rng.normal(0, 0.06, 3))
+        board = pose(rng.normal(0, 1.0, 3), (flanges @ camera)[:, :3, 3].mean(axis=0) - 0.3)
+        seen = np.linalg.inv(flanges @ camera) @ board
+        small = [pose(rng.normal(0, 1e-3, 3), rng.normal(0, 3e-4, 3)) for _ in seen]
+        if noise == "of the board":
+            seen = seen @ small
+        elif noise == "in the camera":
+            seen = small @ seen
+        elif noise == "in depth":
+            seen[:, 2, 3] += rng.normal(0, 1e-3, count)
+            seen = seen @ [pose(rng.normal(0, 1e-3, 3), (0, 0, 0)) for _ in seen]
+        else:
+            flanges = flanges @ small
+        found = calibrate_hand_eye(flanges, seen, limits=(0.05, 0.2))
+        error = np.array(apart(camera, found.camera))
+        within += error <= found.uncertainty
+        ratios.append(found.uncertainty[0] / error[0])
+    assert within.min() >= 0.95 * trials
+    assert np.median(ratios) < 12.0
+
+
+def test_it_is_not_worse_than_any_method_of_opencv() -> None:
+    """On the same noisy views, with half turns of the wrist and without."""
+    methods = [getattr(cv2, f"CALIB_HAND_EYE_{name}")
+               for name in ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS")]  # fmt: skip
+    ours, theirs = [], []
+    tilts = [(0, 0), (0.35, 0), (0, 0.35), (-0.4, 0), (0, -0.3)]
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        turns = with_half_turns(tilts) if seed % 2 else rng.normal(0, 0.4, (10, 3))
+        flanges, camera, _, seen = views(rng, turns)
+        seen = np.array([one @ pose(rng.normal(0, 1e-3, 3), rng.normal(0, 5e-4, 3))
+                         for one in seen])  # fmt: skip
+        ours.append(apart(camera, calibrate_hand_eye(flanges, seen).camera)[0])
+        row = []
+        for method in methods:
+            turn, place = cv2.calibrateHandEye(
+                list(flanges[:, :3, :3]), list(flanges[:, :3, 3]),
+                list(seen[:, :3, :3]), list(seen[:, :3, 3]), method=method,
+            )  # fmt: skip
+            other = np.eye(4)
+            other[:3, :3], other[:3, 3] = turn, np.ravel(place)
+            row.append(np.linalg.norm(other[:3, 3] - camera[:3, 3]))
+        theirs.append(row)
+    assert np.median(ours) <= 1.02 * np.median(np.array(theirs), axis=0).min()
+
+
+def test_flanges_are_poses_or_matrices() -> None:
+    flanges, camera, _, seen = views(
+        np.random.default_rng(2), np.random.default_rng(3).normal(0, 0.4, (6, 3))
+    )
+    poses = [Pose.from_matrix(one) for one in flanges]
+    given: list[Any] = [poses, [*poses[:3], *flanges[3:]], [tuple(one) for one in poses],
+                        [one.array for one in poses], flanges.astype(np.float32),
+                        flanges.tolist()]  # fmt: skip
+    for hands in given:
+        found = calibrate_hand_eye(hands, [Pose.from_matrix(one) for one in seen])
+        assert max(apart(camera, found.camera)) < 1e-5
+
+
+def test_frames_that_are_none_are_refused() -> None:
+    flanges, _, _, seen = views(
+        np.random.default_rng(2), np.random.default_rng(3).normal(0, 0.4, (6, 3))
+    )
+    scaled, mirrored, transposed, none = (flanges.copy() for _ in range(4))
+    scaled[2, :3, :3] *= 1.01
+    mirrored[2, :3, 0] *= -1.0
+    transposed[2] = transposed[2].T
+    none[2, 0, 0] = np.nan
+    wrong: list[Any] = [scaled, mirrored, transposed, none, [*flanges[:2], "pose", *flanges[3:]],
+                        [*flanges[:2], None, *flanges[3:]], flanges[:, :3]]  # fmt: skip
+    for hands in wrong:
+        with pytest.raises(ParameterError, match="flanges"):
+            calibrate_hand_eye(hands, seen)
+        with pytest.raises(ParameterError, match="boards"):
+            calibrate_hand_eye(flanges, hands)
+    for limits in ((0.0, 0.02), (np.nan, 0.02), (0.005,), 0.005):
+        with pytest.raises(ParameterError, match="limits"):
+            calibrate_hand_eye(flanges, seen, limits=limits)  # type: ignore[arg-type]  # wrong values are the point
+
+
+def drawn(lens: Intrinsics) -> Any:
+    """An image of a board, and the board's pose."""
+    place = (np.array([0.2, 0.1, 0.05]), np.array([-0.08, -0.06, 0.5]))
+    image = np.full((lens.height, lens.width, 3), 255, np.uint8)
+    for i in range(-1, 6):
+        for j in range(-1, 5):
+            if (i + j) % 2 == 0:
+                corners = np.array([[i, j, 0], [i + 1, j, 0], [i + 1, j + 1, 0], [i, j + 1, 0]])
+                pixels = cv2.projectPoints(0.03 * corners, *place, lens.matrix, None)[0]
+                cv2.fillPoly(image, [pixels.astype(np.int32)], (0, 0, 0))
+    return image, pose(*place)
+
+
+@pytest.mark.parametrize(
+    "distortion",
+    [(), None, np.zeros((1, 5)), np.zeros((5, 1)), np.zeros(14, np.float32), [0, 0, 0, 0]],
+)
+def test_a_board_is_found_with_any_form_of_a_lens_and_of_a_picture(distortion: Any) -> None:
+    width: Any = np.int64(640)  # as arrays give them
+    focus: Any = np.float32(600)
+    lens = Intrinsics(
+        width=width,
+        height=480, fx=focus, fy=600, cx=320, cy=240, distortion=distortion,
+    )  # fmt: skip
+    image, truth = drawn(lens)
+    grey = image[:, :, 0]
+    for one in (image, grey, grey[:, :, None], np.dstack([image, grey]), image[:, ::-1][:, ::-1]):
+        found = find_board(CameraFrame(one, None, 0.0, lens), BOARD)
+        assert found is not None
+        assert apart(truth, found)[0] < 5e-3
+    for wrong in (image[:400], image / 255.0, image[:, :, :2], image[0], image.astype(np.uint16)):
+        with pytest.raises(ParameterError, match="frame"):
+            find_board(CameraFrame(wrong, None, 0.0, lens), BOARD)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *((name, value) for name in ("width", "height", "fx", "fy", "cx", "cy")
+          for value in (np.nan, np.inf, "a", None, np.zeros(2))),
+        *((name, value) for name in ("width", "height") for value in (0, -1, 1.5)),
+        *(("distortion", value) for value in ((0.1,), np.zeros((2, 3)), (0, 0, 0, np.nan), "none")),
+    ],
+)  # fmt: skip
+def test_intrinsics_that_are_none_are_refused(name: str, value: Any) -> None:
+    good = {"width": 64, "height": 48, "fx": 50.0, "fy": 52.0, "cx": 31.5, "cy": 23.5}
+    with pytest.raises(ParameterError, match=name):
+        Intrinsics(**{**good, name: value})
+
+
+@pytest.mark.parametrize(
+    "size",
+    [
+        (2, 5, 0.03),
+        (6.5, 5, 0.03),
+        (6, 4, 0.03),
+        (7, 5, 0.03),
+        (6, 5, 0),
+        (6, 5, np.nan),
+        (6, 5, "a"),
+    ],
+)
+def test_boards_that_are_none_are_refused(size: Any) -> None:
+    with pytest.raises(ParameterError):
+        BoardSize(*size)
 
 
 def test_views_that_tell_nothing_are_refused() -> None:
@@ -130,9 +351,6 @@ def test_a_camera_of_opencv(tmp_path: Path) -> None:
     wide = Intrinsics(width=32, height=48, fx=50.0, fy=50.0, cx=15.5, cy=23.5)
     with OpenCvCamera(file, wide) as wrong, pytest.raises(CameraError, match="shape"):
         wrong.read()
-
-
-BOARD = BoardSize(6, 5, 0.03)
 
 
 def board_scene() -> str:
