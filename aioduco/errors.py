@@ -671,9 +671,11 @@ class GoalToleranceViolated(StreamError):
 
 
 class StreamLeavesEnvelope(StreamError, EnvelopeViolated):
-    """A set-point would pass a limit of `robot.envelope`, or the arm could not stop before it.
+    """A stream was ended by a limit of `robot.envelope`, which it names.
 
-    It was not sent. The arm was brought to rest before the limit, and stopped.
+    Either a set-point would have passed it, or the arm could not have stopped before it: it was not
+    sent, and the arm was brought to rest before the limit, and stopped. Or the arm itself was
+    beyond it, and was stopped. The message says which.
     """
 
     def __init__(

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from aioduco.envelope.zones import Point
 
-__all__ = ["BESIDE", "STOPPING", "EnvelopeChecker", "Tip"]
+__all__ = ["BESIDE", "SLOW_SHARE", "STOPPING", "EnvelopeChecker", "Tip"]
 
 Tip: TypeAlias = "Sequence[float]"
 """The tool's tip in the base frame: its rotation matrix by rows, then x, y, z [m]. Shape (12,)."""
@@ -36,6 +36,9 @@ _Look: TypeAlias = tuple["Sequence[float]", "tuple[Point, ...]", Joints6]
 #: depth beyond a limit up to which an arm may stand, because of lag; only deeper it must lead back,
 #: and not along the limit [m, rad]
 BESIDE = 3e-3
+#: share of the speed of a limit with the action "slow" up to which a stream's worker lets the tool
+#: go: the arm follows set-points with some overshoot, and the watch of the state stops it above
+SLOW_SHARE = 0.9
 #: joint deceleration that a stopping arm reaches for certain [rad/s²]
 STOPPING = 5.0
 _BACK = 1e-5  # least distance by which a path leads back, more than rounding [m, rad]
@@ -61,6 +64,8 @@ class EnvelopeChecker:
         seed: joint angles; for a tip, the nearest solution of the inverse kinematics is used [rad].
         deviation: largest deviation of a sweep's path from the straight line, as a share of its
             length.
+        slow_share: share of the speed of a limit with the action "slow" up to which it is kept, for
+            what follows the arm's speed with less precision.
     """
 
     def __init__(self, packed: Mapping[str, Any], *, by_tip: bool = False) -> None:
@@ -113,6 +118,7 @@ class EnvelopeChecker:
         self._nearest: Any = None
         self.seed: Joints6 = ()
         self.deviation: float = 0.0
+        self.slow_share: float = 1.0
         self._at: Sequence[float] = ()
         #: limits that the arm was beyond when it began to leave them, and its margins there
         self._beyond: dict[str, float] = {}
@@ -254,7 +260,8 @@ class EnvelopeChecker:
             slack: how much deeper they may lead all the same [m, rad].
 
         Returns:
-            The limit that the arm is beyond, if any; with `leaving`, only one that slows.
+            The limit that the arm is beyond, if any; with `leaving`, none. A limit that slows is
+            none of these: an arm that stands is slow enough.
         """
         self._at = config
         self._elbow.begin()
@@ -270,7 +277,7 @@ class EnvelopeChecker:
             zone.leaving = zone.name in self._beyond
             depth = -beyond[zone.name].margin if zone.name in beyond else 0.0
             zone.tolerance = depth if depth <= BESIDE and not zone.leaving else 0.0
-        return self.sweep(config, config)
+        return self.sweep(config, config, 0.0)
 
     @property
     def leaving(self) -> bool:
@@ -426,7 +433,8 @@ class EnvelopeChecker:
             found = None
             for zone in self._zones:
                 near, zone.near = zone.near, False
-                if not near or found or (zone.action == "slow" and speed <= zone.speed):
+                slow = zone.action == "slow" and speed <= zone.speed * self.slow_share
+                if not near or found or slow:
                     continue
                 if zone.leaving:
                     continue
@@ -448,7 +456,7 @@ class EnvelopeChecker:
     def too_fast(self, speed: float) -> Crossing | None:
         """Check a speed of the tool [m/s]; the margin is in m/s."""
         for name, action, _, most in self._speeds:
-            if speed > most:
+            if speed > most * (self.slow_share if action == "slow" else 1.0):
                 return Crossing(name, "tool", self._tool_place(), most - speed, "m/s", action)
         return None
 
@@ -456,14 +464,11 @@ class EnvelopeChecker:
         return self._kept[1][0] if self._kept[1] else _NOWHERE
 
     def slow_speed(self, name: str) -> float:
-        """The speed that a limit with the action "slow" allows [m/s]."""
-        for zone in self._zones:
-            if zone.name == name:
-                return zone.speed
-        for title, _, _, most in self._speeds:
-            if title == name:
-                return most
-        return next(each[2] for each in self._joints + self._singular if each[0] == name)
+        """The speed up to which a limit with the action "slow" is kept [m/s]."""
+        speeds = {zone.name: zone.speed for zone in self._zones}
+        speeds |= {title: most for title, _, _, most in self._speeds}
+        speeds |= {each[0]: each[2] for each in self._joints + self._singular}
+        return speeds[name] * self.slow_share
 
     def margins(self, config: Sequence[float]) -> list[Crossing]:
         """Margins of a configuration: to zones (nearest body), joint limits and singularities.

@@ -6,6 +6,7 @@ import json
 
 from aioduco.envelope.limits import Crossing
 from aioduco.errors import (
+    EnvelopeViolated,
     FirstPointTooFar,
     StreamClosed,
     StreamError,
@@ -80,8 +81,28 @@ _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
 }
 
 
-def failure(name: str, reason: Reason, text: str, statistics: object) -> StreamError | None:
-    """The error for the end of a stream; None if it has not ended, or was closed."""
+def failure(
+    name: str,
+    reason: Reason,
+    text: str,
+    statistics: object,
+    stopped_by: EnvelopeViolated | None = None,
+) -> StreamError | None:
+    """The error for the end of a stream; None if it has not ended, or was closed.
+
+    Args:
+        name: function of the stream.
+        reason: reason of the end.
+        text: what is known beyond that.
+        statistics: the stream's statistics.
+        stopped_by: the limit of the envelope at which the arm was stopped, if it was.
+    """
+    if reason is Reason.STOPPED and stopped_by is not None:
+        limit, body = stopped_by.limit, stopped_by.body
+        message = f"{name}: {stopped_by}. Nothing more is sent: open a new stream to go on"
+        return StreamLeavesEnvelope(
+            message, limit, body, stopped_by.place, stopped_by.margin, statistics
+        )
     if reason is Reason.ENVELOPE:
         # The worker may have added to the crossing that it could not stop the arm after it.
         (limit, body, place, *others), end = json.JSONDecoder().raw_decode(text)

@@ -45,6 +45,7 @@ from aioduco.supervision.motion_sources import OpenStream
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from aioduco.errors import EnvelopeViolated
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.shared.config import WorkerConfig
     from aioduco.supervision.gate import Permit
@@ -84,6 +85,7 @@ class Session(OpenStream):
         #: tasks that stop the robot after a task of `_background` has failed
         self._rescue = BackgroundTasks(self._rescue_failed)
         self._fault = ""
+        self.stopped_by: EnvelopeViolated | None = None
         self._supervised = anyio.Event()
         self._permit: Permit | None = None
         #: commands that were given, for a worker that does not exist yet
@@ -203,7 +205,7 @@ class Session(OpenStream):
         if self.block is None:
             return
         text = self._fault or self._worker_text
-        error = failure(self.name, self.reason, text, self.statistics())
+        error = failure(self.name, self.reason, text, self.statistics(), self.stopped_by)
         if error is not None:
             raise error
 

@@ -114,6 +114,8 @@ class EnvelopeWatch:
         self._reading = False
         #: speed of the fastest joint in the last sample [rad/s]
         self._fastest = 0.0
+        #: whether the tool was too fast in the last sample
+        self._fast = False
         #: best margins that the moving arm had, of the limits that it is beyond
         self._best: dict[str, float] = {}
         #: force at which the arm was stopped, while it is too large [N]
@@ -227,6 +229,7 @@ class EnvelopeWatch:
         """Return the limit that a moving arm has passed or is about to pass; None if none."""
         if not fastest > _STILL:
             self._best = {}
+            self._fast = False
             return None
         if self.tool is None:
             await self._read_frames()
@@ -237,7 +240,7 @@ class EnvelopeWatch:
         status, checker = sample.status, self.checker(envelope, tool)
         q, speeds = tuple(status.joints), status.joint_speeds.tolist()
         speed = math.hypot(*status.tool_speed[:3].tolist()) / _OVERSHOOT
-        if found := checker.too_fast(speed):
+        if (found := self._too_fast(checker, speed)) is not None:
             return found
         ahead = self.reaction + fastest / STOPPING / 2
         there = tuple([a + ahead * v for a, v in zip(q, speeds, strict=True)])
@@ -254,6 +257,18 @@ class EnvelopeWatch:
         found = checker.sweep(q, there, speed)
         if found is None and not self._best and fastest > self._fastest:
             found = self._speeding_up(envelope, tool, q)
+        return found
+
+    def _too_fast(self, checker: EnvelopeChecker, speed: float) -> Crossing | None:
+        """Return the limit of a speed of the tool that is too high; None if there is none.
+
+        A stream's worker keeps to less than a limit that slows. After a late set-point the arm may
+        catch up for a moment: then the limit counts in two samples in a row.
+        """
+        found, before = checker.too_fast(speed), self._fast
+        self._fast = found is not None
+        if found is not None and found.action == "slow" and self._coordinator.streams:
+            return found if before else None
         return found
 
     def _refresh_frames(self) -> None:
@@ -353,9 +368,11 @@ class EnvelopeWatch:
             _log.critical("the arm leaves its envelope, and %s", exc)
 
     def _name_cause(self, found: Crossing) -> None:
-        """Give the tasks that a stop ends the limit as its cause."""
+        """Give the tasks and the stream that a stop ends the limit as its cause."""
         why = EnvelopeViolated(
             f"the arm was stopped, since it would have left its envelope: {found}", *found[:4]
         )
         for task in self._coordinator.follower.tasks:
             task.stopped_by = why
+        for stream in self._coordinator.streams:
+            stream.stopped_by = why

@@ -31,6 +31,7 @@ from aioduco.models.enums import TaskState
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from aioduco.errors import EnvelopeViolated
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
@@ -181,7 +182,13 @@ class Modes:
 
 
 class OpenStream(ABC):
-    """A stream as the supervision uses it."""
+    """A stream as the supervision uses it.
+
+    Attributes:
+        stopped_by: the limit of the envelope at which the arm was stopped, if it was.
+    """
+
+    stopped_by: EnvelopeViolated | None
 
     @property
     @abstractmethod

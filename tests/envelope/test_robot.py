@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import anyio
@@ -20,9 +21,11 @@ from aioduco import (
     TaskStopped,
     WorkerOptions,
 )
-from aioduco.envelope import Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
+from aioduco.envelope import Crossing, Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
+from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.sim import Simulator
 from aioduco.streaming.shared.words import Reason
+from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.events import EnvelopeLeft
 from aioduco.testing import eventually_async
 
@@ -225,6 +228,55 @@ async def test_a_stream_in_a_process_ends_before_the_wall(robot: aioduco.Robot, 
     assert 0 <= least(FLAT, seen.setpoints) < 0.01
     assert least(FLAT, seen.q) >= -LAG
     assert not await robot.state.robotmoving()
+
+
+async def test_a_stream_that_begins_in_a_slow_zone_goes_on(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    robot.envelope = Envelope("gcr5_910", wall(-0.1, "slow", 0.05), ToolSpeed(0.05, action="slow"))
+    points = START.array + np.linspace(0, 1, 200)[:, None] * np.array([0.06, 0, 0, 0, 0, 0])
+    thread = WorkerOptions(run_in="thread", timeout=10.0)
+    stream = robot.servo.joints(
+        v=1.5, a=10.0, rate=100, source_rate=50, upsample="ruckig", options=thread
+    )
+    async with stream:
+        await stream.play(points)
+    assert stream.reason is Reason.NONE or stream.reason is Reason.CLOSED
+    assert seen.setpoints[-1][0] == pytest.approx(points[-1][0], abs=1e-3)
+
+
+async def test_a_stream_that_the_watch_stops_names_the_limit(
+    robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fast = Crossing("tool speed", "tool", (0.1, 0.2, 0.3), -0.05, "m/s", "slow")
+
+    def too_fast(watch: EnvelopeWatch, *_: object) -> Crossing | None:
+        return fast if watch._coordinator.streams else None
+
+    monkeypatch.setattr(EnvelopeWatch, "_too_fast", too_fast)
+    robot.envelope = Envelope("gcr5_910", ToolSpeed(1.0, action="slow"))
+    thread = WorkerOptions(run_in="thread", timeout=10.0)
+    stream = robot.speed.joints(a=5.0, dead_man=5.0, hold=5.0, latest=False, options=thread)
+    with pytest.raises(StreamLeavesEnvelope, match=r"was stopped.*'tool speed'") as ended:
+        await lead(stream, [[-0.1, 0, 0, 0, 0, 0]] * 10_000)
+    assert (ended.value.limit, ended.value.margin) == ("tool speed", -0.05)
+    assert ended.value.statistics is not None
+
+
+def test_the_watch_stops_what_is_too_fast() -> None:
+    """A stream that is slowed if it is too fast twice in a row; all else at once."""
+    watch = EnvelopeWatch.__new__(EnvelopeWatch)
+    watch._fast = False
+    for action, streams, found in (
+        ("slow", [1], [False, True, True, False, False, True]),
+        ("slow", [], [True, True, True, False, True, True]),
+        ("refuse", [1], [True, True, True, False, True, True]),
+    ):
+        watch._coordinator = SimpleNamespace(streams=streams)  # type: ignore[assignment]  # of it only this is used
+        speed_limit = ToolSpeed(0.1, action=action)  # type: ignore[arg-type]  # one of the actions
+        checker = EnvelopeChecker(Envelope("gcr5_910", speed_limit).packed(TOOL))
+        speeds = [0.11, 0.101, 0.12, 0.1, 0.11, 0.11]
+        assert [watch._too_fast(checker, speed) is not None for speed in speeds] == found
 
 
 async def lead(stream: Stream, points: list[list[float]]) -> None:

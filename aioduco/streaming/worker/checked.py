@@ -11,7 +11,7 @@ import math
 import time
 from typing import TYPE_CHECKING
 
-from aioduco.envelope.checker import STOPPING, EnvelopeChecker
+from aioduco.envelope.checker import SLOW_SHARE, STOPPING, EnvelopeChecker
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
 from aioduco.streaming.worker.limiter import Limiter
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
+    from aioduco.envelope.zones import Point
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.limiter import JerkLimiter
@@ -67,6 +68,7 @@ class EnvelopeCheck:
     ) -> None:
         self._checker = checker
         checker.deviation = _DEVIATION if curved else 0.0
+        checker.slow_share = SLOW_SHARE
         self._configuration = seen
         self._space = space
         self._period = period
@@ -109,7 +111,7 @@ class EnvelopeCheck:
         if checker.times:
             # The last position first: the checker still has it cached.
             before, now = checker.places(self._seen)[0], checker.places(here)[0]
-            speed = math.dist(before, now) / self._period
+            speed = self._speed_ahead(config, before, now, limiter)
             found = checker.too_fast(speed)
             if found is not None:
                 return found
@@ -122,6 +124,18 @@ class EnvelopeCheck:
         if found is None or found.action == "slow":
             return found
         return self._look_closer(here, speed, limiter)
+
+    def _speed_ahead(
+        self, config: Config, before: Point, now: Point, limiter: Limiter | JerkLimiter
+    ) -> float:
+        """Speed of the tool in this tick, or later if it brakes from now on [m/s]."""
+        speed = math.dist(before, now) / self._period
+        fastest = limiter.fastest()
+        if fastest == limiter.velocity:
+            return speed
+        step = tuple([v * self._period for v in fastest])
+        there = self._configuration(self._space.moved(config, step))
+        return max(speed, math.dist(now, self._checker.places_ahead(there)[0]) / self._period)
 
     def _look_closer(
         self, here: Sequence[float], speed: float, limiter: Limiter | JerkLimiter
@@ -243,6 +257,7 @@ class SpeedCheck:
         sent, drive = config.sent, config.sent.drive
         self._crossed = crossed
         self._checker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
+        self._checker.slow_share = SLOW_SHARE
         self._in_joints = sent.in_joints
         self._limits = tuple(zip(sent.space.groups, sent.limits.acceleration, strict=True))
         self._connection = connection

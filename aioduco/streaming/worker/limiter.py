@@ -108,6 +108,10 @@ class Limiter:
         ticks = self.ticks_to_rest()
         return tuple([step * ticks for step in self._step])
 
+    def fastest(self) -> Displacement:
+        """Velocity that each axis still reaches if it brakes from now on, per second."""
+        return self.velocity
+
     def stopping(self, count: int) -> list[Config]:
         """Positions on the braking path from the present state to rest, at equal distances."""
         rest = self.braking()
@@ -236,6 +240,14 @@ class JerkLimiter:
         limits = zip(plan.max_acceleration, plan.max_jerk, strict=True)
         state = zip(self.velocity, self._acceleration, limits, strict=True)
         return tuple(_braking(v, a, top, jerk) for v, a, (top, jerk) in state)
+
+    def fastest(self) -> Displacement:
+        """Velocity that each axis still reaches if it brakes from now on, per second.
+
+        While its acceleration falls to zero, an axis that speeds up gets faster.
+        """
+        state = zip(self.velocity, self._acceleration, self._input.max_jerk, strict=True)
+        return tuple(v + a * abs(a) / (2 * jerk) if v * a > 0 else v for v, a, jerk in state)
 
     def stopping(self, count: int) -> list[Config]:
         """Positions on the braking path from the present state to rest, at equal times."""
