@@ -190,8 +190,11 @@ class Plan:
     ) -> NDArray[np.uint8]:
         """Draw the arm at several times of the plan in one picture, without a display.
 
+        It blocks for some seconds, since a process is started that draws. In an async program:
+        `await anyio.to_thread.run_sync(plan.picture, scene)`.
+
         Args:
-            scene: the scene.
+            scene: the scene to draw it in; a plan does not keep the one that it was made in.
             width: width of the picture, at most 1920 [pixels].
             height: height of the picture, at most 1080 [pixels].
             camera: the camera; None for one that sees the whole arm.

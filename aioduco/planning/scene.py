@@ -289,6 +289,9 @@ class Scene:
     ) -> NDArray[np.uint8]:
         """Draw the arm in its scene, without a display.
 
+        It blocks for some seconds, since a process is started that draws. In an async program:
+        `await anyio.to_thread.run_sync(scene.picture, joints)`.
+
         Args:
             joints: joint angles [rad]. Shape (6,).
             width: width of the picture, at most 1920 [pixels].
@@ -311,7 +314,7 @@ class Scene:
         height: int = 480,
         camera: Camera | None = None,
     ) -> Iterator[NDArray[np.uint8]]:
-        """Draw several configurations, one after another: see `picture`."""
+        """Draw several configurations, one after another, by one process: see `picture`."""
         from aioduco.sim.view.camera import towards  # noqa: PLC0415 - for pictures alone
         from aioduco.sim.view.render import PictureProcess  # noqa: PLC0415
 

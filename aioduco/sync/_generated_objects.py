@@ -311,6 +311,8 @@ class GripperCalls(Block):
     def check_held(self) -> None:
         """Check in the state that was read last that the gripper still holds its object.
 
+        It returns at once, and nothing if the object is held.
+
         Raises:
             ObjectLost: it does not, or it gripped nothing.
             HoldUnknown: the state is older than `max_age`, or says nothing of it any more.

@@ -123,7 +123,10 @@ class Gripper(Protocol):
         ...
 
     def check_held(self) -> None:
-        """Raise `ObjectLost` or `HoldUnknown` unless the gripped object is still held."""
+        """Raise `ObjectLost` or `HoldUnknown` unless the gripped object is still held.
+
+        It judges the last known state, and returns at once: it is no coroutine function.
+        """
         ...
 
     def carrying(self) -> AbstractAsyncContextManager[None]:
@@ -383,6 +386,8 @@ class PolledGripper(Uncopied, ABC):
 
     def check_held(self) -> None:
         """Check in the state that was read last that the gripper still holds its object.
+
+        It returns at once, and nothing if the object is held.
 
         Raises:
             ObjectLost: it does not, or it gripped nothing.
