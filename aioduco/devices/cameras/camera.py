@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 
+from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, stored
 
