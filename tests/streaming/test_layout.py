@@ -66,6 +66,7 @@ USED = {
     "aioduco",
     "aioduco._process",
     "aioduco._process.platform",
+    "aioduco._process.copying",
     "aioduco._process.reporting",  # for what traces the connections, as the next one
     "aioduco._process.scheduling",
     "aioduco._wire",
