@@ -1,6 +1,6 @@
-"""The arm and its surroundings in 3D, served by viser on a port of its own.
+"""The arm and its surroundings in 3D, drawn by viser for pages of the panel's own port.
 
-Pages only view it: it has no controls, and messages of pages to it have no effect. The shapes are
+Pages only view it: it has no controls, and no message of a page reaches it. The shapes are
 those of `aioduco.kinematics`: lengths of the arm, thickness from photographs, no vendor's meshes.
 """
 
@@ -16,6 +16,7 @@ import viser
 from viser import transforms
 
 from aioduco.envelope import Zone
+from aioduco.integrations.panel.picture_door import portless
 from aioduco.kinematics.bodies import bodies
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from xml.etree import ElementTree as ET
 
     from numpy.typing import NDArray
+    from websockets.asyncio.server import ServerConnection
 
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
@@ -46,11 +48,15 @@ _ROUND: Final = 24
 
 
 class _SilentViser(viser.ViserServer):
-    """Viser server that prints nothing, and opens no tunnel from the internet."""
+    """Viser without a port, that prints nothing, and opens no tunnel from the internet."""
 
-    def __init__(self, host: str, port: int) -> None:
-        with contextlib.redirect_stdout(io.StringIO()):  # its banner, whatever `verbose` says
-            super().__init__(host=host, port=port, verbose=False)
+    def __init__(self) -> None:
+        # it prints a banner, whatever `verbose` says
+        with contextlib.redirect_stdout(io.StringIO()), portless() as self.door:
+            super().__init__(host="127.0.0.1", port=0, verbose=False)
+        if self.door.handler is None:
+            self.stop()
+            raise RuntimeError(f"viser {viser.__version__} opened a port of its own: it is closed")
 
     def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002 - viser's
         """Refuse it: any page could ask for a tunnel through viser's servers."""
@@ -66,16 +72,14 @@ class ArmScene:
 
     Args:
         arm: the arm.
-        host: address of this computer to listen on.
-        port: the first port to try; the next free one is taken.
+        port: the port of the page, which transports the picture.
         scene: objects around the arm; None for nothing.
         envelope: envelope whose zones are drawn; None for none.
     """
 
-    def __init__(
-        self, arm: Arm, host: str, port: int, scene: Scene | None, envelope: Envelope | None
-    ) -> None:
-        self._server = _SilentViser(host, port)
+    def __init__(self, arm: Arm, port: int, scene: Scene | None, envelope: Envelope | None) -> None:
+        self.port = port
+        self._server = _SilentViser()
         draw = self._server.scene
         self._server.gui.configure_theme(
             dark_mode=True, show_logo=False, show_share_button=False, control_width="small"
@@ -106,10 +110,9 @@ class ArmScene:
             if isinstance(limit, Zone):
                 self._add_zone(f"/base/zones/{number}", limit)
 
-    @property
-    def port(self) -> int:
-        """The port that it listens on."""
-        return int(self._server.get_port())
+    async def serve(self, page: ServerConnection) -> None:
+        """Transport the picture to a page until it is closed."""
+        await self._server.door.serve(page)
 
     def show(
         self, joints: Sequence[float], told: Sequence[float], aim: Sequence[float] | None

@@ -14,7 +14,7 @@ from __future__ import annotations
 import enum
 import hmac
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 if TYPE_CHECKING:
     from aioduco.integrations.panel.page_requests import HoldMotion
@@ -92,6 +92,8 @@ class EndMotion:
 
 LeaseEffect: TypeAlias = RefusePage | BeginLease | EndLease | BeginMotion | EndMotion
 
+#: seconds after a wrong token for which the page's next ones are not looked at
+_TOKEN_PAUSE: Final = 1.0
 _NOT_YOURS = "this page does not command: take control first"
 
 
@@ -122,6 +124,7 @@ class ControlLease:
         self._heard_at = 0.0
         self._seen_at = 0.0
         self._stops = 0
+        self._barred: dict[int, float] = {}
 
     def __repr__(self) -> str:  # never with the token
         return f"<ControlLease {self.phase.value}, page {self.holder}>"
@@ -138,8 +141,11 @@ class ControlLease:
         """
         if not self._token:
             return RefusePage(page, "this panel only watches")
+        if now < self._barred.get(page, now):
+            return RefusePage(page, "wait a second after a wrong token")
         # as bytes: `compare_digest` accepts only ASCII strings
         if not hmac.compare_digest(token.encode("utf-8", "replace"), self._token):
+            self._barred[page] = now + _TOKEN_PAUSE
             return RefusePage(page, "wrong token: nothing was moved", wrong_token=True)
         if self.phase is LeasePhase.ENDING:
             return RefusePage(page, "the lease before is ending: try again when the arm stands")
@@ -154,8 +160,13 @@ class ControlLease:
         if self.phase is LeasePhase.OPENING:
             self.phase = LeasePhase.HELD
 
+    def gone(self, page: int) -> LeaseEffect | None:
+        """A page was closed."""
+        self._barred.pop(page, None)
+        return self.release(page, "its page is gone")
+
     def release(self, page: int, reason: str = "control was given back") -> LeaseEffect | None:
-        """A page gives the lease back, or was closed."""
+        """A page gives the lease back."""
         return self._end(reason) if page == self.holder else None
 
     def closed(self) -> None:

@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from anyio.abc import TaskGroup
+    from websockets.asyncio.server import ServerConnection
 
     from aioduco import Robot, Snapshot, Task
     from aioduco.envelope import Envelope
@@ -90,8 +91,22 @@ _MINUTE: Final = 60.0
 _KEPT_RATE: Final = 5.0
 #: seconds without a sample after which pages show that the controller does not answer
 _SILENT: Final = 1.0
+#: number of stops that are sent or confirmed at a time; further ones are joined
+_MOST_STOPS: Final = 4
 #: model that is drawn if the controller does not report a known one
 _DRAWN_AS: Final = "gcr5_910"
+
+
+class _Stopping:
+    """One stop that pages asked for, and how it ended."""
+
+    def __init__(self) -> None:
+        self.over = anyio.Event()
+        self.failed = ""
+
+    def end(self, failed: str) -> None:
+        self.failed = failed
+        self.over.set()
 
 
 class Panel(Uncopied):
@@ -104,7 +119,7 @@ class Panel(Uncopied):
     Args:
         host: name or address of the controller.
         port: its TCP port.
-        listen: port of the page; 0 for a free one. The 3D picture has the next free port above.
+        listen: port of the page and its 3D picture; 0 for a free one.
         bind: address of this computer to listen on. Any address but loopback lets everybody in
             that network watch, and stop the arm.
         token: secret that a page must present to command; None for a new one, "" if no page may
@@ -165,12 +180,14 @@ class Panel(Uncopied):
         self._directions = directions
         self._hold_limit = hold_limit
         self._lease = ControlLease(self.token, hold_limit=hold_limit, page_limit=page_limit)
-        self._server = PageServer(bind, listen, self._hello, self._take, self._left)
+        self._server = PageServer(
+            bind, listen, self._hello, self._take, self._left,
+            self._stop_for_all, self._show_picture,
+        )  # fmt: skip
         quiet = self._options | {"heartbeat": None, "state_rate": max(rate, 10.0)}
         self._observer: Robot = aioduco.connect(host, port, **quiet)
         self._observer.feed.forces = True
         self._commander: Robot | None = None
-        self._stack = contextlib.AsyncExitStack()
         self._scene: ArmScene | None = None
         self._arm = arm_of(model or _DRAWN_AS)
         self._all: TaskGroup | None = None
@@ -182,6 +199,9 @@ class Panel(Uncopied):
         self._resumed = False
         self._aim: tuple[float, ...] | None = None
         self._busy: list[str] = []
+        self._running_stops = 0
+        self._next_stop: _Stopping | None = None
+        self._wrong_tokens: list[str] = []
         self._sample: Snapshot | None = None
         self._told: dict[str, Any] = {}
         self._seldom: dict[str, Any] = {"tell": "seldom"}
@@ -269,10 +289,7 @@ class Panel(Uncopied):
         """Make the scene; run on a thread, because viser takes a while to load and to start."""
         from aioduco.integrations.panel.arm_scene import ArmScene  # noqa: PLC0415
 
-        around, envelope = self._scene_around, self._envelope
-        # above the port of the page, so that both can be forwarded
-        above = self._server.port + 1 if self._server.port < 65535 else 1024
-        return ArmScene(self._arm, self._server.host, above, around, envelope)
+        return ArmScene(self._arm, self._server.port, self._scene_around, self._envelope)
 
     # -- requests of pages, on the event loop: nothing here waits ----------------------------------
 
@@ -334,16 +351,15 @@ class Panel(Uncopied):
         return self._sent.get(number, -math.inf)
 
     def _left(self, page: int) -> None:
-        self._apply(self._lease.release(page, "its page is gone"))
+        self._apply(self._lease.gone(page))
 
     def _apply(self, effect: LeaseEffect | None) -> None:
         """Carry out a decision of the lease."""
         if isinstance(effect, RefusePage):
             self._server.send(effect.page, {"tell": "refused", "reason": effect.reason})
             if effect.wrong_token:
-                where = self._server.address_of(effect.page)
-                _log.warning("the panel refused a wrong token from %s; nothing was moved", where)
-                self._note(f"a wrong token was refused, from {where}", "warning")
+                # noted once a second, whatever pages do
+                self._wrong_tokens.append(self._server.address_of(effect.page))
         elif isinstance(effect, BeginLease) and self._all is not None:
             self._lease_over = anyio.Event()
             self._all.start_soon(self._command)
@@ -369,24 +385,52 @@ class Panel(Uncopied):
 
     # -- actions ---------------------------------------------------------------------------------
 
-    def _begin_stop(self) -> None:
+    def _begin_stop(self) -> _Stopping:
+        """Send a stop, or join one that is not sent yet: a flood of stops is few of them."""
+        if self._next_stop is not None:
+            return self._next_stop
+        stopping = _Stopping()
         if self._all is None:
-            return
-        self._all.start_soon(self._stop)
+            stopping.end("the panel is not connected")
+            return stopping
+        if self._running_stops < _MOST_STOPS:
+            self._running_stops += 1
+            self._all.start_soon(self._stop, stopping)
+        else:
+            self._next_stop = stopping
         self._apply(self._lease.stop())
+        return stopping
 
-    async def _stop(self) -> None:
+    async def _stop(self, stopping: _Stopping) -> None:
         self._busy.append("stop")
         self._resumed = False
+        failed = "the panel has ended"
         try:
             await self._observer.stop()
+            failed = ""
         except DucoError as error:
-            self._note(f"stop failed: {error}", "alarm")
-        else:
-            self._note("stopped: the arm stands", "good")
+            failed = f"stop failed: {error}"
         finally:
             self._busy.remove("stop")
             self._lease.stop_ended()
+            stopping.end(failed)
+            self._running_stops -= 1
+            after, self._next_stop = self._next_stop, None
+            if after is not None and self._all is not None:
+                self._running_stops += 1
+                self._all.start_soon(self._stop, after)
+        if not self._running_stops:
+            self._note(failed or "stopped: the arm stands", "alarm" if failed else "good")
+
+    async def _stop_for_all(self) -> str:
+        """Stop the arm for a request without a page; returns the reason if that failed."""
+        stopping = self._begin_stop()
+        await stopping.over.wait()
+        return stopping.failed
+
+    async def _show_picture(self, connection: ServerConnection) -> None:
+        if self._scene is not None:
+            await self._scene.serve(connection)
 
     async def _command(self) -> None:
         """A lease, from its opening to the standstill at its end."""
@@ -529,6 +573,12 @@ class Panel(Uncopied):
                 "work_pose": None if pose is None else [*pose],
                 "pages": self._server.pages,
             }
+            if self._wrong_tokens:
+                number, where = len(self._wrong_tokens), self._wrong_tokens[-1]
+                said = f"{number} wrong token{'s' * (number > 1)} refused, from {where}"
+                _log.warning("the panel: %s; nothing was moved", said)
+                self._note(said, "warning")
+                self._wrong_tokens.clear()
             self._server.broadcast(self._seldom)
             due = max(due + _SELDOM, anyio.current_time())
             await anyio.sleep_until(due)

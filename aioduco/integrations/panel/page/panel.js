@@ -265,7 +265,7 @@ function begin(message) {
     // a process of its own: however long that takes, the stop does not wait for it.
     const names = {"127.0.0.1": "localhost", "localhost": "127.0.0.1"};
     const host = location.host.replace(location.hostname, names[location.hostname] ?? location.hostname);
-    const where = `ws://${location.hostname}:${message.scene_port}`;
+    const where = `ws://${host}/picture`;
     $("scene").src = `${location.protocol}//${host}/scene?darkMode&websocket=${encodeURIComponent(where)}`;
   }
 }
