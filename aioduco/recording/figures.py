@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import html
 import json
+import re
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -134,7 +135,8 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
         raise MissingExtra("a picture", "matplotlib", "plot") from exc
     shown = panels(run, other)
     figure = Figure(figsize=(11, 2.2 * len(shown) + 0.8), layout="constrained")
-    figure.suptitle(_title(run, other), fontsize="medium")
+    # `parse_math`: "$" in a file's name is no formula
+    figure.suptitle(_title(run, other), fontsize="medium", parse_math=False)
     axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axis, panel in zip(axes, shown, strict=True):
         for curve in panel.curves:
@@ -193,10 +195,19 @@ def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) ->
         ],
         "marks": [[round(at, 4), text] for at, text in marks(run)],
     }
-    # "</" would end the script, wherever it stands
-    data = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-    title = html.escape(_title(run, other))
-    path.write_text(_PAGE.replace("@TITLE@", title).replace("@DATA@", data), encoding="utf-8")
+    parts = {"@TITLE@": html.escape(_title(run, other)), "@DATA@": script_value(content)}
+    # in one pass: a name may contain the placeholder of the other
+    page = re.sub("|".join(parts), lambda found: parts[found[0]], _PAGE)
+    path.write_text(page, encoding="utf-8", errors="replace")
+
+
+def script_value(value: Any) -> str:
+    """A value as JSON that a page's script may contain: no text in it is read as HTML.
+
+    A script ends at "</script", and "<!--" with "<script" changes where it ends.
+    """
+    text = json.dumps(value, allow_nan=False, separators=(",", ":"))
+    return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
 
 
 def _points(times: NDArray[Any], values: NDArray[Any]) -> dict[str, Sequence[float | None]]:

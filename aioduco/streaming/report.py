@@ -223,6 +223,7 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
         f"{found['state']}{ended}: {found['ticks']} ticks, {found['sent']} set-points sent, "
         f"{found['missed']} ticks missed, {found['starved']} starved",
         fontsize="medium",
+        parse_math=False,
     )
     for index, name in enumerate(shown):
         axes = figure.add_subplot(len(shown), 1, index + 1)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import html
+import html.parser
 import json
 import re
+import shutil
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pytest
@@ -16,14 +20,15 @@ from typer.testing import CliRunner
 import aioduco
 import aioduco.sync
 from aioduco.cli.app import app
-from aioduco.recording import read
+from aioduco.recording import RecordedMessage, read
 from aioduco.recording.container import DATA_END, MAGIC
-from aioduco.recording.figures import draw_page, panels
+from aioduco.recording.figures import draw_page, draw_png, panels
 from aioduco.sim import Simulator
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +70,105 @@ def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
     assert angles["curves"][0]["y"] == pytest.approx(joints["position"][:, 0], rel=1e-6, abs=1e-9)
     assert angles["curves"][0]["x"] == pytest.approx(joints["time"], abs=1e-4)
     assert "movej2" in [text for _, text in values["marks"]]
+
+
+#: texts that a page must show as they are, in a file's name or in what was recorded
+FOREIGN = (
+    "</script><img src=x onerror=alert(1)>",
+    "<!--<script>",
+    "</title><script>alert(1)</script>",
+    "@DATA@",
+    "@TITLE@<b>",
+    "&lt;b&gt;",
+    "\u2028$x^$\\1",
+)
+
+
+class Elements(html.parser.HTMLParser):
+    """What a parser of the standard library finds in a page."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.scripts: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        assert not [name for name, _ in attrs if name.startswith("on")]
+
+    def handle_data(self, data: str) -> None:
+        if self.tags[-1:] == ["script"]:
+            self.scripts.append(data)
+
+
+class Strange:
+    """A recording with a foreign name and foreign commands and events."""
+
+    duration = 1.0
+    topics: ClassVar = {"/joint_states": 2}
+
+    def __init__(self, text: str) -> None:
+        self.path = Path(text.replace("/", "\u2215"))
+        self._text = text
+
+    def arrays(self, topic: str) -> dict[str, Any]:
+        return {"time": np.array([0.0, 1.0]), "position": np.zeros((2, 6))}
+
+    def messages(self, *topics: str) -> list[RecordedMessage]:
+        command = {"lane": "motion", "error": "", "function": self._text}
+        return [
+            RecordedMessage("/commands", 0.0, 0, command),
+            RecordedMessage("/events", 0.5, 0, {"event": self._text}),
+        ]
+
+
+@pytest.mark.parametrize("text", FOREIGN)
+def test_no_text_of_a_recording_is_read_as_html(text: str, tmp_path: Path) -> None:
+    page = tmp_path / "run.html"
+    run: Any = Strange(text)
+    draw_page(run, page)
+    written = page.read_text(encoding="utf-8")
+    found = Elements()
+    found.feed(written)
+    plain = Elements()
+    other: Any = Strange("a plain name")
+    draw_page(other, page)
+    plain.feed(page.read_text(encoding="utf-8"))
+    assert found.tags == plain.tags, "no element comes from the recording"
+    (script,) = [each for each in found.scripts if "const data" in each]
+    values = json.loads(re.search(r"const data = (.*);\n", script)[1])  # type: ignore[index]
+    assert values["marks"] == [[0.0, text], [0.5, text]]
+    for sign in "<>&":
+        assert sign not in re.search(r"const data = (.*);\n", script)[1]  # type: ignore[index]
+    assert f"<h1>{html.escape(run.path.name)} (1.0 s)</h1>" in written
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+@pytest.mark.slow
+def test_a_browser_runs_nothing_of_a_recording(tmp_path: Path) -> None:
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        for text in FOREIGN:
+            page = tmp_path / "run.html"
+            run: Any = Strange(text)
+            draw_page(run, page)
+            opened = chromium.new_page()
+            opened.on("dialog", lambda _: pytest.fail("a text of the recording ran"))
+            opened.goto(page.as_uri())
+            assert opened.locator("canvas").count() == 1, "the page draws"
+            assert opened.locator("img, b").count() == 0
+            opened.close()
+        chromium.close()
+
+
+@pytest.mark.slow
+def test_a_dollar_in_a_name_is_no_formula(whole: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    strange = tmp_path / "run$x^$.mcap"
+    shutil.copy(whole, strange)
+    draw_png(read(strange), tmp_path / "run.png")
+    assert (tmp_path / "run.png").stat().st_size > 1000
 
 
 @pytest.mark.slow
