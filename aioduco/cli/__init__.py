@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import sys
 
+from aioduco.cli import output
+
 __all__ = ["main"]
 
 
 def main() -> None:
     """Run the command line."""
+    output.guard_streams()
     if sys.argv[1:2] == ["stop"]:
         from aioduco.cli import stopping  # noqa: PLC0415 - for this command alone
 

@@ -16,6 +16,7 @@ from aioduco.cli.io import io
 from aioduco.cli.jog import jog
 from aioduco.cli.monitor.monitor import monitor
 from aioduco.cli.move import move
+from aioduco.cli.output import say
 from aioduco.cli.panel import panel
 from aioduco.cli.play import play
 from aioduco.cli.plot import plot
@@ -79,7 +80,7 @@ app.command()(completion)
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(aioduco.__version__)
+        say(aioduco.__version__)
         raise typer.Exit
 
 

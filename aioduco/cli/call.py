@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import HostOption, Port, robot_at
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
-from aioduco.cli.output import print_json
+from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 
 __all__ = ["call", "function_of"]
@@ -75,7 +75,7 @@ def call(
         function = function_of(robot, where)
         # annotations are strings, which a signature shows in quotes
         signature = re.sub(r"(: |-> )'([^']+)'", r"\1\2", str(inspect.signature(function)))
-        typer.echo(f"{where}{signature}\n\n{inspect.getdoc(function)}")
+        say(f"{where}{signature}\n\n{inspect.getdoc(function)}")
         return
     positional, named = _arguments(words or [])
     shown = [*map(repr, positional), *(f"{key}={value!r}" for key, value in named.items())]
@@ -85,12 +85,12 @@ def call(
         with ended_by_errors("interrupted: what moved was stopped"), robot:
             result = function_of(robot, where)(*positional, **named)
     except TypeError as error:
-        typer.echo(f"{name}: {error}", err=True)
+        say(f"{name}: {error}", error=True)
         raise typer.Exit(FAILED) from None
     if json:
         print_json(result)
     elif result is not None:
-        typer.echo(result)
+        say(result)
 
 
 def function_of(robot: Any, where: str) -> Any:

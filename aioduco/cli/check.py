@@ -10,6 +10,7 @@ import typer
 from aioduco.cli.addresses import Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.number_lists import numbers
+from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 
 __all__ = ["check"]
@@ -81,13 +82,13 @@ def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | 
             address.host,
             address.port,
             move=move,
-            progress=lambda each: typer.echo(f"... {each.name}", err=True),
+            progress=lambda each: say(f"... {each.name}", error=True),
         )
-    typer.echo(str(report))
+    say(str(report))
     if output is not None:
         text = report.json() if output.suffix == ".json" else report.markdown()
         output.write_text(text, encoding="utf-8")
-        typer.echo(f"written to {output}")
+        say(f"written to {output}")
     if not report.ok:
         raise typer.Exit(1)
 
@@ -109,8 +110,8 @@ def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: s
         base = None if wobj is None else numbers("wobj", wobj, 6)
         report = look(points, arm=model, near=near, tool=tip, wobj=base)
     except (OSError, ParameterError) as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(2) from None
-    typer.echo(str(report))
+    say(str(report))
     if not report.ok:
         raise typer.Exit(1)

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from aioduco.cli.output import say
+
 __all__ = ["completion"]
 
 
@@ -33,4 +35,4 @@ def completion(shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")
     # typer has this function, but does not declare it for type checkers
     scripts = importlib.import_module("typer.completion")
     names = {"prog_name": "aioduco", "complete_var": "_AIODUCO_COMPLETE"}
-    typer.echo(scripts.get_completion_script(shell=shell.value, **names))
+    say(scripts.get_completion_script(shell=shell.value, **names))

@@ -30,15 +30,14 @@ def doctor(
 
     Exit codes: 0 measured; 1 not measured, for example without a controller; 2 wrong options.
     """
-    from rich.console import Console  # noqa: PLC0415 - for this command alone
-
+    from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.streaming.doctor import examine  # noqa: PLC0415
 
     address = robot_at(host, port)
 
     async def run() -> None:
         found = await examine(address.host, address.port, seconds=seconds)
-        Console().print(found)
+        SafeConsole().print(found)
         if json is not None:
             found.plain.save(json)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from aioduco.cli.number_lists import mounting_option, numbers
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -123,9 +124,9 @@ def export(
             target.write_text(text, encoding="utf-8")
             if text.startswith("#!"):
                 target.chmod(0o755)
-            typer.echo(target)
+            say(target)
     except (OSError, ParameterError) as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(2) from None
 
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from aioduco.cli.output import say
+
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
 
@@ -38,7 +40,7 @@ def need(*extras: str) -> None:
     names = [name for absent in missing.values() for name in absent]
     if names:
         install = ",".join(["cli", *(extra for extra, absent in missing.items() if absent)])
-        typer.echo(f"this needs {' and '.join(names)}: pip install 'aioduco[{install}]'", err=True)
+        say(f"this needs {' and '.join(names)}: pip install 'aioduco[{install}]'", error=True)
         raise typer.Exit(1)
 
 

@@ -13,6 +13,7 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from aioduco.integrations.fleet import FleetSettings, FleetStop, FleetView
@@ -45,7 +46,7 @@ def serve(file: File) -> None:
             async with FleetGateway(settings):
                 arms = ", ".join(arm.name for arm in settings.arms) or "no arm"
                 where = ", ".join(settings.listen)
-                typer.echo(f"gateway {settings.gateway} of {settings.name} on {where}: {arms}")
+                say(f"gateway {settings.gateway} of {settings.name} on {where}: {arms}")
                 async for number in signals:
                     return SIGNALLED + number
         return FAILED
@@ -75,7 +76,7 @@ def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
             "gateways": [json_module.loads(report.encode()) for report in view.gateways],
             "missing": view.missing,
         }
-        typer.echo(json_module.dumps(table))
+        say(json_module.dumps(table))
     else:
         _show(view)
     if view.missing or not view.gateways:
@@ -109,7 +110,7 @@ def stop(
             "missing": done.missing,
             "unknown": done.unknown,
         }
-        typer.echo(json_module.dumps(table))
+        say(json_module.dumps(table))
     else:
         _tell(done)
     if not done.confirmed:
@@ -123,7 +124,7 @@ def _settings(file: Path) -> FleetSettings:
     try:
         return FleetSettings.read(file)
     except (FleetFileError, OSError) as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(USAGE) from None
 
 
@@ -133,23 +134,23 @@ def _show(view: FleetView) -> None:
             joints = " ".join(f"{math.degrees(joint):.1f}" for joint in arm.joints)
             known = f"{arm.robot} {arm.program} {arm.safety} {arm.mode} [{joints}]°"
             said = arm.error if arm.link == "lost" else known if arm.robot else ""
-            typer.echo(f"{report.gateway:16} {arm.name:16} {arm.link:8} {said}".rstrip())
+            say(f"{report.gateway:16} {arm.name:16} {arm.link:8} {said}".rstrip())
     for name in view.missing:
-        typer.echo(f"{name:16} missing: it does not tell its state", err=True)
+        say(f"{name:16} missing: it does not tell its state", error=True)
     if not view.gateways and not view.missing:
-        typer.echo("no gateway was found", err=True)
+        say("no gateway was found", error=True)
 
 
 def _tell(done: FleetStop) -> None:
     for report in done.reports:
         if report.note:
-            typer.echo(f"{report.gateway}: {report.note}", err=True)
+            say(f"{report.gateway}: {report.note}", error=True)
         for arm in report.arms:
             text = f"{report.gateway:16} {arm.name:16} {arm.error or 'stands'}"
-            typer.echo(text, err=bool(arm.error))
+            say(text, error=bool(arm.error))
     for name in done.missing:
-        typer.echo(f"{name:16} missing: it is not known whether its arms stand", err=True)
+        say(f"{name:16} missing: it is not known whether its arms stand", error=True)
     for name in done.unknown:
-        typer.echo(f"no gateway has an arm {name}", err=True)
+        say(f"no gateway has an arm {name}", error=True)
     if not done.reports and not done.missing:
-        typer.echo("no gateway was found: nothing was stopped", err=True)
+        say("no gateway was found: nothing was stopped", error=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
-from aioduco.cli.output import print_json
+from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import observing_session
 
@@ -77,10 +77,10 @@ def read(
         print_json(digital | analog)
         return
     for name, signals in digital.items():
-        typer.echo(f"{name.replace('_', ' '):13} {_on(signals)}")
+        say(f"{name.replace('_', ' '):13} {_on(signals)}")
     for name, values in analog.items():
         unit = _ANALOG[name][1]
-        typer.echo(f"{name.replace('_', ' '):13} {'  '.join(f'{v:.2f}' for v in values)} {unit}")
+        say(f"{name.replace('_', ' '):13} {'  '.join(f'{v:.2f}' for v in values)} {unit}")
 
 
 @io.command("set")
@@ -111,7 +111,7 @@ def set_output(
         (section.set_tool_digital_out if tool else section.set_standard_digital_out)(number, high)
 
     _looked(address, switch)
-    typer.echo(f"{which} is {level.value}")
+    say(f"{which} is {level.value}")
 
 
 @io.command("set-analog")
@@ -141,7 +141,7 @@ def set_analog(
             robot.io.set_standard_analog_current_out(number, value)
 
     _looked(address, put_out)
-    typer.echo(f"{quantity.value} output {number} is set")
+    say(f"{quantity.value} output {number} is set")
 
 
 def _looked(address: RobotAddress, work: Callable[[Robot], IOStatus | None]) -> IOStatus | None:

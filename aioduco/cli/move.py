@@ -10,7 +10,7 @@ import typer
 
 from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.output import print_json
+from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
 from aioduco.cli.status import joints_line, look, pose_line
@@ -146,11 +146,11 @@ def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[st
     """
     found = look(address, in_work_object=in_work_object)
     if not found["ready"]:
-        typer.echo(
+        say(
             f"the arm at {address} is not ready: robot {found['robot'].name}, program "
             f"{found['program'].name}, safety {found['safety'].name}; nothing was sent. "
             "`aioduco bring-up` or `aioduco recover` leads it there",
-            err=True,
+            error=True,
         )
         raise typer.Exit(FAILED)
     return found
@@ -168,5 +168,5 @@ def carry_out(address: RobotAddress, motion: Callable[[Robot], Outcome], as_json
         ended = {"outcome": outcome, "seconds": round(seconds, 3)}
         print_json(ended | {"joints": there, "pose": tool})
     else:
-        typer.echo(f"{outcome.value} after {seconds:.1f} s")
-        typer.echo(f"joints {joints_line(there)}\ntool   {pose_line(tool)}")
+        say(f"{outcome.value} after {seconds:.1f} s")
+        say(f"joints {joints_line(there)}\ntool   {pose_line(tool)}")

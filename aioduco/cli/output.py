@@ -1,20 +1,72 @@
-"""What commands print: lines, and results in the types of JSON, for `--json`."""
+"""What commands print: lines, and results in the types of JSON, for `--json`.
+
+Texts of the other side (a controller, a gateway, a recording) may contain what a terminal carries
+out: titles, the clipboard, erased lines, a reversed order. Every text passes `shown` before it is
+printed: by `say`, by `SafeConsole`, and, after `guard_streams`, in log messages and tracebacks.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import enum
 import json
+import logging
 import math
 import sys
-from typing import Any
+import unicodedata
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["plain", "print_json", "say"]
+if TYPE_CHECKING:
+    from types import TracebackType
+
+__all__ = ["guard_streams", "one_line", "plain", "print_json", "say", "shown"]
 
 
-def say(text: str, *, error: bool = False) -> None:
+def shown(text: str) -> str:
+    """A text as a terminal may show it: line ends and tabs stay, other controls are spelled out.
+
+    Controls are those that `str.isprintable` refuses: C0 and C1, changes of direction, invisible
+    characters, halves of surrogate pairs. Spaces of all widths stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        each if each.isprintable() or each in "\n\t" or unicodedata.category(each) == "Zs"
+        else each.encode("unicode_escape").decode("ascii")
+        for each in text
+    )  # fmt: skip
+
+
+def one_line(text: str) -> str:
+    """A text of the other side that is part of a line: it makes no further lines."""
+    return shown(text).replace("\n", "\\n").replace("\t", " ")
+
+
+def say(text: object = "", *, error: bool = False) -> None:
     """Print a line to the standard output, or to the standard error."""
-    print(text, file=sys.stderr if error else sys.stdout, flush=True)
+    print(shown(str(text)), file=sys.stderr if error else sys.stdout, flush=True)
+
+
+class _ShownFormatter(logging.Formatter):
+    """Log messages without control characters."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return shown(super().format(record))
+
+
+def guard_streams() -> None:
+    """Let warnings of the library, and the traceback that ends the program, pass `shown`, too."""
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(_ShownFormatter())
+    sys.excepthook = _say_traceback
+
+
+def _say_traceback(
+    kind: type[BaseException], error: BaseException, where: TracebackType | None
+) -> None:
+    import traceback  # noqa: PLC0415 - for a program that fails
+
+    say("".join(traceback.format_exception(kind, error, where)).rstrip("\n"), error=True)
 
 
 def plain(value: Any) -> Any:

@@ -15,6 +15,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
 from aioduco.cli.jog import Manual
+from aioduco.cli.output import say
 from aioduco.cli.sim_do import control_port_of
 
 if TYPE_CHECKING:
@@ -118,9 +119,9 @@ def panel(
         try:
             told = anyio.run(_serve, made, str(address))
         except OSError as error:
-            typer.echo(f"cannot listen on {bind}:{listen}: {error.strerror or error}", err=True)
+            say(f"cannot listen on {bind}:{listen}: {error.strerror or error}", error=True)
             raise typer.Exit(FAILED) from None
-    typer.echo("the panel was ended; what it moved stands", err=True)
+    say("the panel was ended; what it moved stands", error=True)
     raise typer.Exit(SIGNALLED + told)
 
 
@@ -128,12 +129,10 @@ async def _serve(made: Panel, address: str) -> int:
     """Serve the page until a signal arrives; return its number."""
     with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
         async with made:
-            typer.echo(
-                f"{address} is on {made.url}; whoever reaches it may watch, and stop the arm"
-            )
+            say(f"{address} is on {made.url}; whoever reaches it may watch, and stop the arm")
             if made.token:
-                typer.echo(f"to command it: {made.link}\ntoken: {made.token}")
-            typer.echo("Ctrl-C ends it")
+                say(f"to command it: {made.link}\ntoken: {made.token}")
+            say("Ctrl-C ends it")
             return await anext(aiter(signals))
 
 

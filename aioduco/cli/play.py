@@ -10,6 +10,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session, observing_session
 
@@ -137,7 +138,7 @@ class _Playing:
         from aioduco.recording.playback.path_check import check_waypoints  # noqa: PLC0415
 
         if model is None:
-            typer.echo("it does not say for which arm it is: --model says so", err=True)
+            say("it does not say for which arm it is: --model says so", error=True)
             raise typer.Exit(FAILED)
         limits = self._envelope
         if isinstance(self._what, RecordedPath):
@@ -152,7 +153,7 @@ class _Playing:
         from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
         from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
-        typer.echo(f"on a simulated {self._model or 'gcr5_910'}: {self._what}")
+        say(f"on a simulated {self._model or 'gcr5_910'}: {self._what}")
         start = self._what.start if isinstance(self._what, RecordedPath) else None
         options: dict[str, Any] = {"model": self._model or "gcr5_910"}
         if start is not None:
@@ -227,12 +228,12 @@ class _Playing:
                 robot, self._what, approach=_APPROACH, outputs=self._outputs, arm=self._model
             )
             worst = max(result.path_error.max(), abs(result.goal_error).max())
-            typer.echo(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
+            say(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
             return
         count = aioduco.sync.run_waypoints(
             robot, self._what, arm=self._model, speed=min(self._speed, 1.0)
         )
-        typer.echo(f"{count} waypoints were reached")
+        say(f"{count} waypoints were reached")
 
 
 def _model_of(what: RecordedPath | WaypointFile) -> str | None:
@@ -245,8 +246,8 @@ def _model_of(what: RecordedPath | WaypointFile) -> str | None:
 
 def _report(found: list[str], *, only: bool = True) -> None:
     for each in found:
-        typer.echo(each, err=True)
+        say(each, error=True)
     if found:
         raise typer.Exit(FAILED)
     if only:
-        typer.echo("nothing speaks against it")
+        say("nothing speaks against it")

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
+from aioduco.cli.output import say
 
 __all__ = ["plot"]
 
@@ -40,9 +41,9 @@ def plot(
         found = json.loads(figures.read_text(encoding="utf-8"))
         draw(found, target)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        typer.echo(f"{figures} cannot be drawn: {error!r}", err=True)
+        say(f"{figures} cannot be drawn: {error!r}", error=True)
         raise typer.Exit(1) from None
-    typer.echo(f"written to {target}")
+    say(f"written to {target}")
 
 
 def _recording(path: Path, target: Path, over: Path | None) -> None:
@@ -57,9 +58,9 @@ def _recording(path: Path, target: Path, over: Path | None) -> None:
         other = None if over is None else read(over)
         (draw_page if as_page else draw_png)(run, target, other)
     except (OSError, DucoError) as error:
-        typer.echo(f"{path} cannot be drawn: {error}", err=True)
+        say(f"{path} cannot be drawn: {error}", error=True)
         raise typer.Exit(1) from None
     for each in (run, other):
         if each is not None and not each.complete:
-            typer.echo(f"{each.path} was cut off: it is drawn up to there")
-    typer.echo(f"written to {target}")
+            say(f"{each.path} was cut off: it is drawn up to there")
+    say(f"written to {target}")

@@ -10,10 +10,10 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.number_lists import mounting_option
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from aioduco.cli.safe_console import SafeConsole
     from aioduco.testing.preflight import PreflightReport, PreflightSettings
 
 __all__ = ["preflight"]
@@ -81,13 +81,12 @@ def preflight(
     """
     extras.need("sim", *(("plot",) if html else ()), *(("sweep",) if runs else ()))
     extras.arm(model)
-    from rich.console import Console  # noqa: PLC0415 - for this command alone
-
+    from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.errors import DucoError  # noqa: PLC0415
     from aioduco.testing.preflight import PreflightSettings  # noqa: PLC0415
     from aioduco.testing.preflight import preflight as run  # noqa: PLC0415
 
-    console = Console()
+    console = SafeConsole()
     try:
         settings = PreflightSettings(
             model=model,
@@ -111,7 +110,7 @@ def preflight(
             raise typer.Exit(FOUND if failed else 0)
         report = run(program, arguments or [], settings, quiet=quiet)
     except DucoError as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(NOT_RUN) from None
     _show(console, report)
     if result is not None:
@@ -124,7 +123,7 @@ def preflight(
     raise typer.Exit(0 if report.ok else FOUND)
 
 
-def _show(console: Console, report: PreflightReport) -> None:
+def _show(console: SafeConsole, report: PreflightReport) -> None:
     from rich.table import Table  # noqa: PLC0415 - for this command alone
 
     table = Table(title="what the program did", title_justify="left")
@@ -153,7 +152,7 @@ def _plain(text: str) -> str:
 
 
 def _sweep(
-    console: Console,
+    console: SafeConsole,
     program: str,
     arguments: list[str],
     settings: PreflightSettings,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from aioduco.cli.exit_codes import NOT_CONFIRMED
+from aioduco.cli.output import say, shown
 
 __all__ = ["SAFE", "ask"]
 
@@ -26,11 +27,11 @@ def ask(what: str, question: str, *, yes: bool) -> None:
     """
     if yes:
         return
-    typer.echo(what, err=True)
+    say(what, error=True)
     try:
-        agreed = typer.confirm(question, default=False, err=True)
+        agreed = typer.confirm(shown(question), default=False, err=True)
     except typer.Abort:
         agreed = False
     if not agreed:
-        typer.echo("not confirmed: nothing was sent that moves the arm", err=True)
+        say("not confirmed: nothing was sent that moves the arm", error=True)
         raise typer.Exit(NOT_CONFIRMED)

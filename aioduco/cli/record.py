@@ -10,6 +10,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
 __all__ = ["record"]
@@ -46,7 +47,7 @@ def record(
             wait_until_ended(what, robot, lambda: recording.running, seconds)
     figures = recording.statistics()
     dropped = f", {figures.dropped} dropped" if figures.dropped else ""
-    typer.echo(f"{recording.path}: {figures.written} entries{dropped}, {figures.size} bytes")
+    say(f"{recording.path}: {figures.written} entries{dropped}, {figures.size} bytes")
     if recording.error is not None:
-        typer.echo(f"it ended early: {recording.error}", err=True)
+        say(f"it ended early: {recording.error}", error=True)
         raise typer.Exit(FAILED)

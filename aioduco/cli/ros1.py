@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
+from aioduco.cli.output import say
+
 __all__ = ["ros1"]
 
 _NEEDED = {
@@ -36,10 +38,10 @@ def ros1(
     missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
     if missing:
         debian = " ".join(_NEEDED[name] for name in missing)
-        typer.echo(
+        say(
             f"this needs {' and '.join(missing)} of ROS 1: source its setup.bash, or on Debian "
             f"`apt install {debian}`, and use that Python (python3 -m venv --system-site-packages)",
-            err=True,
+            error=True,
         )
         raise typer.Exit(1)
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
@@ -55,5 +57,5 @@ def ros1(
     try:
         node.main(remappings or [], given)
     except DucoError as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(1) from None

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
+from aioduco.cli.output import say
+
 __all__ = ["ros2"]
 
 #: Python packages that the node needs; `ros-base` has all but the last two
@@ -39,11 +41,11 @@ def ros2(
     """
     missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
     if missing:
-        typer.echo(
+        say(
             f"this needs {' and '.join(missing)} of ROS 2: source its setup.bash, and that of a "
             "workspace with the packages in integrations/ros2/ built by colcon, and use that "
             "Python (python3 -m venv --system-site-packages)",
-            err=True,
+            error=True,
         )
         raise typer.Exit(1)
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
@@ -56,5 +58,5 @@ def ros2(
     try:
         driver_process.main(context.args, given)
     except DucoError as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(1) from None

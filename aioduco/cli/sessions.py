@@ -6,9 +6,8 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
-import typer
-
 from aioduco.cli.exit_codes import Terminated, ended_by_errors
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -76,11 +75,11 @@ def wait_until_ended(
     """
     until = None if seconds is None else time.monotonic() + seconds
     try:
-        typer.echo(f"{what}; Ctrl-C ends it")
+        say(f"{what}; Ctrl-C ends it")
         while going() and (until is None or time.monotonic() < until):
             left = _LOOK if until is None else until - time.monotonic()
             robot.sleep(min(_LOOK, max(0.0, left)))
     except Terminated:
         raise
     except KeyboardInterrupt:
-        typer.echo()  # so that the ^C has a line of its own
+        say()  # so that the ^C has a line of its own

@@ -13,6 +13,7 @@ import typer
 
 from aioduco.cli import extras, picture, watching
 from aioduco.cli.number_lists import mounting_option
+from aioduco.cli.output import say
 from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import RenderError
 
@@ -115,7 +116,7 @@ def sim(
             )
             simulator.start()
         except ValueError as error:
-            typer.echo(str(error), err=True)
+            say(str(error), error=True)
             raise typer.Exit(1) from None
         except OSError as error:
             ports = f"{port}" if status_port is None else f"{port} and {status_port}"
@@ -133,18 +134,18 @@ def sim(
             try:
                 watch = watching.SimulatorWatch(simulator, render, view=view)
             except RenderError as error:
-                typer.echo(str(error), err=True)
+                say(str(error), error=True)
                 raise typer.Exit(1) from None
             where = f"{simulator.host}:{simulator.port}"
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"
             where += f", commands on {lines.port}"
-            typer.echo(f"simulated {model} on {where}; Ctrl-C ends it")
+            say(f"simulated {model} on {where}; Ctrl-C ends it")
             watch.until(heard)
 
 
 def _say_taken(host: str, ports: str, error: OSError) -> None:
-    typer.echo(f"cannot listen on {host}:{ports}: {error.strerror or error}", err=True)
+    say(f"cannot listen on {host}:{ports}: {error.strerror or error}", error=True)
 
 
 @contextlib.contextmanager

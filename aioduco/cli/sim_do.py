@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from aioduco.cli.output import say
+
 __all__ = ["control_port_of", "sim_do"]
 
 _HOST = "127.0.0.1"
@@ -38,12 +40,12 @@ def sim_do(
             with line.makefile("r") as answer:
                 said = answer.read().rstrip("\n")
     except OSError as error:
-        typer.echo(
+        say(
             f"no simulator takes commands on {_HOST}:{where}: {error.strerror or error}; "
             "`aioduco sim` names its port for commands when it starts",
-            err=True,
+            error=True,
         )
         raise typer.Exit(1) from None
     failed = said.startswith("error")
-    typer.echo(said, err=failed)
+    say(said, error=failed)
     raise typer.Exit(1 if failed else 0)

@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.output import print_json
+from aioduco.cli.output import one_line, print_json, say
 from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def status(
     if json:
         print_json(found)
     else:
-        typer.echo("\n".join(_lines(address, found)))
+        say("\n".join(_lines(address, found)))
     if ready and not found["ready"]:
         raise typer.Exit(FAILED)
 
@@ -101,7 +101,9 @@ def _read(address: RobotAddress, robot: Robot) -> dict[str, Any]:
 
 
 def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
-    software = found["software"] or "not told"
+    software = one_line(found["software"]) or "not told"
+    arm = one_line(found["arm"]) or "an arm of a type that is not told"
+    errors = "; ".join(map(one_line, found["errors"])) or "none"
     stopped = ", EMERGENCY STOP pressed" if found["emergency_stop"] else ""
     if found["collision_joint"] is not None:
         stopped += f", COLLISION at joint {found['collision_joint']}"
@@ -110,13 +112,13 @@ def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
     )
     ready = "a motion would start" if found["ready"] else "no: see `aioduco recover --help`"
     return [
-        f"{address}: {found['arm'] or 'an arm of a type that is not told'}, software {software}",
+        f"{address}: {arm}, software {software}",
         f"{states}{stopped}",
         f"joints {joints_line(found['joints'])}",
         f"tool   {pose_line(found['pose'])}",
         f"moving {'yes' if found['moving'] else 'no'}",
         f"ready  {ready}",
-        f"errors {'; '.join(found['errors']) or 'none'}",
+        f"errors {errors}",
     ]
 
 

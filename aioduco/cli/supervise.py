@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
-from aioduco.cli.output import print_json
+from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
 
@@ -127,7 +127,7 @@ def _done(
     if as_json:
         print_json(_named(states))
     else:
-        typer.echo(f"{address}: {said}; {states}")
+        say(f"{address}: {said}; {states}")
 
 
 def _named(states: RobotStates) -> dict[str, object]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json as json_module
 import signal
-import sys
 import threading
 import time
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
@@ -16,6 +15,7 @@ import typer
 from aioduco._wire.address import parse_address
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.output import say
 from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -69,8 +69,7 @@ def tap(
             _ended_by_signals(between.end),
         ):
             said = f"between {between.host}:{between.port} and {address}; Ctrl-C ends it"
-            typer.echo(said, err=json)
-            sys.stdout.flush()
+            say(said, error=json)
             begin = time.monotonic()
             for item in between:
                 if not isinstance(item, TapNote):
@@ -78,12 +77,11 @@ def tap(
                     if names is not None and item.function not in names:
                         continue
                 if json:
-                    typer.echo(_line(item))
+                    say(_line(item))
                 else:
-                    typer.echo(f"{item.at - begin:10.3f} {item}")
-                sys.stdout.flush()
+                    say(f"{item.at - begin:10.3f} {item}")
     except (DucoError, OSError, RuntimeError) as error:
-        typer.echo(str(error), err=True)
+        say(str(error), error=True)
         raise typer.Exit(1) from None
 
 

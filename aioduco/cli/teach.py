@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.output import say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import control_session, observing_session
 
@@ -60,7 +61,7 @@ def teach(
         robot.bring_up()
         with robot.motion.teach_mode.start():
             _keep(robot, kept, output)
-    typer.echo("hand guiding has ended, the arm stands")
+    say("hand guiding has ended, the arm stands")
 
 
 def _file(robot: Robot, path: Path) -> WaypointFile:
@@ -76,7 +77,7 @@ def _file(robot: Robot, path: Path) -> WaypointFile:
     if kept.arm and told and kept.arm != told:
         text = f"it is for a {kept.arm}, and this is a {told}"
         raise PathRefused(f"{path}: {text}; nothing was sent", (text,))
-    typer.echo(f"{path} has {len(kept.waypoints)} waypoints; new ones follow them")
+    say(f"{path} has {len(kept.waypoints)} waypoints; new ones follow them")
     return kept
 
 
@@ -86,7 +87,7 @@ def _keep(robot: Robot, kept: WaypointFile, path: Path) -> None:
         try:
             line = input(f"name of waypoint {len(kept.waypoints) + 1}, Enter, or {_END}: ")
         except EOFError:
-            typer.echo()
+            say()
             return
         if line.strip() == _END:
             return
@@ -94,4 +95,4 @@ def _keep(robot: Robot, kept: WaypointFile, path: Path) -> None:
         found = kept.add(name, robot.state.get_actual_joints_position())
         kept.save(path)
         degrees = ", ".join(f"{angle:.2f}°" for angle in found.joints.degrees)
-        typer.echo(f"{name}: {degrees}")
+        say(f"{name}: {degrees}")

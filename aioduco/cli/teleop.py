@@ -13,6 +13,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
+from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
 
@@ -156,7 +157,7 @@ class _Leading:
 
         recording = None if self._record is None else robot.record(self._record)
         with recording or nullcontext(), self._device as device:
-            typer.echo(_HELP[self._kind])
+            say(_HELP[self._kind])
             report = aioduco.sync.teleoperate(
                 robot,
                 device,
@@ -166,4 +167,4 @@ class _Leading:
                 joints=self._joints,
             )
         kept = "" if recording is None else f"; recorded to {recording.path}"
-        typer.echo(f"led {report.held} times, for {report.seconds:.1f} s in all{kept}")
+        say(f"led {report.held} times, for {report.seconds:.1f} s in all{kept}")

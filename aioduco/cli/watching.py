@@ -7,9 +7,8 @@ import select
 import time
 from typing import TYPE_CHECKING
 
-import typer
-
 from aioduco.cli import picture
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     import socket
@@ -75,13 +74,13 @@ def _look(simulator: Simulator, end: socket.socket, film: Film, window: Viewer |
 
 def _write(simulator: Simulator, end: socket.socket, film: Film, path: Path) -> None:
     frames = film.frames if path.suffix == ".gif" else film.frames[-1:]
-    typer.echo(f"drawing {len(frames)} pictures; Ctrl-C once more ends it with those drawn")
+    say(f"drawing {len(frames)} pictures; Ctrl-C once more ends it with those drawn")
     with contextlib.suppress(BlockingIOError):
         end.setblocking(False)
         end.recv(4096)
     pictures = _drawn(simulator, end, frames)
     picture.save(path, pictures, [frame.duration for frame in frames])
-    typer.echo(f"written to {path}")
+    say(f"written to {path}")
 
 
 def _drawn(

@@ -18,8 +18,7 @@ from aioduco.sim.scene import Box
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rich.console import Console
-
+    from aioduco.cli.safe_console import SafeConsole
     from aioduco.kinematics import Arm
     from aioduco.planning import Plan
     from aioduco.robot import Robot
@@ -64,7 +63,7 @@ def obstacle(arm: Arm) -> Box:
 
 
 async def perform_plans(
-    simulator: SimulatorProcess, arm: Arm, console: Console, pictures: Path | None
+    simulator: SimulatorProcess, arm: Arm, console: SafeConsole, pictures: Path | None
 ) -> list[PlannedStep]:
     """Bring the arm up, and carry out the plans one after another.
 
@@ -121,7 +120,7 @@ async def perform_plans(
     return steps
 
 
-def save_pictures(plan: Plan, scene: Scene, folder: Path, console: Console) -> None:
+def save_pictures(plan: Plan, scene: Scene, folder: Path, console: SafeConsole) -> None:
     """Write pictures of the arm before and after a plan, and of the plan itself, as PNG files."""
     from PIL import Image  # noqa: PLC0415 - needs an extra
 

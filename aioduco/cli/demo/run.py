@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, NoReturn
 import anyio
 import numpy as np
 import typer
-from rich.console import Console
 
 import aioduco
 from aioduco.cli import extras
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
 from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
+from aioduco.cli.output import say
 from aioduco.cli.questions import ask
+from aioduco.cli.safe_console import SafeConsole
 from aioduco.errors import DucoError
 from aioduco.kinematics import forward
 
@@ -60,7 +61,7 @@ def run(
     """
     extras.need(*(() if host else ("sim",)), *(() if plot is None else ("plot",)))
     arm = extras.arm(model)
-    console = Console(stderr=result == OUTPUT)
+    console = SafeConsole(stderr=result == OUTPUT)
     plan = Choreography.for_reach(arm.reach, careful=host is not None)
     if host is not None:
         if not yes:
@@ -103,7 +104,7 @@ def run_planned(host: str | None, model: str, result: Path | None, pictures: Pat
     from aioduco.sim import Simulator  # noqa: PLC0415
 
     arm = extras.arm(model)
-    console = Console(stderr=result == OUTPUT)
+    console = SafeConsole(stderr=result == OUTPUT)
     try:
         left, board = planned.LEFT_THERE, planned.obstacle(arm)
         with Simulator.spawn(model=model, joints=left, scene=[board]) as sim:
@@ -121,7 +122,7 @@ def _perform(
     port: int,
     plan: Choreography,
     report: Report,
-    console: Console,
+    console: SafeConsole,
     clock: Clock | None = None,
     look: Look | None = None,
 ) -> signal.Signals | None:
@@ -134,7 +135,7 @@ def _perform(
         shown.close()
 
 
-def _ask(host: str, port: int, model: str, plan: Choreography, console: Console) -> None:
+def _ask(host: str, port: int, model: str, plan: Choreography, console: SafeConsole) -> None:
     """Print what was found and what will move, and continue only if the user confirms it."""
     try:
         found = anyio.run(session.look, host, port)
@@ -182,6 +183,6 @@ def _write(report: Report, path: Path) -> None:
 
 def _put(text: str, path: Path) -> None:
     if path == OUTPUT:
-        typer.echo(text)
+        say(text)
     else:
         path.write_text(text + "\n", encoding="utf-8")

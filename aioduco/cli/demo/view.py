@@ -17,9 +17,8 @@ from aioduco.models.enums import Outcome
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rich.console import Console
-
     from aioduco.cli.demo.report import MotionRecord, Report
+    from aioduco.cli.safe_console import SafeConsole
 
 __all__ = ["LiveView", "PlainView", "View", "summary", "view_for"]
 
@@ -52,7 +51,7 @@ class View(Protocol):
         """Nothing more will be shown."""
 
 
-def view_for(console: Console) -> View:
+def view_for(console: SafeConsole) -> View:
     """A live view if the console is a terminal, else a plain one."""
     return LiveView(console) if console.is_terminal else PlainView(console)
 
@@ -76,7 +75,7 @@ def milliradians(error: float | None) -> str:
 class PlainView:
     """One line per event: for logs, pipes and CI."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: SafeConsole) -> None:
         self._console = console
 
     def open(self, report: Report) -> None:
@@ -111,7 +110,7 @@ class PlainView:
 class LiveView:
     """A panel that is redrawn in place: joints, pose of the tool, motions with their states."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: SafeConsole) -> None:
         self._motions: list[MotionRecord] = []
         self._notes: list[str] = []
         self._actual: Sequence[float] = (0.0,) * 6

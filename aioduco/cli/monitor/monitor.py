@@ -10,6 +10,7 @@ import typer
 
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, USAGE, ended_by_errors
+from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from aioduco.cli.monitor.view_state import MonitorState
@@ -37,22 +38,22 @@ def monitor(
     """
     address = robot_at(host, port)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        typer.echo("this needs a terminal; `aioduco status --json` does not", err=True)
+        say("this needs a terminal; `aioduco status --json` does not", error=True)
         raise typer.Exit(USAGE)
     # All imports run before the event loop: loading would block it.
-    from rich.console import Console  # noqa: PLC0415 - for this command alone
     from rich.live import Live  # noqa: PLC0415
 
     import aioduco  # noqa: PLC0415
     from aioduco.cli.monitor.keyboard import single_keys  # noqa: PLC0415
     from aioduco.cli.monitor.onlooker import MonitorClient  # noqa: PLC0415
     from aioduco.cli.monitor.screen import screen  # noqa: PLC0415
+    from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
 
     robot = aioduco.connect(
         address.host, address.port, heartbeat=None, state_rate=rate, lag_limit=None
     )
     robot.feed.forces = forces
-    console = Console()
+    console = SafeConsole()
     live = Live(console=console, screen=True, auto_refresh=False, vertical_overflow="crop")
 
     def draw(state: MonitorState) -> None:
@@ -68,5 +69,5 @@ def monitor(
         finally:
             live.stop()
     if told is not None:
-        typer.echo(_ENDED, err=True)
+        say(_ENDED, error=True)
         raise typer.Exit(SIGNALLED + told)

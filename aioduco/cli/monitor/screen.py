@@ -9,6 +9,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from aioduco.cli.output import one_line
 from aioduco.models.enums import RobotState, SafetyState
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _states(state: MonitorState) -> Text:
 
 
 def _doing(state: MonitorState) -> Text:
-    errors = f"   errors: {'; '.join(state.errors)}" if state.errors else ""
+    errors = f"   errors: {one_line('; '.join(state.errors))}" if state.errors else ""
     return Text.assemble(state.doing, (errors, "red"), no_wrap=True, overflow="ellipsis")
 
 
@@ -180,7 +181,7 @@ def _events(state: MonitorState, room: int) -> list[Text]:
 def _line(event: EventLine) -> Text:
     style = _STYLES[event.severity]
     return Text.assemble(
-        (f"{event.at}  ", "dim"), (event.text, style), no_wrap=True, overflow="ellipsis"
+        (f"{event.at}  ", "dim"), (one_line(event.text), style), no_wrap=True, overflow="ellipsis"
     )
 
 

@@ -1,0 +1,112 @@
+"""No text of a controller, a gateway or a file is carried out by the terminal that shows it."""
+
+from __future__ import annotations
+
+import ast
+import io
+import logging
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+import aioduco.cli
+from aioduco.cli.output import one_line, say, shown
+from aioduco.cli.safe_console import SafeConsole
+
+#: what a terminal carries out, or shows otherwise than it is: title, clipboard, colours, C1, DEL,
+#: changed direction, invisible characters, half of a pair, line separator
+FOREIGN = (
+    "\x1b]0;pwned\x07", "\x1b]52;c;cm0=\x07", "\x1b[2J", "\x1b[8m", "\x9b2J", "\x9d0;x\x9c", "\x7f",
+    "\r", "\x08\x08", "\x00", "\u202e", "\u2066", "\u200b", "\ufeff", "\U000e0041", "\ud800",
+    "\u2028", "\x85",
+)  # fmt: skip
+ROOT = Path(aioduco.cli.__file__).parent
+
+
+def harmless(text: str) -> bool:
+    return all(each.isprintable() or each in "\n\u3000\xa0" for each in text)
+
+
+@pytest.mark.parametrize("text", FOREIGN)
+def test_controls_are_spelled_out(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert harmless(shown(text))
+    assert shown(f"a{text}b") != "ab", "nothing is hidden"
+    say(f"version 3.8{text}")
+    say(ValueError(text), error=True)
+    told = capsys.readouterr()
+    assert harmless(told.out)
+    assert harmless(told.err)
+
+
+def test_what_can_be_read_stays() -> None:
+    text = "关节 1\u3000超限\n\t12.5 mm, 90°, −0.1\xa0rad, é́"
+    assert shown(text) == text
+    assert one_line("a\nready  yes") == "a\\nready  yes"
+
+
+@pytest.mark.parametrize("text", [each for each in FOREIGN if each != "\ud800"])
+def test_a_console_draws_no_controls_and_no_markup(
+    text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TERM", "xterm-256color")
+    console = SafeConsole()
+    console.file = drawn = io.StringIO()
+    table = Table("name", title=f"t{text}")
+    table.add_row(f"[link=http://evil.example]x[/link]{text}")
+    console.print(f"[red]a{text}")
+    console.print(table)
+    console.print(Text(f"b{text}"))
+    with Live(Text(f"c{text}"), console=console, auto_refresh=False):
+        pass
+    assert text not in drawn.getvalue()
+    assert "[red]a" in drawn.getvalue()
+    assert "[link=" in drawn.getvalue()
+
+
+def test_each_command_prints_by_these_functions_alone() -> None:
+    """A command that prints by other means would print what a controller sends as it is."""
+    others = set()
+    for path in sorted(ROOT.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module == "rich.console":
+                names = {each.name for each in node.names} & {"Console", "print"}
+                others |= {(path.name, f"rich's {name}") for name in names}
+            if isinstance(node, ast.Call):
+                called = ast.unparse(node.func)
+                if called in {"typer.echo", "typer.secho", "click.echo", "print"} or (
+                    called.endswith((".stdout.write", ".stderr.write"))
+                ):
+                    others.add((path.name, called))
+    assert others == {("output.py", "print"), ("safe_console.py", "rich's Console")}
+
+
+def test_warnings_and_tracebacks_of_a_command_are_shown_not_carried_out() -> None:
+    program = (
+        "import logging, aioduco.cli.output as o; o.guard_streams()\n"
+        "logging.getLogger('aioduco.x').warning('told %s', '\\x1b]0;pwned\\x07')\n"
+        "raise RuntimeError('\\x1b[2J')\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": "utf-8"},
+    )  # fmt: skip
+    assert ended.returncode == 1
+    assert "told \\x1b]0;pwned" in ended.stderr
+    assert "RuntimeError: \\x1b[2J" in ended.stderr
+    assert harmless(ended.stderr)
+    assert logging.lastResort is not None
+
+
+def test_every_command_guards_its_streams(monkeypatch: pytest.MonkeyPatch) -> None:
+    guarded = []
+    monkeypatch.setattr(aioduco.cli.output, "guard_streams", lambda: guarded.append(1))
+    monkeypatch.setattr(sys, "argv", ["aioduco", "--version"])
+    with pytest.raises(SystemExit):
+        aioduco.cli.main()
+    assert guarded
