@@ -39,6 +39,7 @@ __all__ = [
     "CLOSE_ON_EXEC",
     "CONNECTING",
     "NEW_GROUP",
+    "PRIVATE",
     "SHARED",
     "boost_main_thread",
     "boot_time",
@@ -51,6 +52,7 @@ __all__ = [
     "has_memory_files",
     "limits_sockets",
     "missing_guard_features",
+    "private",
     "processors",
     "readiness",
     "realtime_priority",
@@ -62,6 +64,8 @@ __all__ = [
 #: flags of `os.open`: 0 where a system has none
 BINARY: Final = getattr(os, "O_BINARY", 0)
 CLOSE_ON_EXEC: Final = getattr(os, "O_CLOEXEC", 0)
+#: rights of a new file that may contain secrets: its owner alone reads and writes it
+PRIVATE: Final = 0o600
 #: error codes of a connect call whose connection is still being made
 CONNECTING: Final = (errno.EINPROGRESS, getattr(errno, "WSAEWOULDBLOCK", errno.EINPROGRESS))
 #: flags that keep Ctrl-C in the program's console from a child, on a system without sessions
@@ -69,6 +73,11 @@ NEW_GROUP: Final = 0x200 if sys.platform == "win32" else 0
 
 #: command-line argument that stands for a socket that is shared, and not inherited
 SHARED: Final = "shared"
+
+
+def private(path: str, flags: int) -> int:
+    """Opener for `open`: a file that it creates is its owner's alone."""
+    return os.open(path, flags | BINARY | CLOSE_ON_EXEC, PRIVATE)
 
 
 def boot_time() -> float:

@@ -40,7 +40,7 @@ def plot(
     try:
         found = json.loads(figures.read_text(encoding="utf-8"))
         draw(found, target)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, LookupError, RecursionError, TypeError) as error:
         say(f"{figures} cannot be drawn: {error!r}", error=True)
         raise typer.Exit(1) from None
     say(f"written to {target}")

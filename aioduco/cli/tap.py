@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from aioduco._process.platform import private
 from aioduco._wire.address import parse_address
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
@@ -107,7 +108,7 @@ def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedC
         with _recording(path, host, port) as record:
             yield record
     else:
-        with path.open("a", encoding="utf-8") as file:
+        with open(path, "a", encoding="utf-8", opener=private) as file:
 
             def write(call: TappedCall) -> None:
                 file.write(_line(call) + "\n")

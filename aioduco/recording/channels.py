@@ -30,6 +30,8 @@ from foxglove.messages import (
     Vector3,
 )
 
+from aioduco._process.platform import private
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
@@ -457,7 +459,10 @@ def write_indexed(
     options = MCAPWriteOptions(profile="aioduco", compression=MCAPCompression.Zstd)
     channels: dict[McapChannel, foxglove.Channel] = {}
     try:
-        with foxglove.open_mcap(str(path), context=context, writer_options=options) as writer:
+        with (
+            open(path, "xb", opener=private) as file,
+            foxglove.open_mcap(file, context=context, writer_options=options) as writer,
+        ):
             for name, texts in metadata.items():
                 writer.write_metadata(name, texts)
             for message in messages:

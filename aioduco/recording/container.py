@@ -3,6 +3,9 @@
 A file that was cut off, because its program was killed or the disk was full, ends in the middle of
 a record and has no index. The records before that are read, and `McapFile.complete` is false; so it
 is with a file that is damaged elsewhere. A chunk is used only if its checksum is right.
+
+A file may come from a stranger. Guarantee: what it claims allocates nothing, and what it unpacks to
+is bounded by its own size: a file that wants more is refused before it is read on.
 """
 
 from __future__ import annotations
@@ -30,7 +33,13 @@ _NUMBER: Final = struct.Struct("<H")
 _NUMBERS: Final = struct.Struct("<HH")
 _LENGTH: Final = struct.Struct("<I")
 #: maximum bytes of an unpacked chunk; a chunk that claims more is damaged
-_LARGEST: Final = 1 << 30
+_LARGEST: Final = 1 << 28
+#: bytes of memory that any file may take, and those for each byte of the file
+_ALWAYS, _PER_BYTE = 1 << 28, 100
+#: bytes of memory that a message takes beside its content
+_MESSAGE_COST: Final = 512
+#: times above are no nanoseconds since 1970, and fit into no array
+_LATEST: Final = 1 << 63
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +99,7 @@ class McapFile:
         self._channels: dict[int, McapChannel] = {}
         self.metadata: dict[str, dict[str, str]] = {}
         self.complete: bool = False
+        self._left = 0
 
     def messages(self) -> Iterator[McapMessage]:
         """Iterate over the messages, in the order of the file.
@@ -105,6 +115,7 @@ class McapFile:
             raise RecordingError(
                 f"{self._path} is no recording: it does not begin as MCAP files do"
             )
+        self._left = _ALWAYS + _PER_BYTE * len(data)
         try:
             yield from self._records(data[len(MAGIC) :])
         except _Damaged:
@@ -130,8 +141,9 @@ class McapFile:
         if kind == MESSAGE:
             number, _, log_time, _ = _unpack_from(_MESSAGE, record)
             channel = self._channels.get(number)
-            if channel is None:
+            if channel is None or log_time >= _LATEST:
                 raise _Damaged
+            self._spend(_MESSAGE_COST)
             return McapMessage(channel, log_time, record[_MESSAGE.size :])
         if kind == SCHEMA:
             (number,) = _unpack_from(_NUMBER, record)
@@ -145,6 +157,15 @@ class McapFile:
             self._channels[number] = McapChannel(topic, encoding, self._schemas.get(schema))
         return None
 
+    def _spend(self, size: int) -> None:
+        """Count memory that the file takes."""
+        self._left -= size
+        if self._left < 0:
+            raise RecordingError(
+                f"{self._path} unpacks to more than {_ALWAYS >> 20} MiB and {_PER_BYTE} times its "
+                "own size, which no recording does: it was not read"
+            )
+
     def _unpacked(self, record: memoryview) -> memoryview:
         """Return the records of a chunk."""
         _, _, size, crc = _unpack_from(_CHUNK, record)
@@ -152,6 +173,7 @@ class McapFile:
         packed = record[at + 8 :]
         if size > _LARGEST:
             raise _Damaged
+        self._spend(size)
         chunk = _unpack(self._path, compression)(packed, size)
         if crc and zlib.crc32(chunk) != crc:
             raise _Damaged
@@ -171,8 +193,11 @@ def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
 
     def unpack(packed: memoryview, size: int) -> bytes:
         try:
+            # the frame's own claim is what would be allocated
+            if zstandard.frame_content_size(packed) not in (-1, size):
+                raise _Damaged
             return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
-        except zstandard.ZstdError as exc:
+        except (zstandard.ZstdError, MemoryError) as exc:
             raise _Damaged from exc
 
     return unpack

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError
+from aioduco.recording.foreign import of_any_maker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,6 +118,7 @@ def marks(run: RecordedRun) -> list[tuple[float, str]]:
     return found
 
 
+@of_any_maker
 def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> None:
     """Draw a recording as a PNG. Needs matplotlib.
 
@@ -127,6 +129,7 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
 
     Raises:
         ParameterError: the recording contains nothing that can be drawn.
+        RecordingError: its contents are not as aioduco writes them.
         MissingExtra: matplotlib is not installed.
     """
     try:
@@ -165,6 +168,7 @@ def _title(run: RecordedRun, other: RecordedRun | None) -> str:
     return " and, dashed, ".join(names)
 
 
+@of_any_maker
 def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> None:
     """Write a recording as one HTML page with zoom; the page loads nothing from elsewhere.
 

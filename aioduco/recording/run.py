@@ -7,7 +7,7 @@ import math
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from aioduco.recording.container import McapMessage
 
 __all__ = ["RecordedMessage", "RecordedRun", "read"]
+
+#: longest message of JSON [bytes]; its values take many times as much
+_LONGEST: Final = 1 << 24
+#: depth up to which nested fields become fields of their own
+_DEEPEST: Final = 16
 
 
 class RecordedMessage(NamedTuple):
@@ -54,7 +59,8 @@ def read(path: str | os.PathLike[str]) -> RecordedRun:
             `RecordedRun.complete`.
 
     Raises:
-        RecordingError: the file cannot be opened, is not an MCAP file, or has another compression.
+        RecordingError: the file cannot be opened, is not an MCAP file, has another compression, or
+            unpacks to much more than its size.
         MissingExtra: the extra `record` is not installed.
     """
     return RecordedRun(Path(path))
@@ -87,7 +93,9 @@ class RecordedRun:
         started = self.metadata.get("started", "0")
         try:
             start = int(started)
-        except ValueError:  # the file is damaged there
+        except ValueError:
+            start = -1
+        if not 0 <= start < 1 << 63:  # the file is damaged there
             start, self.complete = 0, False
         self._start = start or min(times, default=0)
         self._end = max(ends, default=self._start)
@@ -229,7 +237,11 @@ def _decoded(message: McapMessage) -> dict[str, Any]:
     name = channel.schema.name if channel.schema is not None else ""
     if channel.encoding != "json" and name not in DECODERS:
         raise RecordingError(
-            f"messages of {channel.topic} are not known here: {name or 'no schema'}"
+            f"messages of {channel.topic:.200} are not known here: {name or 'no schema':.200}"
+        )
+    if channel.encoding == "json" and len(message.data) > _LONGEST:
+        raise RecordingError(
+            f"a message of {channel.topic:.200} has {len(message.data)} bytes, more than {_LONGEST}"
         )
     try:
         if channel.encoding == "json":
@@ -237,16 +249,16 @@ def _decoded(message: McapMessage) -> dict[str, Any]:
         return DECODERS[name](message.data)
     except Exception as error:  # a file of somebody else may hold anything
         raise RecordingError(
-            f"a message of {channel.topic} at {message.time_ns} ns cannot be read: "
-            f"{type(error).__name__}: {error}"
+            f"a message of {channel.topic:.200} at {message.time_ns} ns cannot be read: "
+            f"{type(error).__name__}: {error!s:.200}"
         ) from error
 
 
-def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Iterate over the fields of a message, nested ones included."""
+def _flat(values: Mapping[str, Any], before: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """Iterate over the fields of a message, nested ones included; those too deep stay objects."""
     for name, value in values.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{before}{name}.")
+        if isinstance(value, dict) and depth < _DEEPEST:
+            yield from _flat(value, f"{before}{name}.", depth + 1)
         else:
             yield before + name, value
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import re
 from typing import TYPE_CHECKING, Any
 
+from aioduco._process.platform import private
 from aioduco.errors import MissingExtra
 
 if TYPE_CHECKING:
@@ -46,7 +49,8 @@ def write_csv(channels: Channels, folder: Path) -> list[Path]:
     for topic, arrays in channels:
         found = columns(arrays)
         path = folder / f"{_name(topic)}.csv"
-        with path.open("w", encoding="utf-8", newline="") as file:
+        number = private(str(path), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        with os.fdopen(number, "w", encoding="utf-8", errors="replace", newline="") as file:
             writer = csv.writer(file)
             writer.writerow(found)
             plain = [c if isinstance(c, list) else c.tolist() for c in found.values()]
@@ -67,10 +71,11 @@ def write_parquet(channels: Channels, metadata: dict[str, str], folder: Path) ->
     for topic, arrays in channels:
         path = folder / f"{_name(topic)}.parquet"
         table = pa.table(dict(columns(arrays)))
-        parquet.write_table(table.replace_schema_metadata(metadata), path)
+        with open(path, "wb", opener=private) as file:
+            parquet.write_table(table.replace_schema_metadata(metadata), file)
         paths.append(path)
     return paths
 
 
 def _name(topic: str) -> str:
-    return topic.strip("/").replace("/", "_")
+    return re.sub(r"[^\w.\-]", "_", topic.strip("/"))[:200]

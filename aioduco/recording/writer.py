@@ -21,7 +21,7 @@ from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
-from aioduco._process.platform import BINARY, CLOSE_ON_EXEC
+from aioduco._process.platform import BINARY, CLOSE_ON_EXEC, PRIVATE
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import MissingExtra
 
@@ -347,5 +347,5 @@ def _created(path: Path) -> tuple[Path, int]:
     for number in range(_NAMES):
         tried = path if number == 0 else path.with_stem(f"{path.stem}-{number}")
         with contextlib.suppress(FileExistsError):
-            return tried, os.open(tried, flags, 0o644)
+            return tried, os.open(tried, flags, PRIVATE)
     raise FileExistsError(f"{path} and {_NAMES - 1} numbered files beside it exist")

@@ -17,6 +17,7 @@ from aioduco.errors import ParameterError, RecordingError
 from aioduco.models.pose import Joints
 from aioduco.models.ranges import TIMEOUT, WAIT
 from aioduco.models.rules import Number
+from aioduco.recording.foreign import of_any_maker
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class RecordedPath:
     incidents: tuple[tuple[float, str], ...]
 
     @classmethod
+    @of_any_maker
     def of(
         cls,
         run: RecordedRun,

@@ -1,0 +1,163 @@
+"""Recordings of strangers: typed errors, and memory that the file's size bounds."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import stat
+import struct
+import sys
+import tracemalloc
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.errors import DucoError, RecordingError
+from aioduco.recording import read
+from aioduco.recording.container import MAGIC
+from aioduco.recording.figures import draw_page
+from aioduco.recording.playback import RecordedPath
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+zstandard = pytest.importorskip("zstandard")
+
+HEAD = MAGIC + struct.pack("<BQ", 1, 8) + bytes(8)
+END = struct.pack("<BQI", 0x0F, 4, 0) + MAGIC
+
+
+def record(kind: int, body: bytes) -> bytes:
+    return struct.pack("<BQ", kind, len(body)) + body
+
+
+def text(value: str) -> bytes:
+    return struct.pack("<I", len(value.encode())) + value.encode()
+
+
+def channel(number: int, topic: str) -> bytes:
+    return record(4, struct.pack("<HH", number, 0) + text(topic) + text("json") + bytes(4))
+
+
+def message(number: int, data: bytes, at: int = 10**18) -> bytes:
+    return record(5, struct.pack("<HIQQ", number, 0, at, at) + data)
+
+
+def chunk(plain: bytes, packed: bytes | None = None, size: int | None = None) -> bytes:
+    packed = zstandard.ZstdCompressor().compress(plain) if packed is None else packed
+    size = len(plain) if size is None else size
+    head = struct.pack("<QQQI", 0, 0, size, 0) + text("zstd")
+    return record(6, head + struct.pack("<Q", len(packed)) + packed)
+
+
+def claims(size: int) -> bytes:
+    """A frame whose header says that it unpacks to so much."""
+    return b"\x28\xb5\x2f\xfd\xe0" + struct.pack("<Q", size) + b"\x01\x00\x00"
+
+
+def of_json(topic: str, *values: bytes, at: int = 10**18) -> bytes:
+    return chunk(channel(1, topic) + b"".join(message(1, value, at) for value in values))
+
+
+def deep(opened: bytes, closed: bytes, depth: int) -> bytes:
+    return b'{"a":' + opened * depth + closed * depth + b"}"
+
+
+STRANGE: dict[str, Callable[[], bytes]] = {
+    "claims 1 TiB": lambda: chunk(b"", claims(1 << 40), 100),
+    "claims 1 TiB, twice": lambda: chunk(b"", claims(1 << 40), 1 << 40),
+    "claims 200 MiB, without content": lambda: chunk(b"", claims(200 << 20), 200 << 20),
+    "deep lists": lambda: of_json("/commands", deep(b"[", b"]", 200_000)),
+    "deep objects": lambda: of_json("/commands", b'{"a":' * 900 + b"1" + b"}" * 900),
+    "broken": lambda: of_json("/commands", b"{nope"),
+    "a list": lambda: of_json("/joint_states", b"[1, 2]"),
+    "a number": lambda: of_json("/events", b"3"),
+    "other fields": lambda: of_json("/commands", b'{"a": 1}'),
+    "other joints": lambda: of_json("/joint_setpoints", b'{"position": {}}', b'{"position": 1}'),
+    "no text": lambda: of_json("/commands", b'{"n": "\xe4"}'),
+    "half a pair": lambda: of_json("/x", b'{"n": "\\ud800"}'),
+    "a large number": lambda: of_json("/x", b'{"n": 1' + b"0" * 400 + b"}"),
+    "large numbers": lambda: of_json("/x", b'{"n": [1' + b"0" * 400 + b"]}"),
+    "a long number": lambda: of_json("/x", b'{"n": 1' + b"0" * 400_000 + b"}"),
+    "late": lambda: of_json("/x", b'{"n": 1}', at=(1 << 63) + 5),
+    "a strange topic": lambda: of_json("/../../\0/x\\y:z" + "a" * 300, b'{"n": 1}'),
+}
+
+
+def used(path: Path, folder: Path) -> None:
+    """Read all that a recording offers."""
+    run = read(path)
+    list(run.messages())
+    for topic in run.topics:
+        run.arrays(topic)
+    for file in run.to_csv(folder):
+        assert file.resolve().parent == folder.resolve()
+
+
+@pytest.mark.parametrize("kind", STRANGE)
+def test_a_strange_file_is_read_or_refused_by_a_typed_error(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(HEAD + STRANGE[kind]() + END)
+    tracemalloc.start()
+    try:
+        for use in (
+            lambda: used(path, tmp_path / "csv"),
+            lambda: RecordedPath.of(read(path)),
+            lambda: draw_page(read(path), tmp_path / "run.html"),
+        ):
+            with contextlib.suppress(DucoError):
+                use()
+        assert tracemalloc.get_traced_memory()[1] < 300 << 20
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    plain = channel(1, "/x") + message(1, b"{}")
+    large = plain + record(0x99, bytes(60 << 20))
+    path.write_bytes(HEAD + chunk(large) * 5 + END)
+    with pytest.raises(RecordingError, match="unpacks to more than"):
+        read(path)
+
+
+def test_a_small_file_does_not_hold_millions_of_messages(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(HEAD + chunk(channel(1, "/x") + message(1, b"") * 700_000) + END)
+    with pytest.raises(RecordingError, match="unpacks to more than"):
+        read(path)
+
+
+def test_a_long_recording_is_within_the_bound(tmp_path: Path) -> None:
+    """Thousands of messages that differ in their time alone, as of an arm that stands."""
+    path = tmp_path / "run.mcap"
+    body = json.dumps({"position": [0.1] * 6, "velocity": [0.0] * 6}).encode()
+    chunks = [
+        chunk(channel(1, "/x") + b"".join(message(1, body, 10**18 + n * 2_000_000 + k * 10**9)
+                                          for n in range(500)))
+        for k in range(60)
+    ]  # fmt: skip
+    path.write_bytes(HEAD + b"".join(chunks) + END)
+    run = read(path)
+    assert (run.complete, run.topics) == (True, {"/x": 30_000})
+    spent = 60 * 500 * (len(body) + 31 + 512)
+    assert spent < (1 << 28) + 100 * path.stat().st_size
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="rights of Unix")
+def test_what_is_recorded_is_readable_by_its_owner_alone(tmp_path: Path) -> None:
+    from aioduco.recording.writer import _created  # noqa: PLC0415
+
+    def rights(path: Path) -> int:
+        return stat.S_IMODE(path.stat().st_mode)
+
+    path, number = _created(tmp_path / "new.mcap")
+
+    os.close(number)
+    assert rights(path) == 0o600
+    path.write_bytes(HEAD + of_json("/x", b'{"n": 1}') + END)
+    run: Any = read(path)
+    written = [run.to_mcap(tmp_path / "indexed.mcap"), *run.to_csv(tmp_path / "csv")]
+    assert [rights(each) for each in written] == [0o600] * len(written)
