@@ -92,7 +92,8 @@ def stop(
 ) -> None:
     """Stop all arms of the fleet, or those that are named.
 
-    Exit codes: 0 all of them stand; 2 a wrong file; 4 it is not known that all of them stand.
+    Exit codes: 0 all of them stand, which each gateway proved by its key; 2 a wrong file; 4 it is
+    not known that all of them stand.
     """
     settings = _settings(file)
     from aioduco.integrations.fleet import FleetClient  # noqa: PLC0415 - quick help
@@ -109,6 +110,7 @@ def stop(
             "gateways": [json_module.loads(report.encode()) for report in done.reports],
             "missing": done.missing,
             "unknown": done.unknown,
+            "unproven": done.unproven,
         }
         say(json_module.dumps(table))
     else:
@@ -120,12 +122,16 @@ def stop(
 def _settings(file: Path) -> FleetSettings:
     extras.need("fleet")
     from aioduco.integrations.fleet import FleetFileError, FleetSettings  # noqa: PLC0415 - quick help
+    from aioduco.integrations.fleet.proof import read_keys  # noqa: PLC0415
 
     try:
-        return FleetSettings.read(file)
+        settings = FleetSettings.read(file)
+        if settings.keys:
+            read_keys(settings.keys)
     except (FleetFileError, OSError) as error:
         say(str(error), error=True)
         raise typer.Exit(USAGE) from None
+    return settings
 
 
 def _show(view: FleetView) -> None:
@@ -146,8 +152,16 @@ def _tell(done: FleetStop) -> None:
         if report.note:
             say(f"{report.gateway}: {report.note}", error=True)
         for arm in report.arms:
-            text = f"{report.gateway:16} {arm.name:16} {arm.error or 'stands'}"
-            say(text, error=bool(arm.error))
+            unproven = report.gateway in done.unproven
+            stands = "stands, says an answer without proof" if unproven else "stands"
+            text = f"{report.gateway:16} {arm.name:16} {arm.error or stands}"
+            say(text, error=bool(arm.error) or unproven)
+    answered = {report.gateway for report in done.reports}
+    for name in done.unproven:
+        said = "someone answered in its name without its key"
+        if name in answered:
+            said = "anyone may have answered: this computer has no key of it, see docs/fleet.md"
+        say(f"{name:16} not proven: {said}", error=True)
     for name in done.missing:
         say(f"{name:16} missing: it is not known whether its arms stand", error=True)
     for name in done.unknown:

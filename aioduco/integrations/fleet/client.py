@@ -9,6 +9,7 @@ import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco.integrations.fleet.link import FleetLink
+from aioduco.integrations.fleet.proof import challenge, proves, read_keys
 from aioduco.integrations.fleet.reports import (
     GatewayReport,
     MessageRefused,
@@ -48,20 +49,25 @@ class FleetStop:
     """Result of a stop.
 
     Attributes:
-        reports: the answers of the gateways.
+        reports: the answers of the gateways. Of a gateway whose key is known, only its proven one.
         missing: gateways that are expected, or were present, and did not answer.
+        unproven: gateways whose answer may be of anyone, since there is no key for its proof; and
+            those in whose name there was an answer without the right proof.
         unknown: requested arms that no gateway has.
     """
 
     reports: tuple[StopReport, ...]
     missing: tuple[str, ...]
     unknown: tuple[str, ...]
+    unproven: tuple[str, ...] = ()
 
     @property
     def confirmed(self) -> bool:
-        """Whether it is confirmed that all requested arms stand."""
+        """Whether it is confirmed that all requested arms stand: proven by each gateway's key."""
         failed = any(arm.error for report in self.reports for arm in report.arms)
-        return bool(self.reports) and not (failed or self.missing or self.unknown)
+        answered = {report.gateway for report in self.reports}
+        lacking = failed or self.missing or self.unknown or answered & {*self.unproven}
+        return bool(self.reports) and not lacking
 
 
 class FleetClient(Uncopied):
@@ -70,10 +76,14 @@ class FleetClient(Uncopied):
     Args:
         settings: settings of the fleet. The client also connects to the addresses of `listen`, so
             that a gateway's file can be used on its own computer.
+
+    Raises:
+        FleetFileError: the file of keys is wrong.
     """
 
     def __init__(self, settings: FleetSettings) -> None:
         self._settings = settings
+        self._keys = read_keys(settings.keys) if settings.keys else {}
         self._link = FleetLink(settings, listens=False)
         self._present: set[str] = set()
         self._reports: dict[str, GatewayReport] = {}
@@ -161,29 +171,41 @@ class FleetClient(Uncopied):
         _require_time(timeout)
         names = None if arms is None else frozenset(arms)
         request = StopRequest(names).encode()
+        riddle = challenge()
         answers: dict[str, StopReport] = {}
+        unproven: set[str] = set()
         asked: set[str] = set()
 
-        def answered(gateway: str, data: bytes) -> None:
+        def answered(gateway: str, data: bytes, proof: bytes) -> None:
+            key = self._keys.get(gateway)
+            proven = key is not None and proves(key, riddle, request, data, proof)
             try:
                 report = StopReport.decode(data)
             except MessageRefused:
                 return
-            if report.gateway == gateway:
+            if report.gateway != gateway:
+                return
+            if proven:
                 answers[gateway] = report
-                self._wake()
+            else:
+                unproven.add(gateway)
+                if key is None:
+                    answers[gateway] = _worse(answers.get(gateway), report)
+            self._wake()
 
         def over() -> bool:
             for gateway in sorted(self._present - asked):
                 asked.add(gateway)
-                self._link.ask_for_stop(gateway, request, timeout, answered)
+                self._link.ask_for_stop(gateway, request, riddle, timeout, answered)
             return not self._missing(answers) and not (asked - answers.keys())
 
         await self._until(over, timeout)
         missing = tuple(sorted({*self._missing(answers), *(asked - answers.keys())}))
         found = {arm.name for report in answers.values() for arm in report.arms}
         unknown = tuple(sorted((names or frozenset()) - found))
-        return FleetStop(tuple(answers[name] for name in sorted(answers)), missing, unknown)
+        told = tuple(answers[name] for name in sorted(answers))
+        lies = unproven - {name for name in answers if name in self._keys}
+        return FleetStop(told, missing, unknown, tuple(sorted(lies)))
 
     async def _until(self, over: Callable[[], bool], timeout: float) -> None:
         begin = anyio.current_time()
@@ -198,6 +220,13 @@ class FleetClient(Uncopied):
                 limit = enough if done and self._present else begin + timeout
                 with anyio.CancelScope(deadline=limit):
                     await changed.wait()
+
+
+def _worse(one: StopReport | None, other: StopReport) -> StopReport:
+    """Of two unproven answers in one name, the one that says that an arm does not stand."""
+    if one is not None and any(arm.error for arm in one.arms):
+        return one
+    return other
 
 
 def _require_time(timeout: float) -> None:

@@ -16,6 +16,7 @@ from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopsUnconfirmed
 from aioduco.integrations.fleet.gateway_state import GatewayState
 from aioduco.integrations.fleet.link import FleetLink
+from aioduco.integrations.fleet.proof import read_keys
 from aioduco.integrations.fleet.reports import ArmReport
 from aioduco.integrations.fleet.settings import FleetFileError
 from aioduco.robot import connect, stop_all
@@ -46,6 +47,9 @@ class FleetGateway(Uncopied):
         settings: settings of the fleet, with a gateway's name and its arms.
         reach: makes a robot from an arm's settings; None for `aioduco.connect` with these settings.
             A program that also moves the arms passes a function of its own.
+
+    Raises:
+        FleetFileError: it has no name, or the file of keys is wrong or lacks its key.
     """
 
     def __init__(
@@ -54,6 +58,10 @@ class FleetGateway(Uncopied):
         if not settings.gateway:
             raise FleetFileError("a gateway needs a name: gateway = ... in [fleet]")
         self._settings = settings
+        keys = read_keys(settings.keys) if settings.keys else {}
+        if keys and settings.gateway not in keys:
+            raise FleetFileError(f"{settings.keys} has no key of this gateway, {settings.gateway}")
+        self._key = keys.get(settings.gateway)
         self._reach = reach or partial(_reach, rate=settings.rate)
         self._state = GatewayState(settings.gateway, [arm.name for arm in settings.arms])
         self._link = FleetLink(settings, listens=True)
@@ -73,7 +81,7 @@ class FleetGateway(Uncopied):
         """
         await self._link.__aenter__()
         try:
-            self._link.answer_stops(self._settings.gateway, self._stop)
+            self._link.answer_stops(self._settings.gateway, self._stop, self._key)
             self._link.declare_alive(self._settings.gateway)
         except BaseException:  # also a panic of Zenoh, which is no Exception
             await self._link.__aexit__(None, None, None)

@@ -14,6 +14,7 @@ import anyio
 import anyio.from_thread
 
 from aioduco.errors import ConnectError, MissingExtra
+from aioduco.integrations.fleet.proof import proof_of
 from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, stop_key
 
 if TYPE_CHECKING:
@@ -118,16 +119,26 @@ class FleetLink:
         """Publish a gateway's state without waiting; a message that cannot be sent is dropped."""
         self._session.put(state_key(self._settings.name, gateway), data)
 
-    def answer_stops(self, gateway: str, stop: Callable[[bytes], Awaitable[bytes]]) -> None:
-        """Run `stop` on the event loop for each request, and answer with its result."""
+    def answer_stops(
+        self, gateway: str, stop: Callable[[bytes], Awaitable[bytes]], key_of_it: bytes | None
+    ) -> None:
+        """Run `stop` on the event loop for each request, and answer with its result.
+
+        Args:
+            gateway: name of the gateway.
+            stop: function that stops, from the request to the answer.
+            key_of_it: the gateway's key, for the proof; None for none.
+        """
         key = stop_key(self._settings.name, gateway)
 
         async def carry_out(query: Any) -> None:
             try:
-                answer = await stop(_bytes(query.payload))
+                request, asked = _bytes(query.payload), _bytes(query.attachment)
+                answer = await stop(request)
+                proof = None if key_of_it is None else proof_of(key_of_it, asked, request, answer)
                 # The requester may have disconnected; then the answer is lost.
                 with contextlib.suppress(Exception):
-                    query.reply(key, answer)
+                    query.reply(key, answer, attachment=proof)
             finally:
                 query.drop()
 
@@ -162,17 +173,38 @@ class FleetLink:
         )
 
     def ask_for_stop(
-        self, gateway: str, data: bytes, timeout: float, answered: Callable[[str, bytes], object]
+        self,
+        gateway: str,
+        data: bytes,
+        asked: bytes,
+        timeout: float,
+        answered: Callable[[str, bytes, bytes], object],
     ) -> None:
-        """Request a stop from one gateway. Its answer arrives later, or never."""
+        """Request a stop from one gateway. Its answer arrives later, or never.
+
+        Others can answer in its name: the request goes to all that do, and all answers are passed
+        on, so that none of them takes the place of the gateway's own.
+
+        Args:
+            gateway: name of the gateway.
+            data: the request.
+            asked: the challenge for its proof.
+            timeout: time until which answers are passed on [s].
+            answered: called with the gateway, an answer, and its proof, which may be empty.
+        """
+        import zenoh  # noqa: PLC0415 - it is there
 
         def came(reply: Any) -> None:
             if reply.ok is not None:
-                self._hand_on(answered, gateway, _bytes(reply.ok.payload))
+                proof = _bytes(reply.ok.attachment)
+                self._hand_on(answered, gateway, _bytes(reply.ok.payload), proof)
 
         key = stop_key(self._settings.name, gateway)
         # Rounded up, so that the query does not end before the caller's time-out.
-        self._session.get(key, came, payload=data, timeout=math.ceil(timeout * 10) / 10)
+        self._session.get(
+            key, came, payload=data, attachment=asked, timeout=math.ceil(timeout * 10) / 10,
+            target=zenoh.QueryTarget.ALL, consolidation=zenoh.ConsolidationMode.NONE,
+        )  # fmt: skip
 
     def _hand_on(self, function: Callable[..., Any], *args: Any) -> None:
         with contextlib.suppress(RuntimeError):  # the session is closing

@@ -77,6 +77,8 @@ class FleetSettings:
         rate: rate at which a gateway publishes its state [Hz].
         zenoh: file with Zenoh's own configuration, such as certificates and access control; empty
             for none. The settings above override it.
+        keys: file with the keys of gateways, by which they prove their answers to a stop; empty for
+            none: then no stop is confirmed. A gateway's own computer needs its own key alone.
         arms: arms of this gateway.
     """
 
@@ -88,13 +90,14 @@ class FleetSettings:
     expect: tuple[str, ...] = ()
     rate: float = 5.0
     zenoh: str = ""
+    keys: str = ""
     arms: tuple[ArmSettings, ...] = field(default=())
 
     def __post_init__(self) -> None:
         _named("name of the fleet", self.name)
         if self.gateway:
             _named("name of the gateway", self.gateway)
-        _typed(self, discover=bool, rate=(int, float), zenoh=str)
+        _typed(self, discover=bool, rate=(int, float), zenoh=str, keys=str)
         for name in ("listen", "connect", "expect"):
             if not all(isinstance(each, str) for each in getattr(self, name)):
                 raise FleetFileError(f"{name} must be a list of strings")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import json
 import signal
 import socket
@@ -48,6 +49,10 @@ sys.stdin.read()
 """
 
 
+#: beginning of the keys of gateways
+KEY = "0123456789abcdef" * 2
+
+
 def free_endpoint() -> str:
     return f"tcp/127.0.0.1:{free_port()}"
 
@@ -63,6 +68,10 @@ class Fleet:
 
     def __init__(self, folder: Path, arms: dict[str, Simulator], router: str | None = None) -> None:
         self.files: dict[str, Path] = {}
+        keys = folder / "keys.toml"
+        keys.write_text(
+            "".join(f'{name} = "{KEY}{number:02}"\n' for number, name in enumerate(arms))
+        )
         self.processes: dict[str, subprocess.Popen[str]] = {}
         first: str | None = None
         for name, sim in arms.items():
@@ -76,7 +85,7 @@ class Fleet:
             self.files[name].write_text(
                 "[fleet]\n"
                 f'name = "plant"\ngateway = "{name}"\nexpect = {json.dumps([*arms])}\n'
-                f"listen = {own}\nconnect = {others}\n"
+                f"listen = {own}\nconnect = {others}\nkeys = {json.dumps(str(keys))}\n"
                 f'[[arm]]\nname = "arm-of-{name}"\nhost = "{sim.host}"\nport = {sim.port}\n'
                 f"heartbeat = {HEARTBEAT}\n"
             )
@@ -209,6 +218,7 @@ async def test_a_lost_router_changes_nothing_about_supervision(tmp_path: Path) -
         fleet.start("one")
         robot = await set_moving(sim)
         looking = FleetSettings("plant", listen=(), connect=(endpoint,), expect=("one",))
+        looking = dataclasses.replace(looking, keys=str(tmp_path / "keys.toml"))
         async with FleetClient(looking) as client:
             await eventually_async(lambda: bool(up(client.view)), 60.0)
             end(router)

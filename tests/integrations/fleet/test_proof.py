@@ -1,0 +1,164 @@
+"""Who may say that a gateway's arms stand: only that gateway, which proves itself by its key."""
+
+from __future__ import annotations
+
+import json
+from contextlib import AsyncExitStack
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import anyio.to_thread
+import pytest
+from ports import free_port
+
+from aioduco.integrations.fleet import FleetClient, FleetFileError, FleetGateway, FleetSettings
+from aioduco.integrations.fleet.proof import challenge, proof_of, proves, read_keys
+from aioduco.integrations.fleet.reports import ArmStopped, StopReport, alive_key, stop_key
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+KEY = bytes(range(32))
+
+
+def test_a_proof_is_of_one_answer_to_one_request() -> None:
+    riddle = challenge()
+    assert riddle != challenge()
+    whole: tuple[bytes, bytes, bytes, bytes] = (KEY, riddle, b"all", b"stands")
+    proof = proof_of(*whole)
+    assert proves(KEY, riddle, b"all", b"stands", proof)
+    for number in range(4):
+        other = [*whole]
+        other[number] = b"x" + other[number][1:]
+        assert not proves(other[0], other[1], other[2], other[3], proof)
+    assert not proves(KEY, riddle, b"alls", b"tands", proof), "parts cannot be moved"
+    for wrong in (b"", proof[:-1], proof + b"0"):
+        assert not proves(KEY, riddle, b"all", b"stands", wrong)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['a = "12"', f'a = "{"g" * 32}"', "a = 5", f'"a/b" = "{"0" * 32}"', "a =", "a = " + "[" * 9999],
+)
+def test_a_wrong_file_of_keys_is_refused_without_a_key_in_the_text(
+    text: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "keys.toml"
+    path.write_text(text)
+    with pytest.raises(FleetFileError) as refused:
+        read_keys(path)
+    assert "0" * 32 not in str(refused.value)
+    assert "g" * 32 not in str(refused.value)
+    with pytest.raises(FleetFileError):
+        FleetClient(FleetSettings("plant", keys=str(tmp_path / "none.toml")))
+
+
+Answer = StopReport("cell", (ArmStopped("left"),)).encode()
+
+
+def forged(query: Any) -> None:
+    query.reply(query.key_expr, Answer)
+
+
+def of_another_key(query: Any) -> None:
+    asked, request = query.attachment.to_bytes(), query.payload.to_bytes()
+    query.reply(query.key_expr, Answer, attachment=proof_of(b"x" * 32, asked, request, Answer))
+
+
+def of_an_old_stop(query: Any) -> None:
+    request = query.payload.to_bytes()
+    query.reply(query.key_expr, Answer, attachment=proof_of(KEY, challenge(), request, Answer))
+
+
+def of_another_request(query: Any) -> None:
+    asked = query.attachment.to_bytes()
+    other = b'{"version": 1, "arms": ["right"]}'
+    query.reply(query.key_expr, Answer, attachment=proof_of(KEY, asked, other, Answer))
+
+
+async def told_by(
+    stack: AsyncExitStack,
+    answer: Callable[[Any], None],
+    *,
+    listen: str = "tcp/127.0.0.1:0",
+    connect: Sequence[str] = (),
+    complete: bool = False,
+) -> None:
+    """Someone in the network who takes the gateway's name."""
+    zenoh: Any = pytest.importorskip("zenoh")
+    config = zenoh.Config()
+    for name, value in (
+        ("listen/endpoints", [listen]),
+        ("connect/endpoints", [*connect]),
+        ("scouting/multicast/enabled", False),
+    ):
+        config.insert_json5(name, json.dumps(value))
+    session = await anyio.to_thread.run_sync(zenoh.open, config)
+    stack.push_async_callback(anyio.to_thread.run_sync, session.close)
+    key = stop_key("plant", "cell")
+    declared = [  # each ends with the last reference to it
+        session.declare_queryable(key, answer, complete=complete),
+        session.liveliness().declare_token(alive_key("plant", "cell")),
+    ]
+    stack.callback(declared.clear)
+
+
+@pytest.mark.parametrize("answer", [forged, of_another_key, of_an_old_stop, of_another_request])
+async def test_nobody_answers_for_a_gateway_that_is_dead(
+    answer: Callable[[Any], None], tmp_path: Path
+) -> None:
+    pytest.importorskip("zenoh")
+    keys = tmp_path / "keys.toml"
+    keys.write_text(f'cell = "{KEY.hex()}"')
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    settings = FleetSettings("plant", listen=(endpoint,), expect=("cell",), keys=str(keys))
+    async with AsyncExitStack() as stack:
+        await told_by(stack, answer, listen=endpoint)
+        async with FleetClient(settings) as client:
+            await eventually_async(lambda: "cell" in client._present)
+            done = await client.stop(timeout=2.0)
+        assert not done.confirmed
+        assert "cell" in done.missing
+        assert "cell" in done.unproven
+
+
+@pytest.mark.parametrize("complete", [False, True])
+async def test_a_liar_beside_a_gateway_takes_no_stop_from_it(
+    complete: bool, tmp_path: Path
+) -> None:
+    """Whatever it declares, the stop reaches the gateway, and the gateway's own answer counts."""
+    pytest.importorskip("zenoh")
+    keys = tmp_path / "keys.toml"
+    keys.write_text(f'cell = "{KEY.hex()}"')
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    settings = FleetSettings("plant", "cell", listen=(endpoint,), expect=("cell",), keys=str(keys))
+    async with AsyncExitStack() as stack:
+        gateway = await stack.enter_async_context(FleetGateway(settings))
+        lies: list[int] = []
+
+        def lie(query: Any) -> None:
+            lies.append(1)
+            forged(query)
+
+        await told_by(stack, lie, connect=[endpoint], complete=complete)
+        async with FleetClient(settings) as client:
+            await eventually_async(lambda: "cell" in client._present)
+            done = await client.stop(timeout=30.0)
+            assert done.confirmed, "the gateway has no arms, and proves it"
+            assert done.reports == (StopReport("cell", ()),)
+        async with FleetClient(replace(settings, keys="")) as client:
+            await eventually_async(lambda: "cell" in client._present)
+            done = await client.stop(timeout=30.0)
+            assert not done.confirmed, "without a key nobody knows who answered"
+            assert done.unproven == ("cell",)
+        assert gateway._key == KEY
+
+
+async def test_a_gateway_needs_its_own_key_alone(tmp_path: Path) -> None:
+    keys = tmp_path / "keys.toml"
+    keys.write_text(f'other = "{KEY.hex()}"')
+    with pytest.raises(FleetFileError, match="no key of this gateway, cell"):
+        FleetGateway(FleetSettings("plant", "cell", keys=str(keys)))
