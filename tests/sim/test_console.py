@@ -207,3 +207,24 @@ def test_lines_are_answered_in_order_until_the_port_is_closed() -> None:
             LineServer(str.upper, lines.port)
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", lines.port), timeout=30)
+
+
+@pytest.mark.parametrize("length", [999, 1000, 1001, 5000])
+def test_no_part_of_a_line_that_is_too_long_is_a_command(length: int) -> None:
+    seen: list[str] = []
+
+    def answer(line: str) -> str:
+        seen.append(line.strip())
+        return "ok"
+
+    with (
+        closing(LineServer(answer, 0)) as lines,
+        socket.create_connection(("127.0.0.1", lines.port), timeout=60.0) as client,
+        client.makefile("rb") as answers,
+    ):
+        client.sendall(b"#" * length + b"estop\nstate\n")
+        assert answers.readline().startswith(b"error: a line has")
+        assert answers.readline() == b"ok\n"
+        client.sendall(b"#" * 999 + b"\n")  # 1,000 bytes with its end
+        assert answers.readline() == b"ok\n"
+    assert seen == ["state", "#" * 999]

@@ -13,6 +13,7 @@ from aioduco._process.copying import Uncopied
 from aioduco._process.platform import has_device_files
 from aioduco.devices.teleoperation.gamepad import Gamepad
 from aioduco.devices.teleoperation.keyboard import Keyboard
+from aioduco.devices.teleoperation.reading import STANDING
 from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
 
@@ -25,6 +26,8 @@ __all__ = ["GamepadDevice", "InputDevice", "KeyboardDevice", "SpaceMouseDevice",
 
 _MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # SpaceMice have been sold by both
 _MOST = 4096
+#: reads at a time, and reports: a person or a device causes a few between two readings
+_READS, _REPORTS = 16, 256
 
 
 class _Meaning(Protocol):
@@ -91,11 +94,15 @@ class InputDevice(Uncopied):
         """Read and interpret the bytes that the device has sent; never blocks.
 
         If the device is gone (unplugged, a closed terminal), the reading is not `held`, and `done`.
+        If it sends more than can be read at a time (a file, a stuck key), the newest bytes are not
+        known: the reading is not `held`, as if it was let go.
 
         Args:
             now: time of any clock that does not go back [s].
         """
-        while select.select([self._descriptor], [], [], 0)[0]:
+        for _ in range(_REPORTS if self._whole else _READS):
+            if not select.select([self._descriptor], [], [], 0)[0]:
+                break
             try:
                 data = os.read(self._descriptor, 64 if self._whole else _MOST)
             except BlockingIOError:
@@ -107,6 +114,8 @@ class InputDevice(Uncopied):
             self._meaning.feed(data, now)
             if not data:
                 break
+        else:
+            return self._meaning.reading(now)._replace(axes=STANDING, held=False)
         return self._meaning.reading(now)
 
 

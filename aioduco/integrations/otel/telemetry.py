@@ -6,12 +6,14 @@ import contextlib
 import threading
 import time
 from contextlib import asynccontextmanager
+from inspect import signature
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 from opentelemetry import metrics, trace
 from opentelemetry.trace import SpanKind, StatusCode
 
+import aioduco
 from aioduco import RobotStateError, TaskState, events
 from aioduco._process.copying import Uncopied
 from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
@@ -31,6 +33,22 @@ _NAME: Final = "aioduco"
 #: the lane on which motions are started, and the function that polls their state
 _MOTIONS: Final = "motion"
 _ASK: Final = "get_noneblock_taskstate"
+
+
+def _buckets(*bounds: float) -> dict[str, Any]:
+    """Advice for the buckets of a histogram [s]; the SDK's own are made for milliseconds."""
+    return {"explicit_bucket_boundaries_advisory": bounds} if _TAKES_ADVICE else {}
+
+
+#: whether the interface of OpenTelemetry takes advice for buckets; it does from 1.30 on
+_TAKES_ADVICE: Final = (
+    "explicit_bucket_boundaries_advisory" in signature(metrics.Meter.create_histogram).parameters
+)
+_TICKS: Final = _buckets(1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
+_CALLS: Final = _buckets(
+    5e-4, 1e-3, 2.5e-3, 5e-3, 1e-2, 2.5e-2, 5e-2, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0
+)
+_MOTION_TIMES: Final = _buckets(0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0, 50.0, 100.0, 250.0)
 
 
 class _Motion(NamedTuple):
@@ -66,21 +84,29 @@ class Telemetry(Uncopied):
     ) -> None:
         self._robot = robot
         self._without = frozenset(without_lanes)
-        self._tracer = trace.get_tracer(_NAME, tracer_provider=tracer_provider)
-        meter = metrics.get_meter(_NAME, meter_provider=meter_provider)
-        self._latency = meter.create_histogram("duco.call.duration", "s", "from begin to answer")
+        version = aioduco.__version__
+        self._tracer = trace.get_tracer(_NAME, version, tracer_provider=tracer_provider)
+        meter = metrics.get_meter(_NAME, version, meter_provider=meter_provider)
+        self._latency = meter.create_histogram(
+            "duco.call.duration", "s", "from begin to answer", **_CALLS
+        )
         self._tasks = meter.create_counter("duco.tasks", "{task}", "motions that have ended")
-        self._times = meter.create_histogram("duco.task.duration", "s", "from start to end")
+        self._times = meter.create_histogram(
+            "duco.task.duration", "s", "from start to end", **_MOTION_TIMES
+        )
         self._stops = meter.create_counter("duco.stops", "{stop}", "stops that were sent")
         self._opened = meter.create_counter("duco.connections", "{connection}", "opened")
         self._reconnects = meter.create_counter(
             "duco.reconnects", "{reconnect}", "times at which the controller answered again"
         )
         self._stalls = meter.create_histogram(
-            "duco.loop.stall", "s", "times in which the event loop did not run"
+            "duco.loop.stall", "s", "times in which the event loop did not run", **_CALLS
         )
         self._lateness = meter.create_histogram(
-            "duco.stream.lateness", "s", "p99 of how late a stream's ticks began, one per stream"
+            "duco.stream.lateness",
+            "s",
+            "p99 of how late a stream's ticks began, one per stream",
+            **_TICKS,
         )
         self._missed = meter.create_counter(
             "duco.stream.missed", "{tick}", "ticks of streams that were skipped"
@@ -112,16 +138,19 @@ class Telemetry(Uncopied):
     async def watching(self, robot: Robot) -> AsyncIterator[None]:
         """Measure stalls, reconnects and the heartbeat of an open robot during the block.
 
-        Motions that still run at the end get their span then, with the outcome `unknown`.
+        Motions that still run at the end get their span then, with the outcome `unknown`. An error
+        of the block leaves it as it is.
         """
         self._watched = robot
+        tasks = await anyio.create_task_group().__aenter__()
+        tasks.start_soon(self._follow, robot)
         try:
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._follow, robot)
-                yield
-                tasks.cancel_scope.cancel()
+            yield
         finally:
             self._watched = None
+            tasks.cancel_scope.cancel()
+            # without the error, which a group of tasks would wrap
+            await tasks.__aexit__(None, None, None)
             self.close()
 
     def stream_ended(self, statistics: StreamStatistics, name: str = "") -> None:

@@ -4,6 +4,7 @@ Guarantees:
 - Bytes are forwarded as they arrive, whatever they are, and before their copy.
 - If the program reads the copies slowly, or not at all, no byte is delayed: when `KEPT` bytes of
   copies wait, further copies are left out, and this is reported.
+- Without descriptors a client waits or is refused; the connections that are open go on.
 - A connection ends on each side as it ended on the other. When the process ends, all connections
   end.
 
@@ -13,6 +14,7 @@ The process loads little, and does nothing else, so it delays a call only by two
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import selectors
 import socket
@@ -46,6 +48,10 @@ _CHUNK: Final = 64 * 1024
 _DRAIN_TIMEOUT: Final = 5.0
 #: `SO_LINGER` for a reset: unsent bytes are discarded, and the other side gets an error
 _RESET: Final = struct.pack("ii", 1, 0)
+
+#: seconds in which no client is accepted after descriptors or memory ran out
+_REST: Final = 0.1
+_NO_DESCRIPTOR: Final = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 
@@ -284,6 +290,7 @@ class _Relay:
         self._number = 0
         self._links: set[_Link] = set()
         self._watched: dict[socket.socket, int] = {}
+        self._rests_until: float | None = None
         listener.setblocking(False)
         link.setblocking(False)
         self.selector.register(listener, _READ)
@@ -293,7 +300,7 @@ class _Relay:
     def run(self) -> None:
         """Forward bytes until the program closes its socket."""
         while True:
-            for key, mask in self.selector.select(self.copies.left()):
+            for key, mask in self.selector.select(self._timeout()):
                 if key.fileobj is self._program:
                     if mask & _READ and not self._program.recv(1):
                         return
@@ -307,6 +314,25 @@ class _Relay:
                         link.ready(side, mask)
             if self.copies.left() == 0.0:
                 self.copies.send()
+            self._resume()
+
+    def _rest(self) -> None:
+        """Accept no client for a moment: there are no descriptors. Those that are here go on."""
+        self.selector.unregister(self._listener)
+        self._rests_until = time.monotonic() + _REST
+
+    def _timeout(self) -> float | None:
+        """Seconds until something is to be done that no socket tells."""
+        left = [] if (copies := self.copies.left()) is None else [copies]
+        if self._rests_until is not None:
+            left.append(max(0.0, self._rests_until - time.monotonic()))
+        return min(left, default=None)
+
+    def _resume(self) -> None:
+        """Accept clients again after a rest."""
+        if self._rests_until is not None and time.monotonic() >= self._rests_until:
+            self._rests_until = None
+            self.selector.register(self._listener, _READ)
 
     def close(self) -> None:
         """End all connections, and send the remaining copies."""
@@ -338,12 +364,19 @@ class _Relay:
     def _accept(self) -> None:
         try:
             client, address = self._listener.accept()
-        except OSError:
-            return  # the client disconnected before it was accepted
+        except OSError as error:
+            if error.errno in _NO_DESCRIPTOR:
+                self._rest()
+            return  # else the client disconnected before it was accepted
+        try:
+            server = socket.socket(self._family, socket.SOCK_STREAM)
+        except OSError:  # no descriptor for its other side
+            client.close()
+            self._rest()
+            return
         number, self._number = self._number, self._number + 1
         where = f"{address[0]}:{address[1]}".encode()
         self.copies.put(time.monotonic(), number, CopyKind.OPENED, where)
-        server = socket.socket(self._family, socket.SOCK_STREAM)
         server.setblocking(False)
         code = server.connect_ex(self._controller)
         link = _Link(self, number, client, server)

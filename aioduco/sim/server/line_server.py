@@ -1,4 +1,7 @@
-"""A loopback port for lines of text: each line is a command, and the answer is text."""
+"""A loopback port for lines of text: each line is a command, and the answer is text.
+
+A line that is too long is answered by an error, and no part of it is a command.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,13 @@ class _Lines(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         assert isinstance(self.server, _Listener)
         while line := self.rfile.readline(_LONGEST):
-            answer = self.server.answer(line.decode(errors="replace"))
+            if len(line) == _LONGEST and not line.endswith(b"\n"):
+                # what follows belongs to this line, and is no command
+                while (rest := self.rfile.readline(_LONGEST)) and not rest.endswith(b"\n"):
+                    pass
+                answer = f"error: a line has {_LONGEST} bytes at most: nothing was done"
+            else:
+                answer = self.server.answer(line.decode(errors="replace"))
             try:
                 self.wfile.write(answer.encode() + b"\n")
             except OSError:

@@ -47,10 +47,10 @@ def block_outside_access(
     bound: WeakSet[socket.socket] = WeakSet()
     allowed = {address for each in reachable for address in _addresses(each)}
 
-    def own(host: str, port: int) -> bool:
-        if not _is_local(host):
-            return False
-        return port in ports() or any(_port(each) == port for each in list(bound))
+    def own(sock: socket.socket, host: str, port: int) -> bool:
+        if sock.type == socket.SOCK_STREAM and _is_home(sock, host) and port in ports():
+            return True
+        return any(_answers(each, sock, host, port) for each in list(bound))
 
     def look(event: str, arguments: tuple[Any, ...]) -> None:
         if event == "socket.bind":
@@ -59,7 +59,7 @@ def block_outside_access(
             if arguments[1] is None:
                 return  # it is already connected
             host, port = str(arguments[1][0]), int(arguments[1][1])
-            if (host, port) not in allowed and not own(host, port):
+            if (host, port) not in allowed and not own(arguments[0], host, port):
                 refuse(
                     f"the program opens a connection of its own to {host}:{port}, which a "
                     "preflight does not let through: it could lead to an arm. "
@@ -101,11 +101,12 @@ def address_of(text: str) -> tuple[str, int]:
     return host, port
 
 
-def _is_local(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
+#: the address on which the preflight's simulators listen
+_HOME: Final = "127.0.0.1"
+
+
+def _is_home(sock: socket.socket, host: str) -> bool:
+    return sock.family == socket.AF_INET and host in (_HOME, "localhost")
 
 
 def _addresses(text: str) -> Iterator[tuple[str, int]]:
@@ -117,9 +118,53 @@ def _addresses(text: str) -> Iterator[tuple[str, int]]:
             yield str(found[4][0]), port
 
 
-def _port(bound: socket.socket) -> int:
+def _answers(server: socket.socket, sock: socket.socket, host: str, port: int) -> bool:
+    """Whether a socket of the program is what answers at an address of this computer.
+
+    A number alone says nothing: the same port of another protocol, another address or another
+    socket may be a tunnel to an arm. So it must be of the same kind, listen (a datagram's need
+    not), have this address or all addresses, and share it with no other socket.
+    """
     try:
-        name = bound.getsockname()
-    except OSError:
-        return -1  # it was closed
-    return int(name[1]) if isinstance(name, tuple) else -1
+        found = ipaddress.ip_address(_numeric(sock, host))
+        name = server.getsockname()
+        return (
+            found.is_loopback
+            and int(name[1]) == port
+            and _is_alone(server, sock.type)
+            and _has(server, str(name[0]), sock, found)
+        )
+    except (OSError, ValueError, TypeError, IndexError):
+        return False  # it was closed, or is no socket of an address and a port
+
+
+def _is_alone(server: socket.socket, kind: int) -> bool:
+    """Whether it is of this kind, takes connections, and shares its address with no other."""
+    if server.type != kind or _option(server, "SO_REUSEPORT"):
+        return False
+    if kind == socket.SOCK_STREAM:
+        return bool(_option(server, "SO_ACCEPTCONN"))
+    return not _option(server, "SO_REUSEADDR")
+
+
+def _has(server: socket.socket, name: str, sock: socket.socket, found: Any) -> bool:
+    """Whether it has the address `found`, or all addresses."""
+    if server.family == sock.family:
+        at = ipaddress.ip_address(name.partition("%")[0])
+        return bool(at == found) or at.is_unspecified
+    both = server.family == socket.AF_INET6 and name == "::"
+    return both and not server.getsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY)
+
+
+def _numeric(sock: socket.socket, host: str) -> str:
+    """The address that a connection to this name would use."""
+    if host == "localhost":
+        return "::1" if sock.family == socket.AF_INET6 else _HOME
+    return host.partition("%")[0]
+
+
+def _option(sock: socket.socket, name: str) -> int:
+    number = getattr(socket, name, None)
+    if number is None:  # a system without it
+        return int(name == "SO_ACCEPTCONN")
+    return sock.getsockopt(socket.SOL_SOCKET, number)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import struct
 from typing import TYPE_CHECKING
@@ -244,3 +245,28 @@ def test_a_joint_target_keeps_near_the_arm_and_within_limits_at_a_singularity() 
         assert np.abs(new - before).max() <= 0.5 * 0.03 + 1e-12
         assert np.abs(new).max() <= 0.1
         before = new
+
+
+def test_input_that_never_ends_is_not_held_and_holds_up_nobody() -> None:
+    """More than can be read at a time: the newest key is not known, so it counts as let go."""
+    reader, writer = os.pipe()
+    fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 1 << 20)
+    fed: list[int] = []
+
+    class Filled(Keyboard):
+        def feed(self, data: bytes, now: float) -> None:
+            fed.append(len(data))
+            os.write(writer, data)  # as much comes as is read
+            super().feed(data, now)
+
+    try:
+        with KeyboardDevice(reader, Filled()) as device:
+            os.write(writer, b"w" * 8192)
+            found = device.read(0.0)
+            assert (found.held, found.axes) == (False, STANDING)
+            assert len(fed) < 100
+        with KeyboardDevice(reader) as device:
+            assert device.read(0.1).held, "what was left is read, and then the key is known"
+    finally:
+        os.close(reader)
+        os.close(writer)

@@ -7,6 +7,7 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any
 
+import anyio
 import pytest
 from opentelemetry.sdk.metrics import MeterProvider
 from opentelemetry.sdk.metrics.export import InMemoryMetricReader
@@ -172,3 +173,33 @@ def test_nothing_is_loaded_where_it_is_not_asked_for() -> None:
         [sys.executable, "-c", program], capture_output=True, text=True, check=False
     )
     assert done.stdout.strip() == "[]", done.stderr
+
+
+@pytest.mark.parametrize("kind", [ValueError, KeyboardInterrupt, aioduco.errors.DucoError])
+async def test_an_error_of_the_watched_block_leaves_it_as_it_is(
+    duco_simulator: Simulator, kind: type[BaseException]
+) -> None:
+    telemetry = Backend().telemetry()
+    host, port = duco_simulator.host, duco_simulator.port
+    async with aioduco.connect(host, port, trace=telemetry) as robot:
+        with pytest.raises(kind) as left:
+            async with telemetry.watching(robot):
+                raise kind("of the block")
+        assert type(left.value) is kind
+        with anyio.move_on_after(0.05) as scope:
+            async with telemetry.watching(robot):
+                await anyio.sleep_forever()
+        assert scope.cancelled_caught
+
+
+def test_histograms_in_seconds_have_buckets_for_seconds() -> None:
+    backend = Backend()
+    telemetry = backend.telemetry()
+    for seconds in (0.005, 4.0):
+        telemetry(called("movej2", 0, duration=seconds))
+    data = backend.reader.get_metrics_data()
+    assert data is not None
+    scopes = [scope for each in data.resource_metrics for scope in each.scope_metrics]
+    assert {scope.scope.version for scope in scopes} == {aioduco.__version__}
+    (point,) = backend.points("duco.call.duration")
+    assert sorted(count for count in point.bucket_counts if count) == [1, 1], "not in one bucket"

@@ -160,7 +160,7 @@ async def test_the_second_page_only_watches_and_a_wrong_token_moves_nothing(
         await second.click("#ask-yes")
         await second.wait_for_function("!document.getElementById('notice').hidden")
         assert "wrong token" in await second.inner_text("#notice")
-        assert "wrong token" in caplog.text
+        await eventually_async(lambda: "wrong token" in caplog.text)
         assert "a guess" not in caplog.text
         assert panel.token not in caplog.text
         first = await commanding(chromium, panel)

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -28,7 +29,6 @@ from aioduco.testing import eventually, no_leaks
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 PATIENCE = 60.0
 
@@ -250,3 +250,36 @@ def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
     for listen, status in ((taken, 1), ("nowhere", 2)):
         result = CliRunner().invoke(app, ["tap", "127.0.0.1", "--listen", listen])
         assert result.exit_code == status, result.output
+
+
+@pytest.mark.linux("limits of another process")
+@pytest.mark.parametrize("spare", [0, 1, 2, 3])
+def test_without_descriptors_the_connections_that_are_open_go_on(spare: int) -> None:
+    import resource  # noqa: PLC0415 - not on Windows
+
+    with Bench() as bench, Tap(bench.host, bench.port) as tap, ExitStack() as clients:
+
+        def client() -> socket.socket:
+            return clients.enter_context(socket.create_connection((tap.host, tap.port), PATIENCE))
+
+        told = Told(tap)
+        first = aioduco.sync.connect(tap.host, tap.port, heartbeat=None)
+        clients.enter_context(first)
+        assert tap._linked is not None
+        process = tap._linked.popen.pid
+        open_files = [each.name for each in Path(f"/proc/{process}/fd").iterdir()]
+        used = max(int(each) for each in open_files) + 1
+        limit = resource.prlimit(process, resource.RLIMIT_NOFILE)
+        resource.prlimit(process, resource.RLIMIT_NOFILE, (used + spare, limit[1]))
+        more = [client() for _ in range(10)]
+        for _ in range(3):
+            assert first.state.get_actual_joints_position()
+        assert tap._linked.popen.poll() is None
+        resource.prlimit(process, resource.RLIMIT_NOFILE, limit)
+        for each in more:
+            each.close()
+        with aioduco.sync.connect(tap.host, tap.port, heartbeat=None) as second:
+            assert second.state.get_actual_joints_position(), "clients are accepted again"
+        first.close()
+        tap.end()
+        told.join()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import socketserver
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import psutil
 import pytest
 
 from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight.borders import _answers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -178,3 +180,76 @@ def test_a_tried_program_ends_with_a_preflight_that_is_killed(tmp_path: Path) ->
         os.kill(running.pid, signal.SIGKILL)
     gone, _ = psutil.wait_procs([child], timeout=60)
     assert gone == [child]
+
+
+def bound(kind: int, host: str, port: int = 0, *, listens: bool = False) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    server = socket.socket(family, kind)
+    server.bind((host, port))
+    if listens:
+        server.listen()
+    return server
+
+
+@pytest.mark.parametrize("asked", ["127.0.0.1", "localhost"])
+@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+def test_a_server_that_listens_is_the_program_s_own(host: str, asked: str) -> None:
+    with (
+        bound(socket.SOCK_STREAM, host, listens=True) as server,
+        socket.socket(socket.AF_INET, socket.SOCK_STREAM) as client,
+        bound(socket.SOCK_DGRAM, host) as datagrams,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
+    ):
+        assert _answers(server, client, asked, server.getsockname()[1])
+        assert _answers(datagrams, sender, asked, datagrams.getsockname()[1])
+        assert not _answers(server, client, asked, server.getsockname()[1] ^ 1)
+        assert not _answers(server, client, "192.0.2.1", server.getsockname()[1])
+        assert not _answers(server, client, "arm.example", server.getsockname()[1])
+
+
+def test_the_number_of_a_port_alone_leads_nowhere() -> None:
+    """A tunnel to an arm may have the number: by another protocol, address or socket."""
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_STREAM) as client,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
+        bound(socket.SOCK_STREAM, "127.0.0.1", listens=True) as tunnel,
+    ):
+        port = tunnel.getsockname()[1]
+        with bound(socket.SOCK_DGRAM, "127.0.0.1", port) as datagrams:
+            assert not _answers(datagrams, client, "127.0.0.1", port), "of another protocol"
+        assert not _answers(tunnel, sender, "127.0.0.1", port), "of another protocol"
+        assert not _answers(tunnel, client, "127.0.0.2", port), "of another address"
+    with bound(socket.SOCK_STREAM, "127.0.0.1") as silent:
+        port = silent.getsockname()[1]
+        assert not _answers(silent, client, "127.0.0.1", port), "it does not listen"
+    assert not _answers(silent, client, "127.0.0.1", port), "it is closed"
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as shared:
+        shared.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        shared.bind(("127.0.0.1", 0))
+        shared.listen()
+        assert not _answers(shared, client, "127.0.0.1", shared.getsockname()[1]), "of others too"
+
+
+@pytest.mark.linux("audit hooks see all connections")
+def test_a_datagram_socket_opens_no_stream_to_the_same_number(tmp_path: Path) -> None:
+    hits: list[object] = []
+
+    class Tunnel(socketserver.BaseRequestHandler):
+        def handle(self) -> None:
+            hits.append(self.client_address)
+
+    with socketserver.TCPServer(("127.0.0.1", 0), Tunnel) as tunnel:
+        thread = threading.Thread(target=tunnel.serve_forever, daemon=True)
+        thread.start()
+        port = tunnel.server_address[1]
+        program = tmp_path / "main.py"
+        program.write_text(
+            BEGIN + f"with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as here:\n"
+            f"    here.bind(('127.0.0.1', {port}))\n"
+            f"    socket.create_connection(('127.0.0.1', {port}), timeout=30)\n"
+        )
+        report = preflight(program, quiet=True)
+        tunnel.shutdown()
+        thread.join()
+    assert not report.ok
+    assert hits == []
