@@ -110,9 +110,8 @@ async def test_the_messages_of_two_pages_take_turns(bench: Bench) -> None:
 
 def masked(text: bytes) -> bytes:
     """A frame of a client, with a mask of zeros."""
-    length = struct.pack("!B", 0x80 | len(text))
-    if len(text) > 125:
-        length = struct.pack("!BH", 0x80 | 126, len(text))
+    long = len(text) > 125
+    length = struct.pack("!BH", 254, len(text)) if long else bytes([0x80 | len(text)])
     return b"\x81" + length + bytes(4) + text
 
 
