@@ -20,7 +20,7 @@ import websockets.asyncio.server
 from websockets.exceptions import ConnectionClosed, ConnectionClosedOK
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 
     from websockets.asyncio.server import ServerConnection
 
@@ -42,7 +42,7 @@ class PictureDoor:
         self._loop: asyncio.AbstractEventLoop | None = None
 
     @contextlib.asynccontextmanager
-    async def instead_of_serve(self, handler: Any, *_: Any, **__: Any) -> Any:
+    async def instead_of_serve(self, handler: Any, *_: Any, **__: Any) -> AsyncIterator[Any]:
         """In the place of `websockets.serve`, on viser's loop."""
         self.handler, self._loop = handler, asyncio.get_running_loop()
         yield SimpleNamespace(server=SimpleNamespace(sockets=()))
