@@ -201,6 +201,7 @@ def _fitted(
     slopes[:, :3, :3] = slopes[:, 3:, 3:6] = back
     slopes[:, 3:, :3] = -back @ _crossing(away)
     slopes[:, :, 6:] = -np.eye(6)
+    scaled, weighed, inverse = slopes, np.zeros((count, 6)), np.eye(12)
     for _ in range(_STEPS):
         errors = _errors(moved, seen, camera, board)
         scaled, weighed = slopes / scales[:, None], errors / scales
