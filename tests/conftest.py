@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import quick
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 # Before anything of the package is imported: what it sees of the platform is taken away here, and
 # in all children by PYTHONPATH.
@@ -120,9 +120,13 @@ def pytest_configure(config: pytest.Config) -> None:
             setattr(config.option, option, number[all_of_it])
     # An example that takes long on a busy machine is no failure; the time-out of the test is
     # enough. What decides over a change draws the same examples each time; at the desk they vary.
-    same: dict[str, Any] = {"derandomize": True, "database": None} if os.environ.get("CI") else {}
-    settings.register_profile("quick", deadline=None, max_examples=10, **same)
-    settings.register_profile("thorough", deadline=None, max_examples=100, **same)
+    options: dict[str, Any] = {
+        "deadline": None,
+        "suppress_health_check": [HealthCheck.too_slow],
+        **({"derandomize": True, "database": None} if os.environ.get("CI") else {}),
+    }
+    settings.register_profile("quick", max_examples=10, **options)
+    settings.register_profile("thorough", max_examples=100, **options)
     settings.load_profile("thorough" if all_of_it else "quick")
 
 

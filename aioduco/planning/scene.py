@@ -76,7 +76,7 @@ class Scene:
     ) -> None:
         self.arm: Arm = arm_of(model) if isinstance(model, str) else model
         self.mounting: Pose = mounting_of(mounting, self.arm, pedestal)
-        self.padding = _PADDING("padding", padding)
+        self.padding: float = _PADDING("padding", padding)
         self._pedestal = pedestal > 0.0
         self._around = None if around is None else mjcf_of(around)
         self._tool = None if tool is None else mjcf_of(tool, free=False)

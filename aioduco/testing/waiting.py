@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.models.ranges import TIMEOUT
+from aioduco.models.ranges import WAIT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -60,7 +60,7 @@ def _pauses(
     condition: Callable[[], object], timeout: float, what: str | Callable[[], str]
 ) -> Iterator[float]:
     """Yield the seconds to sleep before each further check, until the condition holds."""
-    timeout = TIMEOUT("timeout", timeout)
+    timeout = WAIT("timeout", timeout)
     deadline = time.monotonic() + timeout
     pause = _FIRST
     while not condition():

@@ -173,6 +173,9 @@ NAMES = {
 BEYOND = {
     "TIMEOUT": "how long this program waits, which never goes onto the wire",
     "WAIT": "how long this program waits, which may be no time",
+    "ABOVE": "amounts of this package, of which nothing else is known",
+    "FROM_0": "the same, or none",
+    "PORT": "where this package's servers listen",
     "STATE_RATE": "how often this program reads the state",
     "INT_32": "service functions, which are only on the wire",
     "PERCENT": "movej and movej_pose, which are only on the wire",

@@ -254,7 +254,7 @@ def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
     op = Op(time_or_dist_3=1, trig_time_3=-late, trig_event_3="stands")
     line(robot, op, 0.2, block=False)
     sim.wait_until(lambda: sim.moving)
-    sim.observe(lambda now, _: None if now.setpoint.qd.any() else stood.append(now.time))
+    sim.observe(lambda now, _: stood.clear() if now.setpoint.qd.any() else stood.append(now.time))
     assert getattr(robot, how)(True) == TaskState.FINISHED
     sim.wait_until(lambda: bool(fired))
     sim.observe(None)

@@ -94,8 +94,8 @@ class PlainRequest:
     def __init__(self, head: bytes) -> None:
         first, *lines = head.decode("latin-1").split("\r\n")
         words = first.split(" ")
-        self.method = words[0] if len(words) == 3 else ""
-        self.path = words[1].partition("?")[0] if len(words) == 3 else ""
+        self.method: str = words[0] if len(words) == 3 else ""
+        self.path: str = words[1].partition("?")[0] if len(words) == 3 else ""
         self._headers = [line.partition(":")[::2] for line in lines if line]
 
     def all(self, name: str) -> list[str]:
