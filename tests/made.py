@@ -29,6 +29,7 @@ from aioduco.testing import Chaos, Cut, Delay, Place
 
 #: parameters that are not of any value of their type
 _GIVEN: dict[str, dict[str, Any]] = {
+    "BoardSize": {"columns": 4, "rows": 3},
     "ArmDescription": {"model": "gcr5_910"},
     "ArmSettings": {"name": "left", "host": "192.0.2.1"},
     "Cancelled": {"ended": "raised"},
