@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api.section import Section
-from aioduco.models.jog import JogDirections
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from aioduco.api.program import Program
     from aioduco.api.track import Track
     from aioduco.models.enums import TaskState
-    from aioduco.models.jog import Jog
+    from aioduco.models.jog import Jog, JogDirections
     from aioduco.models.op import Op, PointOp
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import VectorLike
@@ -889,23 +888,23 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
-    async def move_jog(
-        self, jog: Jog, *, directions: JogDirections = JogDirections.MANUAL_3_8
-    ) -> TaskState:
+    async def move_jog(self, jog: Jog, *, directions: JogDirections | None = None) -> TaskState:
         """Jog one joint or one Cartesian direction (点动).
 
         It is `robot.motion.move_jog` by the manual's blocking call.
 
         Args:
             jog: the jog, with a step.
-            directions: the controller's meaning of the two directions: the manuals contradict
-                each other. Try it with a small step at a low speed.
+            directions: the controller's meaning of the two directions, which differs between the
+                manuals; None: as its version says. Try one that you give with a small step at a
+                low speed.
 
         Returns:
             The state of its task at its end.
 
         Raises:
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the controller's version is unknown
+                and `directions` is not given.
 
         Manual section 1.3.5.
         """

@@ -5,13 +5,16 @@ from __future__ import annotations
 import enum
 import math
 import re
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from aioduco.cli.addresses import HostOption, Port, robot_at
 from aioduco.cli.move import carry_out, ready_arm
 from aioduco.cli.questions import SAFE, ask
+
+if TYPE_CHECKING:
+    from aioduco.models.jog import JogDirections
 
 __all__ = ["jog"]
 
@@ -41,6 +44,12 @@ class Manual(enum.StrEnum):
     OLDER = "3.8"
     NEWER = "4.3"
 
+    def directions(self) -> JogDirections:
+        """Return the numbers of its directions."""
+        from aioduco.models.jog import JogDirections  # noqa: PLC0415 - for commands with a robot
+
+        return JogDirections[f"MANUAL_{self.replace('.', '_')}"]
+
 
 def jog(
     axis: Annotated[str, typer.Argument(help="Joint or axis: j1 to j6, or x, y, z, rx, ry, rz.")],
@@ -59,8 +68,12 @@ def jog(
         JogFrameName, typer.Option(help="Frame of x, y, z, rx, ry, rz.")
     ] = JogFrameName.BASE,
     manual: Annotated[
-        Manual, typer.Option(help="How the controller understands + and -; try with a small step.")
-    ] = Manual.OLDER,
+        Manual | None,
+        typer.Option(
+            help="How the controller understands + and -; its version says it, if it has one. "
+            "Try with a small step."
+        ),
+    ] = None,
     host: HostOption = None,
     port: Port = None,
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
@@ -75,7 +88,7 @@ def jog(
     Exit codes: as of `aioduco move joints`.
     """
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for commands with a robot alone
-    from aioduco.models.jog import Jog, JogDirections, JogFrame  # noqa: PLC0415
+    from aioduco.models.jog import Jog, JogFrame  # noqa: PLC0415
 
     joint = _JOINT.fullmatch(axis)
     if joint is None and axis not in _DIRECTIONS:
@@ -95,7 +108,7 @@ def jog(
             made = Jog.cartesian(named, sign, percent, frame=in_frame, step=length)
     except ParameterError as error:
         raise typer.BadParameter(str(error)) from None
-    directions = JogDirections.MANUAL_3_8 if manual is Manual.OLDER else JogDirections.MANUAL_4_3
+    directions = None if manual is None else manual.directions()
     address = robot_at(host, port)
     ready_arm(address)
     if length is None:

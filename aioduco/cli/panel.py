@@ -14,7 +14,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
-from aioduco.cli.jog import Manual
+from aioduco.cli.jog import Manual  # noqa: TC001 - typer evaluates it
 from aioduco.cli.output import say
 from aioduco.cli.sim_do import control_port_of
 
@@ -61,8 +61,9 @@ def panel(
         ),
     ] = 0.4,
     manual: Annotated[
-        Manual, typer.Option(help="How the controller understands + and - of jogs.")
-    ] = Manual.OLDER,
+        Manual | None,
+        typer.Option(help="How the controller understands + and - of jogs; its version says it."),
+    ] = None,
     control_port: Annotated[
         int | None,
         typer.Option(
@@ -97,11 +98,10 @@ def panel(
         control_port = control_port_of(address.port) or None
     # All imports run before the event loop: loading would block it.
     from aioduco.integrations.panel import Panel  # noqa: PLC0415
-    from aioduco.models.jog import JogDirections  # noqa: PLC0415
 
+    directions = None if manual is None else manual.directions()
     import_module("aioduco.integrations.panel.arm_scene")  # imports viser too
 
-    older = manual is Manual.OLDER
     with ended_by_errors():
         made = Panel(
             address.host,
@@ -114,7 +114,7 @@ def panel(
             simulator_port=control_port,
             rate=rate,
             hold_limit=hold_limit,
-            directions=JogDirections.MANUAL_3_8 if older else JogDirections.MANUAL_4_3,
+            directions=directions,
         )
         try:
             told = anyio.run(_serve, made, str(address))

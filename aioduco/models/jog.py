@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum, IntEnum
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
@@ -13,8 +13,9 @@ from aioduco.models.rules import Choice, Integer, Number
 
 if TYPE_CHECKING:
     from aioduco.models.rules import Real, Whole
+    from aioduco.models.version import ControllerVersion
 
-__all__ = ["Axis", "Jog", "JogDirections", "JogFrame"]
+__all__ = ["Axis", "Jog", "JogDirections", "JogFrame", "directions_of"]
 
 Axis: TypeAlias = Literal["x", "y", "z", "rx", "ry", "rz"]
 _AXES: tuple[str, ...] = ("x", "y", "z", "rx", "ry", "rz")
@@ -50,6 +51,48 @@ class JogDirections(Enum):
 
     MANUAL_3_8 = (1, -1)
     MANUAL_4_3 = (0, 1)
+
+    def number(self, direction: int) -> int:
+        """Return the number that is sent for a direction, which is above 0 if it is positive."""
+        return self.value[0 if direction > 0 else 1]
+
+
+_BY_MANUAL: Final = {"3.8": JogDirections.MANUAL_3_8, "4.3": JogDirections.MANUAL_4_3}
+
+
+def directions_of(
+    given: JogDirections | None, version: ControllerVersion, *, external: bool = False
+) -> JogDirections:
+    """Return what a controller understands by the directions of a jog.
+
+    Manual 4.3 prints -1 and 1 for external axes, against its own 0 and 1 for the arm. So newer
+    versions tell nothing about external axes.
+
+    Args:
+        given: what the program says; None: as its version says.
+        version: the version of the controller's software.
+        external: whether the jog is of external axes.
+
+    Raises:
+        ParameterError: no member, or None although the version does not tell.
+    """
+    if isinstance(given, JogDirections):
+        return given
+    if given is not None:
+        raise ParameterError("directions", given, "a member of JogDirections, or None")
+    manual = version.manual
+    if manual is None or (external and manual != "3.8"):
+        raise ParameterError(
+            *("directions", given),
+            "given, since the jog would go the wrong way if it were guessed, and the "
+            f"controller's version ({version}; known once the robot was opened) does not tell "
+            f"{'for external axes' if external else 'which it means'}. Nothing was sent. "
+            "directions=JogDirections.MANUAL_3_8 sends 1 for positive and -1 for negative, as "
+            "controllers up to 3.8 expect; JogDirections.MANUAL_4_3 sends 0 and 1, from 4.3 on. "
+            "`aioduco jog` and `aioduco panel` have --manual. Try it with a small step at a low "
+            "speed",
+        )
+    return _BY_MANUAL[manual]
 
 
 FRAME_TYPE = Choice(
@@ -134,18 +177,16 @@ class Jog:
             None if step is None else rule("step", step),
         )
 
-    def wire(self, directions: JogDirections = JogDirections.MANUAL_3_8) -> rpc.MoveJogTaskParam:
+    def wire(self, directions: JogDirections) -> rpc.MoveJogTaskParam:
         """Return the struct of the wire.
 
         Args:
-            directions: numbers that the controller uses for positive and negative. If the
-                controller is newer than manual 3.8, test them with a small step at a low speed.
+            directions: numbers that the controller uses for positive and negative.
         """
-        positive, negative = directions.value
         step = 0.0 if self.step is None else self.step
         turns = self.joint_space or self.axis >= 3
         return rpc.MoveJogTaskParam(
-            jog_direction=positive if self.direction > 0 else negative,
+            jog_direction=directions.number(self.direction),
             jog_type=_JOINTS if self.joint_space else _CARTESIAN,
             # an index in manual 3.8, 0 to 5 in 4.3
             axis_num=self.axis,

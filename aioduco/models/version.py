@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
 
-__all__ = ["ControllerVersion"]
+__all__ = ["ControllerVersion", "Manual"]
+
+Manual: TypeAlias = Literal["3.8", "4.3"]
 
 _NUMBERS = re.compile(r"\d+(?:\.\d+)*")
+#: a number alone may belong to a name, as in "GCR5-910"; one after a dot is part of another
+_DOTTED = re.compile(r"(?<![\d.])(\d+)\.(\d+)(?:\.\d+)*")
+#: versions whose behaviour one of the two manuals describes, as (first, last)
+_OLDER: Final = ((1, 0), (3, 8))
+_NEWER: Final = (4, 3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +42,21 @@ class ControllerVersion:
     def known(self) -> bool:
         """Whether the text contains numbers."""
         return bool(self.numbers)
+
+    @property
+    def manual(self) -> Manual | None:
+        """The manual whose meanings this version follows; None if that cannot be told.
+
+        The manuals of 3.8 and 4.3 contradict each other, in the directions of a jog among others.
+        It is inferred that versions up to 3.8 follow the one, and those from 4.3 the other. A
+        version between them, and a text without one version number, tell nothing.
+        """
+        found = {(int(major), int(minor)) for major, minor in _DOTTED.findall(self.text)}
+        if found and all(_OLDER[0] <= each <= _OLDER[1] for each in found):
+            return "3.8"
+        if found and all(each >= _NEWER for each in found):
+            return "4.3"
+        return None
 
     def at_least(self, *numbers: int) -> bool:
         """Whether it is this version or a later one; false if it is unknown."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco import robot as aio_robot
-from aioduco.models.jog import JogDirections
 from aioduco.models.names import ManualNames
 from aioduco.sync._blocking import Blocking
 from aioduco.sync._generated_objects import Events, Feed, Publication, Recording
@@ -56,7 +55,7 @@ if TYPE_CHECKING:
     from aioduco.models.enums import FileKind, OperationMode, Outcome, OutputMode, TaskState
     from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
     from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
-    from aioduco.models.jog import Jog, JogFrame
+    from aioduco.models.jog import Jog, JogDirections, JogFrame
     from aioduco.models.load import Load
     from aioduco.models.op import Op, PointOp
     from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
@@ -1234,11 +1233,7 @@ class Motion(_Section):
 
     @moves
     def move_jog(
-        self,
-        jog: Jog,
-        *,
-        time: float | None = 1.0,
-        directions: JogDirections = JogDirections.MANUAL_3_8,
+        self, jog: Jog, *, time: float | None = 1.0, directions: JogDirections | None = None
     ) -> aio_command.MotionCommand:
         """Jog one joint or one Cartesian direction (点动).
 
@@ -1255,15 +1250,17 @@ class Motion(_Section):
             time: seconds after which this program ends a jog without a step, from 0.001; None: it
                 runs until the block is left or `stop_manual_move` is called. The wire has no such
                 time: if the program hangs, only the heartbeat stops the arm.
-            directions: the controller's meaning of the two directions: the manuals contradict
-                each other. Try it with a small step at a low speed.
+            directions: the controller's meaning of the two directions, which differs between the
+                manuals; None: as its version says. Try one that you give with a small step at a
+                low speed.
 
         Returns:
             How it ended: finished or blended. Without a step, it ends when the arm stands.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the controller's version is unknown
+                and `directions` is not given.
 
         Manual section 1.3.5.
         """
@@ -2239,23 +2236,23 @@ class BlockingMotions(_Section):
         )
         return self._call(work)
 
-    def move_jog(
-        self, jog: Jog, *, directions: JogDirections = JogDirections.MANUAL_3_8
-    ) -> TaskState:
+    def move_jog(self, jog: Jog, *, directions: JogDirections | None = None) -> TaskState:
         """Jog one joint or one Cartesian direction (点动).
 
         It is `robot.motion.move_jog` by the manual's blocking call.
 
         Args:
             jog: the jog, with a step.
-            directions: the controller's meaning of the two directions: the manuals contradict
-                each other. Try it with a small step at a low speed.
+            directions: the controller's meaning of the two directions, which differs between the
+                manuals; None: as its version says. Try one that you give with a small step at a
+                low speed.
 
         Returns:
             The state of its task at its end.
 
         Raises:
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the controller's version is unknown
+                and `directions` is not given.
 
         Manual section 1.3.5.
         """
@@ -3400,7 +3397,13 @@ class ExternalAxes(_Section):
 
     @moves
     def move_jog_eaxis(
-        self, scheme_name: str, direction: int, vel: float, *, time: float | None = 1.0
+        self,
+        scheme_name: str,
+        direction: int,
+        vel: float,
+        *,
+        time: float | None = 1.0,
+        directions: JogDirections | None = None,
     ) -> aio_command.MotionCommand:
         """Jog external axes (外部轴点动).
 
@@ -3413,22 +3416,28 @@ class ExternalAxes(_Section):
 
         Args:
             scheme_name: name of the scheme.
-            direction: 1 or -1; it is sent unchanged.
+            direction: 1 or -1.
             vel: speed in percent, above 0, up to 100.
             time: seconds after which this program ends the jog, from 0.001; None: the jog runs
                 until the block is left. Then only the heartbeat stops the axes if the program
                 hangs.
+            directions: the controller's meaning of the two directions; None: that of manual 3.8
+                if its version is not newer. What newer ones mean is not known: manual 4.3 prints
+                -1 and 1 here, and 0 and 1 for jogs of the arm.
 
         Returns:
             How it ended: finished or blended.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the controller's version is newer or
+                unknown and `directions` is not given.
 
         Manual section 1.3.14.
         """
-        return self._made.move_jog_eaxis(scheme_name, direction, vel, time=time)
+        return self._made.move_jog_eaxis(
+            scheme_name, direction, vel, time=time, directions=directions
+        )
 
     @moves
     def movej2_eaxis(

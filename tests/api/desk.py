@@ -44,6 +44,7 @@ class Desk(Bench):
         for name, index in HELD.items():
             self.answer(name, self._goes_on(name, index))
         self.begins("simulation")
+        self.answer("get_robot_version", "V3.8.0")
         for name in ENDINGS:
             self.answer(name, self._ending(name))
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aioduco import Jog, JogFrame
+from aioduco import Jog, JogDirections, JogFrame
 from aioduco.envelope import Envelope, Zone
 from aioduco.envelope.checker import BESIDE, STOPPING, EnvelopeChecker
 from aioduco.envelope.servo import check_servo, servo_ways
@@ -24,12 +24,13 @@ WOBJ = Pose(0.1, 0.2, 0.3, 0.4, -0.5, 0.6)
 Q = tuple((START + 0.1).tolist())
 CYCLE = 1e-3
 SECONDS = 0.3
+OLDER = JogDirections.MANUAL_3_8
 BASE = np.eye(3)
 
 
 def jog(axis: str, frame: JogFrame, sense: int = 1) -> Ahead:
     made = Jog.cartesian(axis, sense, 80.0, frame=frame)  # type: ignore[arg-type]
-    return Ahead("move_jog", (made.wire(), False), sense)
+    return Ahead("move_jog", (made.wire(OLDER), False), sense)
 
 
 def along(axis: int, speed: float) -> list[float]:
@@ -75,7 +76,7 @@ def test_the_joints_go_where_the_path_leads(kind: str) -> None:
     """And so far beyond it that they have come to rest there."""
     speeds = along(2, -0.4)
     made = Jog.joint(3, -1, 80.0)
-    motion = Ahead("move_jog", (made.wire(), False), -1)
+    motion = Ahead("move_jog", (made.wire(OLDER), False), -1)
     if kind == "speedj":
         motion = Ahead("speedj", (speeds, 1.0, -1, False), 0)
     way = velocity_way(ARM, motion, Start(Q, TOOL, WOBJ), SECONDS)
@@ -106,12 +107,22 @@ def test_the_world_of_a_jog_is_not_known() -> None:
 
 def test_a_step_is_known_to_its_end() -> None:
     made = Jog.cartesian("z", -1, 10.0, step=0.07)
-    way = velocity_way(ARM, Ahead("move_jog", (made.wire(), False), -1), Start(Q, TOOL, WOBJ), 9.0)
+    way = velocity_way(
+        ARM,
+        Ahead("move_jog", (made.wire(OLDER), False), -1),
+        Start(Q, TOOL, WOBJ),
+        9.0,
+    )
     assert way is not None
     moved = np.array(way.configs[-1][9:]) - np.array(way.configs[0][9:])
     np.testing.assert_allclose(moved, [0, 0, -0.07], atol=1e-12)
     made = Jog.joint(4, 1, 10.0, step=0.3)
-    way = velocity_way(ARM, Ahead("move_jog", (made.wire(), False), 1), Start(Q, TOOL, WOBJ), 9.0)
+    way = velocity_way(
+        ARM,
+        Ahead("move_jog", (made.wire(OLDER), False), 1),
+        Start(Q, TOOL, WOBJ),
+        9.0,
+    )
     assert way is not None
     assert np.array(way.configs[-1]) - Q == pytest.approx(along(3, 0.3))
 

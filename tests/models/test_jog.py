@@ -10,9 +10,10 @@ import pytest
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
-from aioduco.models.jog import Axis, Jog, JogDirections, JogFrame
+from aioduco.models.jog import Axis, Jog, JogDirections, JogFrame, directions_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
+from aioduco.models.version import ControllerVersion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,13 +22,13 @@ SIX = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6]
 
 
 def test_a_joint_is_jogged_on_and_on() -> None:
-    assert Jog.joint(3, -1, 20).wire() == rpc.MoveJogTaskParam(
+    assert Jog.joint(3, -1, 20).wire(JogDirections.MANUAL_3_8) == rpc.MoveJogTaskParam(
         jog_direction=-1, jog_type=2, axis_num=2, vel=20.0, jog_coordinate=1
     )
 
 
 def test_a_joint_is_jogged_by_a_step() -> None:
-    assert Jog.joint(6, 1, 20.5, step=0.01).wire() == rpc.MoveJogTaskParam(
+    assert Jog.joint(6, 1, 20.5, step=0.01).wire(JogDirections.MANUAL_3_8) == rpc.MoveJogTaskParam(
         jog_direction=1,
         jog_type=2,
         axis_num=5,
@@ -41,7 +42,7 @@ def test_a_joint_is_jogged_by_a_step() -> None:
 @pytest.mark.parametrize(("axis", "index"), [(a, i) for i, a in enumerate(get_args(Axis))])
 @pytest.mark.parametrize("frame", list(JogFrame))
 def test_a_direction_of_a_frame_is_jogged(axis: Axis, index: int, frame: JogFrame) -> None:
-    wire = Jog.cartesian(axis, 1, 100, frame=frame, step=0.002).wire()
+    wire = Jog.cartesian(axis, 1, 100, frame=frame, step=0.002).wire(JogDirections.MANUAL_3_8)
     assert (wire.jog_type, wire.axis_num, wire.jog_coordinate) == (1, index, frame)
     assert type(wire.jog_coordinate) is int
     assert wire.step_cartvalue == 0.002
@@ -51,10 +52,36 @@ def test_a_direction_of_a_frame_is_jogged(axis: Axis, index: int, frame: JogFram
 
 def test_directions_are_said_as_the_controller_understands_them() -> None:
     forward, back = Jog.joint(1, 1, 10), Jog.joint(1, -1, 10)
-    assert forward.wire().jog_direction == 1
-    assert back.wire().jog_direction == -1
+    assert forward.wire(JogDirections.MANUAL_3_8).jog_direction == 1
+    assert back.wire(JogDirections.MANUAL_3_8).jog_direction == -1
     assert forward.wire(JogDirections.MANUAL_4_3).jog_direction == 0
     assert back.wire(JogDirections.MANUAL_4_3).jog_direction == 1
+
+
+@pytest.mark.parametrize(
+    ("version", "directions"),
+    [
+        ("V2.6.1", JogDirections.MANUAL_3_8),
+        ("3.8", JogDirections.MANUAL_3_8),
+        ("GCR5-910 V3.8.2-r4", JogDirections.MANUAL_3_8),
+        ("V4.3.0", JogDirections.MANUAL_4_3),
+        ("DUCO_V5.0", JogDirections.MANUAL_4_3),
+        ("10.1.2", JogDirections.MANUAL_4_3),
+    ],
+)
+def test_the_version_tells_the_directions(version: str, directions: JogDirections) -> None:
+    assert directions_of(None, ControllerVersion(version)) is directions
+
+
+@pytest.mark.parametrize(
+    "version",
+    ["", "unknown", "V3", "V3.9.1", "V4.0", "V4.2.9", "V0.9", "V3.8.0 V4.3.0", "GCR5-910"],
+)
+def test_an_unknown_version_tells_no_directions(version: str) -> None:
+    with pytest.raises(ParameterError, match=r"JogDirections\.MANUAL_4_3"):
+        directions_of(None, ControllerVersion(version))
+    given = JogDirections.MANUAL_4_3
+    assert directions_of(given, ControllerVersion(version)) is given
 
 
 def test_jogs_out_of_range_are_refused() -> None:

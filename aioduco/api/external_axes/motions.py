@@ -8,9 +8,11 @@ from aioduco._wire.rpc import calls
 from aioduco.api.arguments import frames, limits, outputs
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.models import ranges
+from aioduco.models.jog import directions_of
 from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:
+    from aioduco.models.jog import JogDirections
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import VectorLike
@@ -56,7 +58,13 @@ class AxisMotions(Section):
         return self._motion(calls.move_eaxis(name, epose_, v_, False, op_))
 
     def move_jog_eaxis(
-        self, scheme_name: str, direction: int, vel: float, *, time: float | None = JOG_TIME
+        self,
+        scheme_name: str,
+        direction: int,
+        vel: float,
+        *,
+        time: float | None = JOG_TIME,
+        directions: JogDirections | None = None,
     ) -> HeldMotion:
         """Jog external axes (外部轴点动).
 
@@ -69,17 +77,21 @@ class AxisMotions(Section):
 
         Args:
             scheme_name: name of the scheme.
-            direction: 1 or -1; it is sent unchanged.
+            direction: 1 or -1.
             vel: speed in percent, above 0, up to 100.
             time: seconds after which this program ends the jog, from 0.001; None: the jog runs
                 until the block is left. Then only the heartbeat stops the axes if the program
                 hangs.
+            directions: the controller's meaning of the two directions; None: that of manual 3.8
+                if its version is not newer. What newer ones mean is not known: manual 4.3 prints
+                -1 and 1 here, and 0 and 1 for jogs of the arm.
 
         Returns:
             The motion, not sent yet.
 
         Raises:
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the controller's version is newer or
+                unknown and `directions` is not given.
 
         Manual section 1.3.14.
         """
@@ -87,9 +99,10 @@ class AxisMotions(Section):
         direction_ = ranges.JOG_DIRECTION("direction", direction)
         vel_ = ranges.JOG_SPEED("vel", vel)
         ranges.RUN_TIME("time", time)
+        means = directions_of(directions, self._supervisor.version, external=True)
         # The wire does not report whether these axes stand, so only a command ends the motion.
         return self._held(
-            calls.move_jog_eaxis(name, direction_, vel_, False),
+            calls.move_jog_eaxis(name, means.number(direction_), vel_, False),
             "stop",
             time=time,
             timed_by_program=True,

@@ -9,9 +9,10 @@ from aioduco._wire.rpc import calls
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.jog import Jog, JogDirections
+from aioduco.models.jog import Jog, directions_of
 
 if TYPE_CHECKING:
+    from aioduco.models.jog import JogDirections
     from aioduco.supervision.command import MotionCommand
 
 __all__ = ["Jogging"]
@@ -29,7 +30,7 @@ class Jogging(Section):
         jog: Jog,
         *,
         time: float | None = JOG_TIME,
-        directions: JogDirections = JogDirections.MANUAL_3_8,
+        directions: JogDirections | None = None,
     ) -> MotionCommand:
         """Jog one joint or one Cartesian direction (点动).
 
@@ -46,23 +47,23 @@ class Jogging(Section):
             time: seconds after which this program ends a jog without a step, from 0.001; None: it
                 runs until the block is left or `stop_manual_move` is called. The wire has no such
                 time: if the program hangs, only the heartbeat stops the arm.
-            directions: the controller's meaning of the two directions: the manuals contradict
-                each other. Try it with a small step at a low speed.
+            directions: the controller's meaning of the two directions, which differs between the
+                manuals; None: as its version says. Try one that you give with a small step at a
+                low speed.
 
         Returns:
             The motion, not sent yet. Without a step, it ends when the arm stands.
 
         Raises:
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the controller's version is unknown
+                and `directions` is not given.
 
         Manual section 1.3.5.
         """
         if not isinstance(jog, Jog):
             raise ParameterError("jog", jog, "a Jog: Jog.joint(...) or Jog.cartesian(...)")
-        if not isinstance(directions, JogDirections):
-            raise ParameterError("directions", directions, "a member of JogDirections")
         ranges.RUN_TIME("time", time)
-        param = jog.wire(directions)
+        param = jog.wire(directions_of(directions, self._supervisor.version))
         motion: MotionCommand
         if jog.step is not None:
             motion = self._motion(calls.move_jog(param, False))

@@ -135,7 +135,7 @@ class Panel(Uncopied):
             that its page confirmed, 0.1 to 600.
         page_limit: seconds without a keep-alive message or a button press of its page after which a
             lease ends, 0.5 to 600.
-        directions: how the controller interprets the directions of a jog.
+        directions: the controller's meaning of the directions of a jog; None: as its version says.
         options: further options of `connect`, for both robots, such as `clock`.
 
     Raises:
@@ -158,14 +158,14 @@ class Panel(Uncopied):
         rate: float = 20.0,
         hold_limit: float = 0.4,
         page_limit: float = 3.0,
-        directions: JogDirections = JogDirections.MANUAL_3_8,
+        directions: JogDirections | None = None,
         **options: Any,
     ) -> None:
         rate = Number(2.0, 50.0, "Hz", source="this package")("rate", rate)
         hold_limit = Number(0.1, 600.0, "s", source="this package")("hold_limit", hold_limit)
         page_limit = Number(0.5, 600.0, "s", source="this package")("page_limit", page_limit)
-        if not isinstance(directions, JogDirections):
-            raise ParameterError("directions", directions, "a member of JogDirections")
+        if directions is not None and not isinstance(directions, JogDirections):
+            raise ParameterError("directions", directions, "a member of JogDirections, or None")
         if model is not None:
             arm_of(model)
         self.token: str = secrets.token_urlsafe(18) if token is None else token

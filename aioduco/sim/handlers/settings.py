@@ -56,8 +56,8 @@ class SettingHandlers(HandlerSection):
         return self._task("collision_detection_reset", True, command)
 
     def get_robot_version(self) -> str:
-        """Version of the controller's software, which here is this package."""
-        return f"aioduco simulator {importlib.metadata.version('aioduco')}"
+        """Version of the controller's software: that of the manual, then this package's."""
+        return f"3.8.0+aioduco.simulator.{importlib.metadata.version('aioduco')}"
 
     def get_robot_type(self) -> list[str]:
         """Series, model, extension, serial number."""
