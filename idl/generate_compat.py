@@ -48,6 +48,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from aioduco._wire.rpc import Functions
+from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -67,6 +68,9 @@ class ManualFunctions(Functions):
 #: other spellings than those in the manual's list of functions
 ALIASES = {"get_nonblock_taskstate": "get_noneblock_taskstate"}
 
+#: defaults of the manual that stand against those of the class
+PRINTED = {("fc_move", "block"): "True"}
+
 #: parameters for which None stands for the present one: nothing is sent, or nothing is in it
 NULLABLE = frozenset({"q_near", "qnear", "tool", "wobj", "ref_pos"})
 
@@ -76,7 +80,12 @@ NOTES = {
         "The manual prints `wobj` before `tool`; this is the wire's order: name them."
     ),
     "start_record_track": (
-        "Without `interval` it is 5.0 [deg] in mode 0 and 0.5 [s] in mode 1, as the vendor has it."
+        "Without `interval` it is 5.0 [deg] in mode 0 and 0.25 [s] in mode 1, as the manual prints."
+    ),
+    "fc_move": "Without `block` it returns at the end of its task, as the manual prints it.",
+    "movec": (
+        "`arc_rad`, of manual 4.3, is taken as 0, no fixed radius; others cannot be sent: the "
+        "number of\n        its field is not known."
     ),
     "move_eaxis": "`def_acc` is taken since the manual prints it; the wire has no place for it.",
 }
@@ -138,12 +147,15 @@ class Sources:
         for index, (wire, parameter) in enumerate(declared):
             vendor, default = given[index] if index < len(given) else (wire, "")
             kind = str(parameter.annotation)
+            default = PRINTED.get((name, wire), default)
             found.append(Parameter(vendor, kind, self._default(name, wire, kind, default)))
             for other in (wire, self._names.get(name, {}).get(wire, wire)):
                 if other != vendor:
                     self.keywords.setdefault(name, {})[other] = vendor
         if (name, "def_acc") in self._manual and not any(p.name == "def_acc" for p in found):
             found.append(Parameter("def_acc", "bool", "False", sent=False))
+        if name == "movec":
+            found.append(Parameter("arc_rad", "float", "0.0", sent=False))
         for index in reversed(range(len(found) - 1)):  # what follows may not be left out
             if found[index + 1].default is None:
                 found[index] = found[index]._replace(default=None)
@@ -207,7 +219,13 @@ def method(name: str, function: Any, parameters: list[Parameter]) -> list[str]:
     if name == "start_record_track":
         lines += [
             "        if interval is None:",
-            "            interval = 5.0 if mode == 0 else 0.5",
+            "            interval = 5.0 if mode == 0 else 0.25",
+        ]
+    if name == "movec":
+        lines += [
+            "        if arc_rad != 0:",
+            '            raise ParameterError("arc_rad", arc_rad, '
+            '"0: where the wire has it is not known")',
         ]
     return lines + call(name, [parameter.name for parameter in parameters if parameter.sent])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import json
+import math
 import signal
 import subprocess
 import sys
@@ -27,6 +28,7 @@ from aioduco.errors import (
     ControllerError,
     OutcomeUnknown,
     ParameterError,
+    UnknownFunction,
 )
 from aioduco.sim import Simulator
 from aioduco.testing import RecordingServer, eventually
@@ -227,10 +229,10 @@ def test_each_function_sends_its_arguments_and_returns_the_answer(
         ),
         ("cal_ikine", (JOINTS, "", None, []), (JOINTS, [], [], [])),
         ("servoj", (JOINTS, 1.0, 2.0, False), (JOINTS, 1.0, 2.0, False, 200.0, 25.0, 10.0, 1.0)),
-        ("fc_move", (), (False,)),
+        ("fc_move", (), (True,)),
         ("trackCartMotion", (0.1, 0.2, True, "t", "w"), (0.1, 0.2, True, "t", "w", 0.005)),
         ("start_record_track", ("a", 0, "t", "w"), ("a", 0, "t", "w", 5.0)),
-        ("start_record_track", ("a", 1, "t", "w"), ("a", 1, "t", "w", 0.5)),
+        ("start_record_track", ("a", 1, "t", "w"), ("a", 1, "t", "w", 0.25)),
         ("start_record_track", ("a", 1, "t", "w", 0.0), ("a", 1, "t", "w", 0.0)),
     ],
 )
@@ -631,3 +633,77 @@ def test_the_generated_module_is_up_to_date_and_the_check_can_fail(tmp_path: Pat
     done = check(tmp_path)
     assert done.returncode == 1
     assert "kp: float = 201.0" in done.stdout
+
+
+def test_functions_of_the_newer_manual_without_arguments_are_sent(
+    server: RecordingServer, robot: DucoCobot
+) -> None:
+    for name, returned in idl.NEWER.items():
+        value = {"list<double>": [0.5] * 6, "i32": 4, "bool": True, "void": None}[returned]
+        server.answer(name, value)
+        assert getattr(robot, name)() == value
+        assert server.received(name)[0].args == ()
+
+
+def test_an_older_controller_does_not_know_them() -> None:
+    with Simulator(speed=math.inf) as sim, DucoCobot(sim.host, sim.port) as robot:
+        for name in idl.NEWER:
+            with pytest.raises(UnknownFunction, match=name):
+                getattr(robot, name)()
+        assert robot.get_robot_state()  # the connection lives on
+
+
+@pytest.mark.parametrize("radius", [0, 0.0])
+def test_an_arc_without_a_fixed_radius(
+    radius: float, server: RecordingServer, robot: DucoCobot
+) -> None:
+    server.answer("movec", 4)
+    arc = (JOINTS, JOINTS, 0.2, 0.4, 0.0, 0, None, "", "", True, None, True)
+    assert robot.movec(*arc, radius) == robot.movec(*arc, arc_rad=radius) == 4
+    assert len(server.received("movec")[0].args) == len(arc)
+    with pytest.raises(ParameterError, match="arc_rad"):
+        robot.movec(*arc, 0.1)
+
+
+def test_a_jog_as_section_1_3_5_spells_it(server: RecordingServer, robot: DucoCobot) -> None:
+    server.answer("move_jog", 4)
+    jog = compat.MoveJogTaskParams(jog_direction=1, jog_type=1, use_step=True, step_cartValue=0.05)
+    robot.move_jog(jog, True)
+    jog.step_cartValue = 0.06
+    robot.move_jog(jog, True)
+    sent = [call.args[0].step_cartvalue for call in server.received("move_jog")]
+    assert sent == [0.05, 0.06]
+    with pytest.raises(TypeError, match="another name"):
+        compat.MoveJogTaskParam(step_cartValue=0.05, step_cartvalue=0.05)
+
+
+def test_whole_numbers_may_be_doubles(server: RecordingServer, robot: Any) -> None:
+    server.answer("write_raw_data_can", True)
+    robot.write_raw_data_can(3.0, [1])
+    assert server.received("write_raw_data_can")[0].args[0] == 3
+    with pytest.raises(ParameterError):
+        robot.write_raw_data_can(3.5, [1])
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from vendor_api.DucoCobot import DucoCobot",
+        "from vendor_api import DucoCobot as m; DucoCobot = m.DucoCobot",
+        "import vendor_api.deeper.DucoCobot as m; DucoCobot = m.DucoCobot",
+        "from vendor_api.gen_py.robot.ttypes import Op; DucoCobot = Op",
+        "from vendor_api.lib.thrift import Thrift; from vendor_api.DucoCobot import DucoCobot",
+        "import importlib; DucoCobot = importlib.import_module('vendor_api.DucoCobot').DucoCobot",
+    ],
+)
+def test_packages_without_the_vendors_files(line: str, tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(
+        f"{line}\nprint(DucoCobot.__module__)\n"
+        "try:\n    import vendor_apj\nexcept ImportError:\n    print('others are missing')\n",
+        encoding="utf-8",
+    )
+    command = [sys.executable, "-m", "aioduco.compat", str(program)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stdout.split("\n", 1)[0] in ("aioduco.compat", "aioduco._wire.rpc"), done.stderr
+    assert "others are missing" in done.stdout

@@ -37,6 +37,22 @@ _OLDER = {
         "toolIOOut toolButton"
     )
 }
+#: functions that manual 4.3 adds, by name what they return: without arguments, the name is the call
+NEWER = {
+    **dict.fromkeys(
+        (
+            "get_base",
+            "get_home_pose",
+            "get_installation",
+            "get_tcp_pose_command",
+            "get_tcp_speed_command",
+        ),
+        "list<double>",
+    ),
+    **dict.fromkeys(("enable_laser_track", "disable_laser_track", "reset_laser_track"), "i32"),
+    "get_simulation_state": "bool",
+    "clear_error_message": "void",
+}
 _Spec = dict[int, tuple[Any, ...]]
 
 #: patterns of all that the file may contain: comments, structs, the service, fields, functions
@@ -92,6 +108,8 @@ class Function:
 class Functions(Mapping[str, Function]):
     """The functions of the wire by name; each `Function` is made when it is first used.
 
+    Those of `NEWER` can be had by name, and are no part of the wire of 3.8 that is listed.
+
     A stream's worker calls ten of them. Any thread may use the mapping; all get the same objects.
     """
 
@@ -107,7 +125,7 @@ class Functions(Mapping[str, Function]):
     def __getitem__(self, name: str) -> Function:
         made = self._made.get(name)
         if made is None:
-            returned, arguments = self._lines[name]
+            returned, arguments = self._lines.get(name) or (NEWER[name], "")
             function = Function(name, _fields(arguments), _result(returned))
             made = self._made.setdefault(name, function)
         return made

@@ -92,8 +92,12 @@ def _same(value: Any) -> Any:
 
 
 def _whole(value: Any) -> Any:
-    """Convert True and False to 1 and 0, as the vendor's class does."""
-    return int(value) if isinstance(value, bool) else value
+    """Convert True and False to 1 and 0, as the vendor's class does, and 3.0 to 3.
+
+    The manual prints the id of a CAN message as a double.
+    """
+    exact = isinstance(value, bool) or (isinstance(value, float) and value.is_integer())
+    return int(value) if exact else value
 
 
 def _signed(bits: int, value: Any) -> Any:

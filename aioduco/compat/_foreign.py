@@ -26,6 +26,7 @@ _VALUES: Final[dict[str, dict[str, int]]] = {
         "SR_PowerOff": 4,
         "SR_Disable": 5,
         "SR_Enable": 6,
+        "SR_Update": 7,
     },
     "StateProgram": {
         "SP_Stopped": 0,
@@ -33,6 +34,7 @@ _VALUES: Final[dict[str, dict[str, int]]] = {
         "SP_Running": 2,
         "SP_Paused": 3,
         "SP_Pausing": 4,
+        "SP_TaskRuning": 5,
     },
     "OperationMode": {"kManual": 0, "kAuto": 1, "kRemote": 2},
     "TaskState": {

@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from aioduco._wire.rpc import Functions
+from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -136,8 +137,15 @@ class ManualFunctions(Functions):
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
+        arc_rad: float = 0.0,
     ) -> int:
-        """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending."""
+        """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending.
+
+        `arc_rad`, of manual 4.3, is taken as 0, no fixed radius; others cannot be sent: the number of
+        its field is not known.
+        """
+        if arc_rad != 0:
+            raise ParameterError("arc_rad", arc_rad, "0: where the wire has it is not known")
         return self._call("movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc))
 
     def move_circle(
@@ -428,10 +436,10 @@ class ManualFunctions(Functions):
     ) -> int:
         """Start to record a track: mode 0 each `interval` degrees, 1 each `interval` seconds.
 
-        Without `interval` it is 5.0 [deg] in mode 0 and 0.5 [s] in mode 1, as the vendor has it.
+        Without `interval` it is 5.0 [deg] in mode 0 and 0.25 [s] in mode 1, as the manual prints.
         """
         if interval is None:
-            interval = 5.0 if mode == 0 else 0.5
+            interval = 5.0 if mode == 0 else 0.25
         return self._call("start_record_track", (name, mode, tool, wobj, interval))
 
     def reach_check(
@@ -461,8 +469,11 @@ class ManualFunctions(Functions):
             "fc_config", (direction, ref_ft, damp, max_vel, dead_zone, toolname, wobjname, value)
         )
 
-    def fc_move(self, block: bool = False) -> int:
-        """Move by force control alone."""
+    def fc_move(self, block: bool = True) -> int:
+        """Move by force control alone.
+
+        Without `block` it returns at the end of its task, as the manual prints it.
+        """
         return self._call("fc_move", (block,))
 
     def fc_guard_act(

@@ -7,7 +7,9 @@ a module is identified by the end of its name, in whatever package it is.
 
 from __future__ import annotations
 
+import ast
 import importlib.util
+import itertools
 import runpy
 import sys
 from importlib.abc import Loader, MetaPathFinder
@@ -19,7 +21,7 @@ from aioduco.compat._foreign import ENUMS
 from aioduco.errors import Portable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
     from types import ModuleType
 
@@ -108,6 +110,10 @@ class VendorModules(MetaPathFinder, Loader):
     def __init__(self, thrift: bool) -> None:
         self._thrift = thrift
 
+    def has(self, fullname: str) -> bool:
+        """Whether it finds a module."""
+        return self._vendor_name(fullname) is not None
+
     def find_spec(
         self,
         fullname: str,
@@ -136,6 +142,75 @@ class VendorModules(MetaPathFinder, Loader):
         return None
 
 
+class MissingPackages(MetaPathFinder, Loader):
+    """Finds packages that a program imports the vendor's modules from, where they do not exist.
+
+    It is asked last, so that a package which exists is imported as it is.
+
+    Args:
+        names: the packages.
+    """
+
+    def __init__(self, names: frozenset[str]) -> None:
+        self._names = names
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None = None,  # noqa: ARG002  # the import system hands it over
+        target: ModuleType | None = None,  # noqa: ARG002
+    ) -> ModuleSpec | None:
+        """Return the spec of an empty package, if it is one of them."""
+        if fullname not in self._names:
+            return None
+        return ModuleSpec(fullname, self, origin=compat.__name__, is_package=True)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Leave the package empty."""
+
+
+def packages_around(sources: Iterable[str], vendor: VendorModules) -> frozenset[str]:
+    """Return the packages from which programs import the vendor's modules.
+
+    Args:
+        sources: the texts of the programs; one that cannot be parsed is passed over.
+        vendor: tells the vendor's modules.
+    """
+    found: set[str] = set()
+    for source in sources:
+        try:
+            tree = ast.parse(source)
+        except (SyntaxError, ValueError):
+            continue
+        for name in itertools.chain.from_iterable(map(_imported, ast.walk(tree))):
+            parts = name.split(".")
+            prefixes = [".".join(parts[: end + 1]) for end in range(len(parts))]
+            first = next((at for at, each in enumerate(prefixes) if vendor.has(each)), 0)
+            found.update(prefixes[:first])
+    return frozenset(found)
+
+
+def _imported(node: ast.AST) -> Iterator[str]:
+    """The modules that a part of a program names: an import, or the text that is given to one."""
+    match node:
+        case ast.Import(names=names):
+            yield from (each.name for each in names)
+        case ast.ImportFrom(module=str(module), names=names, level=0):
+            yield from (f"{module}.{each.name}" for each in names)
+        case ast.Call(args=[ast.Constant(value=str(name)), *_]):
+            yield name
+
+
+def _sources(program: Path) -> Iterator[str]:
+    """The texts of a program and of the modules beside it."""
+    folder = program.resolve().parent
+    for path in (program, *folder.glob("*.py"), *folder.glob("*/*.py")):
+        try:
+            yield path.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError):
+            continue
+
+
 def run(program: Path, arguments: Sequence[str]) -> None:
     """Run a program as Python would, with the vendor's modules in place of its own.
 
@@ -144,7 +219,9 @@ def run(program: Path, arguments: Sequence[str]) -> None:
         arguments: the program's arguments, put into `sys.argv` behind its name.
     """
     installed = importlib.util.find_spec("thrift") is not None
-    sys.meta_path.insert(0, VendorModules(thrift=not installed))
+    vendor = VendorModules(thrift=not installed)
+    sys.meta_path.insert(0, vendor)
+    sys.meta_path.append(MissingPackages(packages_around(_sources(program), vendor)))
     sys.argv = [str(program), *arguments]
     sys.path.insert(0, str(program.resolve().parent))
     runpy.run_path(str(program), run_name="__main__")

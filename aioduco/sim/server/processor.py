@@ -88,7 +88,7 @@ class Processor:
 
     def _result(self, message: Message) -> tuple[int, Any]:
         function = self._functions.get(message.name)
-        if function is None:
+        if function is None or not hasattr(self._handler, message.name):
             return _error(
                 TApplicationException.UNKNOWN_METHOD, f"unknown function {message.name!r}"
             )
