@@ -146,11 +146,11 @@ class ReplyReader:
         try:
             whole = self._scanner.whole(data)
         except Malformed:
-            older = self._function.older
-            if self.failed or older is None or self._result is older:
+            other = self._function.other
+            if self.failed or other is None or self._result is other:
                 raise
-            self._result = older
-            self._scanner = StructScanner(older.thrift_spec, self._start)
+            self._result = other
+            self._scanner = StructScanner(other.thrift_spec, self._start, strict=True)
             whole = self._scanner.whole(data)
         self.length = self._scanner.position
         return whole
@@ -167,7 +167,8 @@ class ReplyReader:
 
     def _header(self, data: bytes | bytearray) -> StructScanner | None:
         if data.startswith(self._head):
-            return StructScanner(self._function.result.thrift_spec, self._start)
+            strict = self._function.other is not None
+            return StructScanner(self._function.result.thrift_spec, self._start, strict=strict)
         kind = bytes(data[:4])
         if not (_REPLY.startswith(kind) or _EXCEPTION.startswith(kind)):
             raise Malformed(
@@ -203,12 +204,28 @@ class ReplyReader:
         if function.void:
             return None
         result = self._result()
-        _thrift().read_struct(body, result)
+        if function.newer is not None:
+            extended = function.newer()
+            _thrift().read_struct(body, extended)
+            if _extended(extended.success):
+                result = extended
+        if result.success is None:
+            _thrift().read_struct(body, result)
         if result.success is None:
             raise ControllerError(
                 function.name, "the controller answered without a result", _MISSING_RESULT
             )
         return _text(result.success) if function.texts else result.success
+
+
+def _extended(value: Any) -> bool:
+    """Whether a struct, or the first of a list, has a field that only newer controllers send."""
+    one = (value[0] if value else None) if isinstance(value, list) else value
+    if one is None:
+        return False
+    present: Any = type(one).__mro__[2]  # behind the classes of `idl` and of `newer`
+    added = set(one.__match_args__) - set(present.__match_args__)
+    return any(getattr(one, name) is not None for name in added)
 
 
 def _application_error(function: Function, body: bytes) -> ControllerError:

@@ -3,8 +3,9 @@
 The wire has no frames: only a walk through the fields shows whether a message is complete. And
 thriftpy2 checks nothing that it reads. It allocates as many bytes as a length field says, returns
 an empty list if the elements have another type than in the IDL, and leaves out a field of another
-type. So this module first measures the received bytes and checks their types, byte by byte as they
-arrive, without any I/O. Only a struct that is complete and fits the IDL is decoded.
+type, which is right within a struct of a newer controller. So this module first measures the
+received bytes and checks their types, byte by byte as they arrive, without any I/O. Only a struct
+that is complete and fits the IDL is decoded.
 """
 
 from __future__ import annotations
@@ -115,10 +116,15 @@ class StructScanner:
     bounds, so a wrong length from a peer never causes a wait or an allocation.
     """
 
-    __slots__ = ("_depth", "_elements", "_open", "_size", "position")
+    __slots__ = ("_depth", "_elements", "_open", "_size", "_strict", "position")
 
     def __init__(
-        self, fields: dict[int, tuple[Any, ...]], start: int, bounds: Bounds = REPLY
+        self,
+        fields: dict[int, tuple[Any, ...]],
+        start: int,
+        bounds: Bounds = REPLY,
+        *,
+        strict: bool = False,
     ) -> None:
         """Make a scanner.
 
@@ -127,8 +133,11 @@ class StructScanner:
                 the shape, and whether it is required; empty to accept any struct.
             start: index of the struct's first byte.
             bounds: the limits within which it is accepted.
+            strict: whether a field of another type does not fit in a nested struct either. If
+                not, it is passed over there as an unknown one, as the reader does.
         """
         self.position = start
+        self._strict = strict
         self._size, self._elements, self._depth = bounds
         self._open: list[_Struct | _Items] = [_Struct(fields)]
 
@@ -173,7 +182,9 @@ class StructScanner:
                 break
             field = fields.get((data[at + 1] << 8) | data[at + 2])
             if field is not None and field[0] != kind:
-                raise Malformed(f"field {field[1]} has the type {kind}, not {field[0]}")
+                if self._strict or len(self._open) == 1:
+                    raise Malformed(f"field {field[1]} has the type {kind}, not {field[0]}")
+                field = None
             if kind in fixed:
                 at += 3 + fixed[kind]
                 continue

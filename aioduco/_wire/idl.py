@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
-from aioduco._wire import rpc
+from aioduco._wire import newer, rpc
 from aioduco._wire.framing import TType
 from aioduco._wire.layout import Layouts, packer
 from aioduco._wire.type_checks import Check, check_of, type_of
@@ -75,8 +75,10 @@ class Function:
         name: the name on the wire.
         args: class of the argument struct; an instance takes the fields as attributes.
         result: class of the result struct; the value is its attribute `success`.
-        older: class of the result struct with the field numbers of older controllers; None if
-            these are the same.
+        other: class of the result struct with the fields that older or newer controllers have
+            under the same numbers; None if these are the same.
+        newer: class of the result struct with the fields that newer controllers add; None if they
+            add none.
         parameters: names of the parameters, in the order of their field ids.
         checks: for each parameter, the function that checks whether a value fits its type.
         packed: function that encodes the arguments; None if they need thriftpy2.
@@ -90,7 +92,12 @@ class Function:
         self.name: str = name
         self.args: Any = _payload(f"{name}_args", args)
         self.result: Any = _payload(f"{name}_result", result)
-        self.older: Any = _older(self.result, _OLDER[name].split()) if name in _OLDER else None
+        self.other: Any = _older(self.result, _OLDER[name].split()) if name in _OLDER else None
+        self.newer: Any = None
+        if name in newer.ADDED:
+            self.newer = _with(self.result, *newer.ADDED[name], added=True)
+        if name in newer.INSTEAD:
+            self.other = _with(self.result, *newer.INSTEAD[name], added=False)
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
@@ -218,6 +225,28 @@ def _older(result: Any, names: list[str]) -> Any:
     spec = {number: entries[each] for number, each in enumerate(names, 1)}
     older = type(struct.__name__, (struct,), {"thrift_spec": spec, "__slots__": ()})
     return type(result.__name__, (result,), {"thrift_spec": {0: (kind, name, older, required)}})
+
+
+def _with(result: Any, kind: type, fields: str, *, added: bool) -> Any:
+    """Make a result class with another struct, alone or as the element of a list.
+
+    Args:
+        result: the result class.
+        kind: class of the struct, which inherits from the present one.
+        fields: fields of the struct, as in the IDL.
+        added: whether they come behind those of the present struct, and not in their place.
+    """
+    number, name, shape, required = result.thrift_spec[0]
+    listed = number == TType.LIST
+    present = shape[1] if listed else shape
+    spec = _fields(fields)
+    made: Any = type(
+        kind.__name__,
+        (kind,),
+        {"thrift_spec": {**present.thrift_spec, **spec} if added else spec, "__slots__": ()},
+    )
+    entry = (number, name, (TType.STRUCT, made) if listed else made, required)
+    return type(result.__name__, (result,), {"thrift_spec": {0: entry}})
 
 
 def _has_text(part: Any) -> bool:

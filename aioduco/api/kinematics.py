@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco._wire import newer
 from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Unreachable
 from aioduco.models import ranges
@@ -34,11 +35,17 @@ class Reachability:
 
     Attributes:
         reachable: whether all poses can be reached.
-        joints: joints for each pose, in the order of the poses; empty if not all can be reached.
+        joints: joints for each pose, in the order of the poses; empty if not all can be reached,
+            and on controllers of manual 4.3, which do not send them.
+        index: on those, the controller's index of the pose that cannot be reached; else None.
+        singularity: on those, why (singularity_type): 0 none, 1 shoulder, 2 elbow, 3 wrist, 4 out
+            of space; else None.
     """
 
     reachable: bool
     joints: tuple[Joints, ...]
+    index: int | None = None
+    singularity: int | None = None
 
     def __bool__(self) -> bool:
         return self.reachable
@@ -138,7 +145,8 @@ class Kinematics(Section):
     ) -> Reachability:
         """Check whether an arm with a given pose of its base can reach poses (可达性).
 
-        Manual 4.3 has `tool` before `wobj`: exchange them on such a controller.
+        Manual 4.3 has `tool` before `wobj`: they are sent so to a controller whose version is 4.3
+        or later.
 
         Args:
             base: pose of the arm's base in the world [m, rad].
@@ -149,31 +157,40 @@ class Kinematics(Section):
             check_points: poses of the tool in the work object [m, rad], at least one.
 
         Returns:
-            Whether all poses can be reached, and if so the joints for each.
+            Whether all poses can be reached, and if so the joints for each: see `Reachability`.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             ControllerError: the controller says that all can be reached, but does not send the
-                joints, as a controller of manual 4.3 does.
+                joints; or it answers as one of manual 4.3, but its version is not known to be one.
 
         Manual section 1.3.7.
         """
         points = ranges.CHECK_POINTS("check_points", check_points)
+        is_newer = self._supervisor.version.manual == "4.3"
+        frames = ranges.POSE("wobj", wobj), ranges.POSE("tool", tool)
         found = await self._rpc.reach_check(
             ranges.POSE("base", base),
-            ranges.POSE("wobj", wobj),
-            ranges.POSE("tool", tool),
+            *(frames[::-1] if is_newer else frames),
             ranges.JOINTS("ref_pos", ref_pos),
             points,
         )
+        if isinstance(found, newer.ReachabilityParam):
+            if not is_newer:
+                raise ControllerError(
+                    "reach_check",
+                    "the controller answered as one of manual 4.3, but its version, "
+                    f"{self._supervisor.version}, does not say so: it may have taken tool and "
+                    "work object in the other order",
+                )
+            return Reachability(found.result, (), found.index, found.singularity_type)
         if not found.result:
             return Reachability(reachable=False, joints=())
         joints = [row for row in found.joints_pos if len(row) >= 6]
         if len(joints) != len(points):
             raise ControllerError(
                 "reach_check",
-                f"the controller sent the joints of {len(joints)} of {len(points)} poses: it may "
-                "be newer than manual 3.8, and take tool and work object in the other order",
+                f"the controller sent the joints of {len(joints)} of {len(points)} poses",
             )
         return Reachability(reachable=True, joints=tuple(Joints(*row[:6]) for row in joints))
 

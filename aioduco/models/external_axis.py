@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -32,11 +33,15 @@ class ExternalAxisState:
         status: activation state as the controller's number (激活状态); the manual does not list
             the numbers.
         position: position [rad or m, depending on the scheme].
+        vel: speed [rad/s or m/s]; NaN if the controller is older than manual 4.3.
+        acc: acceleration [rad/s² or m/s²]; NaN likewise.
     """
 
     scheme_name: str
     status: int
     position: float
+    vel: float = math.nan
+    acc: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,11 +6,18 @@ import itertools
 import time
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from aioduco._wire import rpc
+from aioduco._wire import newer, rpc
 from aioduco.errors import ParameterError, StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, vectors
+from aioduco.models.state import (
+    ForceStatus,
+    IOStatus,
+    JointTorques,
+    RobotStates,
+    RobotStatus,
+    vectors,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -86,6 +93,7 @@ class Samples:
             emergency_stop=wire.emcStopSignal,
             state=RobotState(wire.robotState),
             error=wire.robotError,
+            torques=_torques(wire) if isinstance(wire, newer.RobotStatus) else None,
             **dict(zip(_ARRAYS, arrays, strict=True)),
         )
 
@@ -102,6 +110,18 @@ class Samples:
         at = time.monotonic() if at is None else at
         lists = (getattr(wire, name) for name in rpc.IOStatus.__match_args__)
         return IOStatus(next(self._io), at, *map(tuple, lists))
+
+
+def _torques(wire: newer.RobotStatus) -> JointTorques:
+    """What a controller of manual 4.3 adds."""
+    lists = (
+        wire.jointAuxiliaryPosition,
+        wire.jointDynamicTorque,
+        wire.jointGravityTorque,
+        wire.jointActualTorque,
+        wire.jointExtraTorque,
+    )
+    return JointTorques(*vectors(*(values or () for values in lists)))
 
 
 def joints(wire: Sequence[float]) -> Joints:

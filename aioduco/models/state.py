@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ForceStatus",
     "IOStatus",
+    "JointTorques",
     "RobotStates",
     "RobotStatus",
     "Sample",
@@ -99,6 +100,27 @@ class RobotStates(Sample):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class JointTorques:
+    """What controllers of manual 4.3 add to getRobotStatus. The manual prints no units.
+
+    Arrays are read-only, of shape (6,); a value that the controller did not send is NaN.
+
+    Attributes:
+        auxiliary_positions: positions of the joints' second encoders (jointAuxiliaryPosition).
+        dynamic: torques by the arm's dynamics (jointDynamicTorque).
+        gravity: torques by gravity (jointGravityTorque).
+        actual: actual torques (jointActualTorque).
+        extra: further torques (jointExtraTorque).
+    """
+
+    auxiliary_positions: Vector
+    dynamic: Vector
+    gravity: Vector
+    actual: Vector
+    extra: Vector
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RobotStatus(Sample):
     """Position and motion of the arm (manual 1.3.7, getRobotStatus).
 
@@ -127,6 +149,7 @@ class RobotStatus(Sample):
         emergency_stop: whether an emergency stop is pressed.
         state: state of the robot.
         error: the controller's error code.
+        torques: the joints' torques; None if the controller is older than manual 4.3.
     """
 
     joints: Joints
@@ -150,6 +173,7 @@ class RobotStatus(Sample):
     emergency_stop: bool
     state: RobotState
     error: int
+    torques: JointTorques | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3306,7 +3306,7 @@ class ExternalAxes(_Section):
         """Read the state of each scheme of external axes (外部轴反馈信息).
 
         The wire of 3.8 has this function, and manual 4.3 describes it. Section 1.2 of manual 3.8
-        describes the struct.
+        describes the struct. Controllers of manual 4.3 also send speed and acceleration.
         """
         return self._call(self._made.get_eaxis_info())
 
@@ -4901,7 +4901,8 @@ class Kinematics(_Section):
     ) -> Reachability:
         """Check whether an arm with a given pose of its base can reach poses (可达性).
 
-        Manual 4.3 has `tool` before `wobj`: exchange them on such a controller.
+        Manual 4.3 has `tool` before `wobj`: they are sent so to a controller whose version is 4.3
+        or later.
 
         Args:
             base: pose of the arm's base in the world [m, rad].
@@ -4912,12 +4913,12 @@ class Kinematics(_Section):
             check_points: poses of the tool in the work object [m, rad], at least one.
 
         Returns:
-            Whether all poses can be reached, and if so the joints for each.
+            Whether all poses can be reached, and if so the joints for each: see `Reachability`.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             ControllerError: the controller says that all can be reached, but does not send the
-                joints, as a controller of manual 4.3 does.
+                joints; or it answers as one of manual 4.3, but its version is not known to be one.
 
         Manual section 1.3.7.
         """

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING
+
+from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -11,6 +15,9 @@ from aioduco.models.external_axis import (
     ExternalAxisState,
     checked,
 )
+
+if TYPE_CHECKING:
+    from aioduco._wire import rpc
 
 __all__ = ["Schemes"]
 
@@ -61,10 +68,12 @@ class Schemes(Section):
         """Read the state of each scheme of external axes (外部轴反馈信息).
 
         The wire of 3.8 has this function, and manual 4.3 describes it. Section 1.2 of manual 3.8
-        describes the struct.
+        describes the struct. Controllers of manual 4.3 also send speed and acceleration.
         """
         schemes = await self._rpc.get_eaxis_info()
-        return tuple(ExternalAxisState(one.scheme_name, one.status, one.pos) for one in schemes)
+        return tuple(
+            ExternalAxisState(one.scheme_name, one.status, one.pos, *_rates(one)) for one in schemes
+        )
 
     async def set_eaxis_param(self, num: int, param: ExternalAxis) -> None:
         """Set the parameters of an external axis.
@@ -131,3 +140,11 @@ class Schemes(Section):
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         await self._finish(calls.delete_eaxis_scheme(num_, True))
+
+
+def _rates(scheme: rpc.EAxissInfo) -> tuple[float, float]:
+    """Speed and acceleration of a scheme; NaN for one that was not sent."""
+    if not isinstance(scheme, newer.EAxissInfo):
+        return math.nan, math.nan
+    vel, acc = (math.nan if rate is None else rate for rate in (scheme.vel, scheme.acc))
+    return vel, acc

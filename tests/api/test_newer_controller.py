@@ -1,0 +1,128 @@
+"""A controller of manual 4.3: what it adds to its answers, and the order of its arguments."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import aioduco
+from aioduco._wire import codec, idl, rpc
+from aioduco._wire.framing import TType
+
+if TYPE_CHECKING:
+    from api.desk import Desk
+
+HOME = [0.0, 0.0, 1.5, 0.0, -1.5, 0.0]
+POSE, WOBJ, TOOL = [0.5, 0.1, 0.6, 3.1, 0.0, -1.5], [0.1] * 6, [0.2] * 6
+TORQUES = [
+    *("jointAuxiliaryPosition", "jointDynamicTorque", "jointGravityTorque"),
+    *("jointActualTorque", "jointExtraTorque"),
+]
+
+
+def with_fields(struct: type, *added: tuple[Any, ...], without: int = 0, **values: Any) -> Any:
+    """Return a struct with the fields of a newer controller, from the number `without` on anew."""
+    idl.functions()
+    spec = dict(vars(struct)["thrift_spec"])
+    if without:
+        spec = {number: entry for number, entry in spec.items() if number < without}
+    spec.update({number: tuple(entry) for number, *entry in added})
+    kind: Any = type("Newer", (), {"thrift_spec": spec})
+    made = kind()
+    for _, name, *_ in spec.values():
+        setattr(made, name, values.get(name))
+    return made
+
+
+def body(name: str, value: Any) -> Any:
+    function = idl.functions()[name]
+    result = function.result()
+    result.success = value
+    encoded = codec._thrift().write_struct(result)
+    data = b"\x80\x01\x00\x02" + function.head + (1).to_bytes(4) + encoded
+    reader = codec.ReplyReader(function, 1)
+    assert reader.whole(data)
+    read = reader.value(data)
+    again = codec.ReplyReader(function, 1)  # of a layout that is known by now
+    assert again.whole(data)
+    assert again.value(data) == read
+    return read
+
+
+def reachability(result: bool, index: int = 0, singularity: int = 0) -> Any:
+    return with_fields(
+        rpc.ReachabilityParam,
+        *((2, TType.I32, "index", False), (3, TType.I32, "singularity_type", False)),
+        without=2,
+        result=result,
+        index=index,
+        singularity_type=singularity,
+    )
+
+
+async def check(desk: Desk, version: str, answer: Any) -> Any:
+    desk.answer("get_robot_version", version)
+    desk.answer("reach_check", answer)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        return await robot.kinematics.reach_check(
+            base=POSE, wobj=WOBJ, tool=TOOL, ref_pos=HOME, check_points=[POSE]
+        )
+
+
+async def test_what_reach_check_found(desk: Desk) -> None:
+    found = await check(desk, "V4.3.0", reachability(False, 2, 3))
+    assert (found.reachable, found.joints, found.index, found.singularity) == (False, (), 2, 3)
+    assert desk.received("reach_check")[0].args[:3] == (POSE, TOOL, WOBJ)
+
+
+async def test_an_answer_of_4_3_from_a_controller_of_another_version(desk: Desk) -> None:
+    with pytest.raises(aioduco.ControllerError, match="order"):
+        await check(desk, "V3.8.0", reachability(True))
+    assert desk.received("reach_check")[0].args[:3] == (POSE, WOBJ, TOOL)
+
+
+async def test_the_torques_of_the_joints(desk: Desk) -> None:
+    old = desk._answers["getRobotStatus"]()
+    values = {entry[1]: getattr(old, entry[1]) for entry in old.thrift_spec.values()}
+    added = [(22 + at, TType.LIST, name, TType.DOUBLE, False) for at, name in enumerate(TORQUES)]
+    for at, name in enumerate(TORQUES):
+        values[name] = [float(at)] * 6
+    desk.answer("getRobotStatus", with_fields(rpc.RobotStatus, *added, **values))
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        for _ in range(3):
+            torques = (await robot.state.getRobotStatus()).torques
+            assert torques is not None
+            assert torques.auxiliary_positions.tolist() == [0.0] * 6
+            assert torques.extra.tolist() == [4.0] * 6
+        desk.answer("getRobotStatus", old)
+        assert (await robot.state.getRobotStatus()).torques is None
+
+
+@pytest.mark.parametrize("vel", [0.0, 0.25])
+async def test_the_rates_of_external_axes(desk: Desk, vel: float) -> None:
+    added = [(4, TType.DOUBLE, "vel", False), (5, TType.DOUBLE, "acc", False)]
+    values: dict[str, Any] = {
+        "scheme_name": "rail",
+        "status": 1,
+        "pos": 0.5,
+        "vel": vel,
+        "acc": 0.0,
+    }
+    desk.answer("get_eaxis_info", [with_fields(rpc.EAxissInfo, *added, **values)])
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        (scheme,) = await robot.external_axes.get_eaxis_info()
+        assert (scheme.position, scheme.vel, scheme.acc) == (0.5, vel, 0.0)
+        desk.answer("get_eaxis_info", [rpc.EAxissInfo("rail", 1, 0.5)])
+        (scheme,) = await robot.external_axes.get_eaxis_info()
+        assert math.isnan(scheme.vel)
+
+
+def test_a_field_of_another_type_is_passed_over() -> None:
+    """In a struct; an answer of another type as a whole is none."""
+    spec = {1: (TType.STRING, "scheme_name", False), 2: (TType.STRING, "status", False)}
+    kind: Any = type("Strange", (), {"thrift_spec": spec})
+    strange = kind()
+    strange.scheme_name, strange.status = "rail", "on"
+    assert body("get_eaxis_info", [strange]) == [rpc.EAxissInfo("rail", 0, 0.0)]
