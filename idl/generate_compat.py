@@ -68,6 +68,9 @@ class ManualFunctions(Functions):
 #: other spellings than those in the manual's list of functions
 ALIASES = {"get_nonblock_taskstate": "get_noneblock_taskstate"}
 
+#: what `arc_rad` of movec may be
+ARC_RAD = "0: where the wire has it is not known"
+
 #: defaults of the manual that stand against those of the class
 PRINTED = {("fc_move", "block"): "True"}
 
@@ -224,8 +227,7 @@ def method(name: str, function: Any, parameters: list[Parameter]) -> list[str]:
     if name == "movec":
         lines += [
             "        if arc_rad != 0:",
-            '            raise ParameterError("arc_rad", arc_rad, '
-            '"0: where the wire has it is not known")',
+            f'            raise ParameterError("arc_rad", arc_rad, "{ARC_RAD}")',
         ]
     return lines + call(name, [parameter.name for parameter in parameters if parameter.sent])
 

@@ -103,13 +103,8 @@ async def test_the_torques_of_the_joints(desk: Desk) -> None:
 @pytest.mark.parametrize("vel", [0.0, 0.25])
 async def test_the_rates_of_external_axes(desk: Desk, vel: float) -> None:
     added = [(4, TType.DOUBLE, "vel", False), (5, TType.DOUBLE, "acc", False)]
-    values: dict[str, Any] = {
-        "scheme_name": "rail",
-        "status": 1,
-        "pos": 0.5,
-        "vel": vel,
-        "acc": 0.0,
-    }
+    values: dict[str, Any] = {"scheme_name": "rail", "status": 1, "pos": 0.5}
+    values |= {"vel": vel, "acc": 0.0}
     desk.answer("get_eaxis_info", [with_fields(rpc.EAxissInfo, *added, **values)])
     async with aioduco.connect(desk.host, desk.port) as robot:
         (scheme,) = await robot.external_axes.get_eaxis_info()

@@ -34,7 +34,8 @@ class Velocity(Section):
     """Motions at a velocity.
 
     They keep the arm moving, and the controller ignores other motions in the meantime. So each has
-    a limit, `time`, which the controller enforces; the default is one second. A second motion of
+    a limit, `time`, which the controller enforces. The manual's default is -1, until `speed_stop`;
+    one second is this package's choice, for a program that hangs. A second motion of
     the same kind replaces the first, which then counts as blended.
 
         down = [0, 0, -0.02, 0, 0, 0]
