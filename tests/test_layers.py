@@ -24,6 +24,7 @@ BASE = {
     "errors",
     "_process.reporting",
     "_wire.rpc",
+    "_wire.newer",
     "_process.scheduling",
     "models.trace",
 }
@@ -44,15 +45,19 @@ MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
+    "_wire.newer": {"_wire.rpc"},
     "_process.scheduling": set(),
     "_process.reporting": {"_process.copying"},
     "models.trace": {"_process.reporting"},
-    "models": {"_process.copying", "errors", "_wire.rpc"},
+    "models": {"_process.copying", "errors", "_wire.rpc", "_wire.newer"},
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
     # limits and their check: pure, and without numpy where the worker of a stream imports it
     "envelope": {"errors", "models", "kinematics"},
-    "_wire": {"_process.platform", "errors", "_process.reporting", "_wire.rpc", "models.trace"},
+    "_wire": {
+        *("_process.platform", "errors", "_process.reporting", "models.trace"),
+        *("_wire.rpc", "_wire.newer"),
+    },
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
