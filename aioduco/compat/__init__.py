@@ -128,7 +128,7 @@ def _take_other_names(kind: type[ManualFunctions]) -> None:
             setattr(kind, name, _by_any_name(function, others))
 
 
-class DucoCobot(Uncopied, ManualFunctions, NewerFunctions):
+class DucoCobot(Uncopied, NewerFunctions):
     """A connection to a controller, with a method for each function of the manual.
 
     Each object is one connection, which carries one call at a time (manual 1.5.1). Any thread may

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from aioduco._wire.rpc import Functions
 from aioduco._wire.rpc import MoveJogTaskParam as _MoveJogTaskParam
+from aioduco.compat._generated import ManualFunctions
 
 __all__ = ["MoveJogTaskParam", "NewerFunctions"]
 
 
-class NewerFunctions(Functions):
+class NewerFunctions(ManualFunctions):
     """Functions of manual 4.3 that take no arguments."""
 
     def get_base(self) -> list[float]:
