@@ -154,7 +154,13 @@ HELD = [
     ),
     motion(
         *("external_axes", "move_jog_eaxis"),
-        {"scheme_name": "rail", "direction": -1, "vel": 5.0, "time": 0.03},
+        {
+            "scheme_name": "rail",
+            "direction": -1,
+            "vel": 5.0,
+            "time": 0.03,
+            "directions": JogDirections.MANUAL_3_8,
+        },
         *("rail", -1, 5.0, False),
     ),
 ]
