@@ -116,7 +116,11 @@ class MotionCommand(Uncopied):
         return self._run().__await__()
 
     async def _run(self) -> Outcome:
-        return await (await self._dispatcher.launch(self.command))
+        task = await self._dispatcher.launch(self.command)
+        held = self.command.continuous
+        if held is not None and held.mode and held.time is None:
+            return Outcome.FINISHED  # it was entered; to leave it is another call
+        return await task
 
     async def __aenter__(self) -> Task:
         if self._open is not None:

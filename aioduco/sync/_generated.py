@@ -1281,22 +1281,34 @@ class Motion(_Section):
         self._call(self._made.stop_manual_move())
 
     @moves
-    def teach_mode(self) -> aio_command.MotionCommand:
+    def teach_mode(self, *, time: float | None = None) -> aio_command.MotionCommand:
         """Let the arm be guided by hand (进入牵引示教模式), until a command ends it.
 
             with robot.motion.teach_mode.start():
                 taught()                  # leaving the block ends hand guiding
 
+            robot.motion.teach_mode()     # enters hand guiding, and returns
+            robot.motion.end_teach_mode()
+
         Set the right tool and load first: if the arm carries another weight than the one that was
         set, it sinks or rises by itself. An interrupt while it waits, or an error inside its block,
         stops the arm and ends hand guiding; so does leaving the robot's block.
 
+        Args:
+            time: seconds after which this program ends hand guiding, from 0.001. None: it lasts
+                until a command ends it; used without a block, it returns when it has begun.
+
         Returns:
-            How it ended: finished or blended. It ends by `end_teach_mode` or by leaving its block.
+            How it ended: finished or blended. It ends by `end_teach_mode`, by leaving its block, or
+            after `time`.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: `time` is out of range.
 
         Manual section 1.3.5.
         """
-        return self._made.teach_mode()
+        return self._made.teach_mode(time=time)
 
     def end_teach_mode(self) -> None:
         """End hand guiding (退出牵引示教模式), and wait until the arm stands.

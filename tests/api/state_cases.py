@@ -123,6 +123,6 @@ ENDINGS = [
     for name in ("speed_stop", "stop_manual_move", "end_teach_mode")
 ]
 WHOLE = [carried_out("", name, {}, False) for name in ("stop", "pause", "resume", "abort")]
-TEACHING = [Case("motion", "teach_mode", {}, (False,), answer=1000, moves=True)]
+TEACHING = [Case("motion", "teach_mode", {"time": 30.0}, (False,), answer=1000, moves=True)]
 
 CASES = [*STATES, *SAMPLES, *SIGNALS, *POWER, *ENDINGS, *WHOLE, *TEACHING]

@@ -299,6 +299,27 @@ async def test_hand_guiding_that_is_refused_leaves_nothing_to_end(
     assert desk.commands == ["teach_mode"]
 
 
+async def test_hand_guiding_is_entered_and_left_by_two_calls(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    assert await guiding(robot) is Outcome.FINISHED
+    entered: bool = desk.going_on
+    assert entered
+    (task,) = robot.tasks
+    await robot.motion.end_teach_mode()
+    assert not desk.going_on
+    assert task.outcome is Outcome.FINISHED
+    assert desk.commands == ["teach_mode", "end_teach_mode"]
+
+
+async def test_hand_guiding_for_a_time_is_ended_by_the_program(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    assert await robot.motion.teach_mode(time=0.05) is Outcome.FINISHED
+    assert not desk.going_on
+    assert desk.commands == ["teach_mode", "end_teach_mode"]
+
+
 async def test_hand_guiding_ended_from_elsewhere(robot: aioduco.Robot, desk: Desk) -> None:
     task = await guiding(robot).start()
     await robot.motion.end_teach_mode()

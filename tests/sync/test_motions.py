@@ -131,7 +131,7 @@ def test_calls_return_values_and_raise_what_the_awaited_ones_do(
     with pytest.raises(aioduco.StaleState):
         robot.state.get_tcp_pose()
     with pytest.raises(aioduco.ControllerError):
-        robot.version.get_robot_version()
+        robot.program.get_current_project()
 
 
 def test_what_help_shows(robot: aioduco.sync.Robot) -> None:

@@ -27,22 +27,39 @@ class Teaching(Section):
 
     __slots__ = ()
 
-    def teach_mode(self) -> HeldMotion:
+    def teach_mode(self, *, time: float | None = None) -> HeldMotion:
         """Let the arm be guided by hand (进入牵引示教模式), until a command ends it.
 
             async with robot.motion.teach_mode():
                 await taught()                  # leaving the block ends hand guiding
 
+            await robot.motion.teach_mode()     # enters hand guiding, and returns
+            await robot.motion.end_teach_mode()
+
         Set the right tool and load first: if the arm carries another weight than the one that was
         set, it sinks or rises by itself. Cancelling its await, or an error inside its block,
         stops the arm and ends hand guiding; so does leaving the robot's block.
 
+        Args:
+            time: seconds after which this program ends hand guiding, from 0.001. None: it lasts
+                until a command ends it; used without a block, it returns when it has begun.
+
         Returns:
-            The motion, not sent yet. It ends by `end_teach_mode` or by leaving its block.
+            The motion, not sent yet. It ends by `end_teach_mode`, by leaving its block, or after
+            `time`.
+
+        Raises:
+            ParameterError: `time` is out of range.
 
         Manual section 1.3.5.
         """
-        return self._held(calls.teach_mode(False), _ENDING, until_commanded=True)
+        ranges.RUN_TIME("time", time)
+        return self._held(
+            *(calls.teach_mode(False), _ENDING),
+            time=time,
+            timed_by_program=time is not None,
+            until_commanded=True,
+        )
 
     async def end_teach_mode(self) -> None:
         """End hand guiding (退出牵引示教模式), and wait until the arm stands.
