@@ -490,9 +490,9 @@ class Robot(Uncopied, ManualNames):
     async def bring_up(self, *, timeout: float = 30.0) -> RobotStates:
         """Bring the arm into a state in which it can move: power on, enable, clear.
 
-        A safety stop is cleared by powering off and on, a collision by its reset, a paused
-        program by a stop. Each step is taken when the controller's states require it, and has
-        ended when they show its effect.
+        A safety stop is cleared by powering off and on, a collision by its reset. Each step is
+        taken when the controller's states require it, and has ended when they show its effect. A
+        motion or a program that is paused or runs is left alone: see `recover`, `stop`, `resume`.
 
         Args:
             timeout: seconds in which the arm must be ready.
@@ -502,7 +502,8 @@ class Robot(Uncopied, ManualNames):
 
         Raises:
             RobotStateError: a person has to do something first, such as to release the emergency
-                stop; or the arm is not ready in time. The message says which.
+                stop; something is paused or runs; or the arm is not ready in time. The message says
+                which.
         """
         from aioduco.supervision.bringup import bring_up  # noqa: PLC0415  # loaded with Thrift
 
@@ -512,8 +513,12 @@ class Robot(Uncopied, ManualNames):
     async def recover(self, *, timeout: float = 30.0) -> RobotStates:
         """Bring the arm out of a stop: clear, power off and on if needed, enable.
 
-        It works as `bring_up`. In addition, it ends a program that runs in the controller, and
-        restarts a heartbeat that was withheld. It moves nothing.
+        It works as `bring_up`. In addition, it ends a motion or a program that is paused or runs
+        in the controller, and restarts a heartbeat that was withheld. It moves nothing.
+
+        A controller that enables its arm tares the force sensor. If the arm touches something
+        then, as after a collision, it measures that force as zero: lead the arm away, then tare by
+        `robot.force.fc_force_set_value`.
 
         Args:
             timeout: seconds in which the arm must be ready.

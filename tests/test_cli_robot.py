@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -21,7 +22,8 @@ import aioduco
 import aioduco.sync
 from aioduco.cli.addresses import robot_at
 from aioduco.cli.robots_file import robots_file
-from aioduco.models.enums import ProgramState
+from aioduco.cli.status import readiness
+from aioduco.models.enums import ProgramState, RobotState
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
 
@@ -444,3 +446,28 @@ def test_the_tool_is_led_by_keys_after_a_question() -> None:
         assert (program.returncode, errors) == (0, b"")
         assert b"led " in said
         assert not sim.view.moving
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"program": ProgramState.PAUSED}, "aioduco resume.*aioduco stop"),
+        ({"program": ProgramState.RUNNING}, "aioduco stop"),
+        ({"program": ProgramState.TASK_RUNNING}, "a motion runs"),
+        ({"robot": RobotState.POWER_OFF}, "aioduco bring-up"),
+        ({"robot": RobotState.DISABLE}, "aioduco bring-up"),
+        ({"robot": RobotState.POWER_OFF, "emergency_stop": True}, "release the emergency stop"),
+        ({"collision_joint": 2}, "see that the arm is free, then `aioduco recover`"),
+        ({"robot": RobotState.UPDATE}, "see the states"),
+        ({"ready": True}, "a motion would start"),
+    ],
+)
+def test_status_names_the_command_that_helps(changed: dict[str, Any], words: str) -> None:
+    found = {
+        "ready": False,
+        "emergency_stop": False,
+        "collision_joint": None,
+        "robot": RobotState.ENABLE,
+        "program": ProgramState.STOPPED,
+    }
+    assert re.search(words, readiness(found | changed))

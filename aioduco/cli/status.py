@@ -110,16 +110,35 @@ def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
     states = ", ".join(
         f"{name} {found[name].name}" for name in ("robot", "program", "safety", "mode")
     )
-    ready = "a motion would start" if found["ready"] else "no: see `aioduco recover --help`"
     return [
         f"{address}: {arm}, software {software}",
         f"{states}{stopped}",
         f"joints {joints_line(found['joints'])}",
         f"tool   {pose_line(found['pose'])}",
         f"moving {'yes' if found['moving'] else 'no'}",
-        f"ready  {ready}",
+        f"ready  {readiness(found)}",
         f"errors {errors}",
     ]
+
+
+def readiness(found: dict[str, Any]) -> str:
+    """Whether a motion would start, or what stands against it and which command helps."""
+    from aioduco.models.enums import ProgramState, RobotState  # noqa: PLC0415
+
+    if found["ready"]:
+        return "a motion would start"
+    if found["emergency_stop"]:
+        return "no: release the emergency stop, then `aioduco recover`"
+    if found["collision_joint"] is not None:
+        return "no: see that the arm is free, then `aioduco recover`"
+    if found["robot"] in (RobotState.POWER_OFF, RobotState.DISABLE):
+        return "no: `aioduco bring-up` switches the arm on"
+    return {
+        ProgramState.PAUSED: "no, paused: `aioduco resume` goes on, `aioduco stop` ends it",
+        ProgramState.PAUSING: "no, it is being paused",
+        ProgramState.RUNNING: "no, a program runs: `aioduco stop` ends it",
+        ProgramState.TASK_RUNNING: "no, a motion runs: `aioduco stop` ends it",
+    }.get(found["program"], "no, see the states; `aioduco recover` leads out of most stops")
 
 
 def degrees(angles: Sequence[float]) -> list[str]:

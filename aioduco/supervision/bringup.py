@@ -98,6 +98,13 @@ class BringUp:
         elif states.robot is RobotState.DISABLE:
             step = BringUpStep.ENABLE
         elif states.program in _PAUSED or states.program in _BUSY:
+            # A stop that had to be cleared paused it. Otherwise a program or a person did.
+            if not self._end_programs and not self._asked:
+                raise RobotStateError(
+                    "a motion or a program is paused, perhaps by another program: continue it by "
+                    "robot.resume(), or end it by robot.stop() or robot.recover(), then call "
+                    f"{self._call}() again. Nothing was done to it"
+                )
             step = BringUpStep.STOP
         elif states.robot is RobotState.ENABLE and states.program is ProgramState.STOPPED:
             step = BringUpStep.DONE

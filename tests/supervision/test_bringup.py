@@ -67,8 +67,8 @@ def test_a_collision_is_reset_once() -> None:
     assert step(decide, seen()) is BringUpStep.DONE
 
 
-def test_a_paused_program_is_stopped_and_one_that_is_stopping_waited_for() -> None:
-    decide = BringUp()
+def test_to_recover_stops_what_is_paused_and_waits_for_what_is_stopping() -> None:
+    decide = BringUp(end_programs=True)
     assert step(decide, seen(program=1)) is BringUpStep.WAIT
     assert step(decide, seen(program=3)) is BringUpStep.STOP
     assert step(decide, seen(program=0)) is BringUpStep.DONE
@@ -91,6 +91,8 @@ def test_the_operation_mode_is_left_alone(mode: int) -> None:
         (seen(robot=7), False, "being updated"),
         (seen(program=2), False, r"busy \(program RUNNING\).*robot.stop\(\)"),
         (seen(program=5), False, r"busy \(program TASK_RUNNING\)"),
+        (seen(program=3), False, r"is paused.*robot.resume\(\).*Nothing was done to it"),
+        (seen(program=4), False, r"is paused.*robot.recover\(\)"),
     ],
 )
 def test_what_needs_a_person_says_so(states: RobotStates, emergency_stop: bool, words: str) -> None:
