@@ -168,13 +168,12 @@ class Kinematics(Section):
         """
         points = ranges.CHECK_POINTS("check_points", check_points)
         is_newer = self._supervisor.version.manual == "4.3"
-        frames = ranges.POSE("wobj", wobj), ranges.POSE("tool", tool)
-        found = await self._rpc.reach_check(
-            ranges.POSE("base", base),
-            *(frames[::-1] if is_newer else frames),
-            ranges.JOINTS("ref_pos", ref_pos),
-            points,
-        )
+        base_ = ranges.POSE("base", base)
+        first, second = ranges.POSE("wobj", wobj), ranges.POSE("tool", tool)
+        if is_newer:
+            first, second = second, first
+        near = ranges.JOINTS("ref_pos", ref_pos)
+        found = await self._rpc.reach_check(base_, first, second, near, points)
         if isinstance(found, newer.ReachabilityParam):
             if not is_newer:
                 raise ControllerError(
