@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from typing import Self
 
 __all__ = [
@@ -756,6 +757,23 @@ class MissingExtra(DucoError, ModuleNotFoundError):
     def __init__(self, wanted: str, package: str, extra: str) -> None:
         super().__init__(f"{wanted} needs {package}: pip install 'aioduco[{extra}]'", name=package)
         self.extra: str = extra
+
+    @classmethod
+    @contextlib.contextmanager
+    def named(cls, wanted: str, extra: str) -> Iterator[None]:
+        """Name the extra, in a block of imports, if a package of it is missing.
+
+        Args:
+            wanted: what needs it.
+            extra: the extra that installs it.
+        """
+        try:
+            yield
+        except ModuleNotFoundError as error:
+            package = (error.name or "a package").partition(".")[0]
+            if package == "aioduco" or isinstance(error, cls):
+                raise
+            raise cls(wanted, package, extra) from error
 
 
 class _Described:

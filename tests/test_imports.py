@@ -195,3 +195,21 @@ def test_an_open_robot_has_loaded_all_its_sections() -> None:
     with ScriptedServer(standing) as server:
         code = OPENED.format(host=server.host, port=server.port, needed=set(_NEEDED_OPEN))
         assert run(code) == "[] set()"
+
+
+@pytest.mark.parametrize(
+    ("package", "extra", "begin"),
+    [
+        ("websockets", "panel", "from aioduco.integrations.panel import Panel"),
+        ("gymnasium", "gym", "import aioduco.integrations.gym"),
+        ("opentelemetry", "otel", "from aioduco.integrations.otel import Telemetry"),
+        ("cv2", "camera", "from aioduco.devices.cameras import OpenCvCamera"),
+    ],
+)
+@pytest.mark.cases(4)
+def test_a_missing_package_names_its_extra(package: str, extra: str, begin: str) -> None:
+    code = f"import sys; sys.modules[{package!r}] = None; {begin}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("aioduco.errors.MissingExtra: ")
+    assert last.endswith(f"needs {package}: pip install 'aioduco[{extra}]'")

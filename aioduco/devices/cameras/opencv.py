@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame
-from aioduco.errors import CameraError, ParameterError
+from aioduco.errors import CameraError, MissingExtra, ParameterError
+
+with MissingExtra.named("OpenCvCamera", "camera"):
+    import cv2
 from aioduco.models.controller_clock import WallClock
 
 if TYPE_CHECKING:

@@ -12,9 +12,11 @@ Gymnasium requires, and does nothing else. It needs the extra `gym`.
 
 from __future__ import annotations
 
-from gymnasium.envs.registration import register, registry
-
+from aioduco.errors import MissingExtra
 from aioduco.integrations.gym.names import EPISODE, TASKS
+
+with MissingExtra.named("an environment", "gym"):
+    from gymnasium.envs.registration import register, registry
 
 __all__ = ["TASKS", "register_envs"]
 

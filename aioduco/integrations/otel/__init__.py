@@ -4,6 +4,9 @@ It needs the extra `otel`, which installs OpenTelemetry's API. The program sets 
 decides where spans and metrics go. OpenTelemetry is not loaded before this module is imported.
 """
 
-from aioduco.integrations.otel.telemetry import Telemetry
+from aioduco.errors import MissingExtra
+
+with MissingExtra.named("telemetry", "otel"):
+    from aioduco.integrations.otel.telemetry import Telemetry
 
 __all__ = ["Telemetry"]

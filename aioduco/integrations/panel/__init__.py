@@ -11,6 +11,9 @@ It uses only the public interface of the package, and needs the extra `panel`.
 
 from __future__ import annotations
 
-from aioduco.integrations.panel.panel import Panel
+from aioduco.errors import MissingExtra
+
+with MissingExtra.named("the panel", "panel"):
+    from aioduco.integrations.panel.panel import Panel
 
 __all__ = ["Panel"]

@@ -23,7 +23,7 @@ import anyio
 import aioduco
 from aioduco import JogDirections, ProgramState, events
 from aioduco._process.copying import Uncopied
-from aioduco.errors import DucoError, ParameterError
+from aioduco.errors import DucoError, MissingExtra, ParameterError
 from aioduco.integrations.panel.control_lease import (
     BeginLease,
     BeginMotion,
@@ -287,7 +287,8 @@ class Panel(Uncopied):
 
     def _make_scene(self) -> ArmScene:
         """Make the scene; run on a thread, because viser takes a while to load and to start."""
-        from aioduco.integrations.panel.arm_scene import ArmScene  # noqa: PLC0415
+        with MissingExtra.named("the panel's picture", "panel"):
+            from aioduco.integrations.panel.arm_scene import ArmScene  # noqa: PLC0415
 
         return ArmScene(self._arm, self._server.port, self._scene_around, self._envelope)
 
