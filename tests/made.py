@@ -85,6 +85,8 @@ def made(kind: type[Any]) -> Any:
     for name, parameter in inspect.signature(kind).parameters.items():
         if name in named or parameter.default is not parameter.empty:
             continue
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
         value = _of(_hints(kind).get(name, object))
         if parameter.kind is parameter.POSITIONAL_ONLY:
             positional.append(value)

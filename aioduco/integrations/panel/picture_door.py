@@ -40,19 +40,25 @@ class PictureDoor:
     def __init__(self) -> None:
         self.handler: Callable[[Any], Awaitable[None]] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._drawing: set[asyncio.Task[None]] = set()
 
     @contextlib.asynccontextmanager
     async def instead_of_serve(self, handler: Any, *_: Any, **__: Any) -> AsyncIterator[Any]:
         """In the place of `websockets.serve`, on viser's loop."""
         self.handler, self._loop = handler, asyncio.get_running_loop()
-        yield SimpleNamespace(server=SimpleNamespace(sockets=()))
+        try:
+            yield SimpleNamespace(server=SimpleNamespace(sockets=()))
+        finally:  # as a server does: viser closes its loop next
+            for drawing in self._drawing:
+                drawing.cancel()
+            await asyncio.gather(*self._drawing, return_exceptions=True)
 
     async def serve(self, page: ServerConnection) -> None:
         """Transport the picture to a page until it is closed. What the page sends is dropped."""
         if self.handler is None or self._loop is None:
             return
         viewer = _Viewer(page, asyncio.get_running_loop())
-        coroutine = _run(self.handler, viewer)
+        coroutine = self._draw(self.handler, viewer)
         drawing = asyncio.wrap_future(asyncio.run_coroutine_threadsafe(coroutine, self._loop))
         try:
             with contextlib.suppress(ConnectionClosed):
@@ -64,10 +70,15 @@ class PictureDoor:
             with contextlib.suppress(asyncio.CancelledError, TimeoutError):
                 await asyncio.wait_for(drawing, 1.0)
 
-
-async def _run(handler: Callable[[Any], Awaitable[None]], viewer: _Viewer) -> None:
-    with contextlib.suppress(ConnectionClosed):
-        await handler(viewer)
+    async def _draw(self, handler: Callable[[Any], Awaitable[None]], viewer: _Viewer) -> None:
+        task = asyncio.current_task()
+        assert task is not None
+        self._drawing.add(task)
+        try:
+            with contextlib.suppress(ConnectionClosed):
+                await handler(viewer)
+        finally:
+            self._drawing.discard(task)
 
 
 class _Viewer:
