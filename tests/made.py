@@ -152,7 +152,7 @@ def _of(hint: Any) -> Any:
         return [_of(arguments[0])] * 6
     if origin in (dict, collections.abc.Mapping):
         return {_of(arguments[0]): _of(arguments[1])}
-    if origin is np.ndarray:
+    if origin in (np.ndarray, npt.NDArray):  # the latter where it is an alias of its own
         return np.linspace(0.1, 0.6, 6)
     if origin is collections.abc.Callable:
         return len
