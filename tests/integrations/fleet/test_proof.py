@@ -32,7 +32,7 @@ def test_a_proof_is_of_one_answer_to_one_request() -> None:
     assert proves(KEY, riddle, b"all", b"stands", proof)
     for number in range(4):
         other = [*whole]
-        other[number] = b"x" + other[number][1:]
+        other[number] = bytes([other[number][0] ^ 1]) + other[number][1:]
         assert not proves(other[0], other[1], other[2], other[3], proof)
     assert not proves(KEY, riddle, b"alls", b"tands", proof), "parts cannot be moved"
     for wrong in (b"", proof[:-1], proof + b"0"):
