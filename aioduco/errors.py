@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -121,7 +121,7 @@ class Portable(Exception):
 
     def _parts(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
         """The arguments of the base class, and the attributes, also those of a builtin base."""
-        reduced: tuple[Any, ...] = super().__reduce__()  # type: ignore[assignment]
+        reduced = cast("tuple[Any, ...]", super().__reduce__())
         return reduced[1], reduced[2] if len(reduced) > 2 else {}
 
 

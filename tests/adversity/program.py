@@ -47,7 +47,7 @@ class Ends:
 
     async def hang(self) -> None:
         """Block the event loop, then move on."""
-        time.sleep(HANG)  # noqa: ASYNC251 - it is what is to be tested
+        time.sleep(HANG)  # noqa: ASYNC251 - a hung loop is what is tested; it has no condition
         await self.never()
 
     async def error(self) -> None:

@@ -7,7 +7,7 @@ read before it is sent. Then each of these reads hangs while the arm is stopped.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
@@ -51,9 +51,9 @@ def _in_other_frames() -> list[Case]:
     found = []
     for case in cases():
         if case.moves and "frame" in case.parameters and case.section == "motion":
-            changed = {"frame": "base"}
+            changed: dict[str, Any] = {"frame": "base"}
             if case.name == "speedl":
-                changed["twist"] = [0.0, 0.0, -0.01, 0.0, 0.0, 0.0]  # type: ignore[assignment]
+                changed["twist"] = [0.0, 0.0, -0.01, 0.0, 0.0, 0.0]
             found.append(replace(case, args=case.args | changed))
     return found
 

@@ -509,7 +509,8 @@ class Run(ArmWorld):
             # the loop's time is made up: it passes at once, and nothing waits for a clock
             while self.acts or any(not task.done() for task in self.watched):  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
-            await asyncio.sleep(6.0)  # what is still on its way arrives
+            # in that time, too: what is still on its way arrives
+            await asyncio.sleep(6.0)
             await robot.background.aclose()
 
         asyncio.set_event_loop(loop)
