@@ -99,7 +99,7 @@ class BringUp:
             step = BringUpStep.ENABLE
         elif states.program in _PAUSED or states.program in _BUSY:
             # A stop that had to be cleared paused it. Otherwise a program or a person did.
-            if not self._end_programs and not self._asked:
+            if not self._end_programs and self._asked <= {BringUpStep.WAIT}:
                 raise RobotStateError(
                     "a motion or a program is paused, perhaps by another program: continue it by "
                     "robot.resume(), or end it by robot.stop() or robot.recover(), then call "

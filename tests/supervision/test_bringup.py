@@ -74,6 +74,13 @@ def test_to_recover_stops_what_is_paused_and_waits_for_what_is_stopping() -> Non
     assert step(decide, seen(program=0)) is BringUpStep.DONE
 
 
+def test_to_bring_up_leaves_what_is_paused_after_a_wait_alone() -> None:
+    decide = BringUp()
+    assert step(decide, seen(program=1)) is BringUpStep.WAIT
+    with pytest.raises(aioduco.RobotStateError, match="is paused"):
+        step(decide, seen(program=3))
+
+
 @pytest.mark.parametrize("mode", [0, 1, 2])
 def test_the_operation_mode_is_left_alone(mode: int) -> None:
     assert step(BringUp(), seen(mode=mode)) is BringUpStep.DONE
