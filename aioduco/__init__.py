@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.command import HeldMotion, MotionCommand
     from aioduco.supervision.heartbeat import HeartbeatState
     from aioduco.supervision.motion_path import MotionPath
-    from aioduco.supervision.settings import ExitLadder
+    from aioduco.supervision.settings import ClosingSteps
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.task import OnCancel, Task
 
@@ -75,7 +75,7 @@ __all__ = [  # noqa: RUF022  # grouped by purpose
     "HeldMotion",
     "MotionCommand",
     "MotionPath",
-    "ExitLadder",
+    "ClosingSteps",
     "OnCancel",
     "Outcome",
     "Task",
@@ -178,7 +178,7 @@ _HOMES = {
     "aioduco.supervision.motion_path": ("MotionPath",),
     "aioduco.supervision.state_feed": ("Snapshot",),
     "aioduco.supervision.heartbeat": ("HeartbeatState",),
-    "aioduco.supervision.settings": ("ExitLadder",),
+    "aioduco.supervision.settings": ("ClosingSteps",),
     "aioduco.supervision.task": ("OnCancel", "Task"),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}

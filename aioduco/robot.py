@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.speed import Speed
     from aioduco.supervision.events import Events
     from aioduco.supervision.heartbeat import HeartbeatStatistics
-    from aioduco.supervision.settings import ExitLadder, GuardKind
+    from aioduco.supervision.settings import ClosingSteps, GuardKind
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel, Task
@@ -143,7 +143,7 @@ def connect(
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
     unanswered_timeout: float = 60.0,
-    exit_ladder: ExitLadder | None = None,
+    closing_steps: ClosingSteps | None = None,
     guard: GuardKind | None = None,
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
@@ -176,7 +176,7 @@ def connect(
         unanswered_timeout: maximum seconds, after its call_timeout, to wait for the answer to a
             motion. The arm is stopped at once, but the motion may reach the controller late, and
             an await of it returns only when that is ruled out.
-        exit_ladder: the steps when the robot is closed, with a time limit for each; None for all
+        closing_steps: the steps when the robot is closed, with a time limit for each; None for all
             steps, with the times above.
         guard: "process" to run stop and heartbeat in a small separate process, one for all
             robots of the program: the arm is stopped at once when the program dies, and a busy
@@ -214,7 +214,7 @@ def connect(
             stop_timeout=stop_timeout,
             standstill_timeout=standstill_timeout,
             unanswered_timeout=unanswered_timeout,
-            exit_ladder=exit_ladder,
+            closing_steps=closing_steps,
             guard=guard,
             state_rate=state_rate,
             lag_limit=lag_limit,
@@ -271,7 +271,7 @@ class Robot(Uncopied, ManualNames):
     """A robot arm and its controller. Created by `connect`, used in `async with`.
 
     Entering the block connects, reads the controller's state and version, and starts the
-    heartbeat. Leaving it runs the steps of `ExitLadder`, each with a deadline, whatever happened
+    heartbeat. Leaving it runs the steps of `ClosingSteps`, each with a deadline, whatever happened
     inside: the robot stops what this program moves and waits until the arm stands, leaves the modes
     that the program entered, ends the heartbeat, and closes the connections.
 

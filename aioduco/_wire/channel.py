@@ -156,7 +156,7 @@ class LaneCall(Call):
         """End it, unless it is over. Bytes that were not delivered by now never will be.
 
         Args:
-            reason: why, for its error and that of its connection, which is dissolved.
+            reason: why, for its error and that of its connection, which is reset.
             late: whether its time is over, which is then its error.
         """
         if self.ended_at is not None:
@@ -220,7 +220,7 @@ class Carrier(ABC):
 
     @abstractmethod
     def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
-        """End a call that was abandoned, or whose lane is closed; its connection is dissolved.
+        """End a call that was abandoned, or whose lane is closed; its connection is reset.
 
         Args:
             call: the call.
@@ -242,7 +242,7 @@ class Channel(Carrier):
     """One of a lane's connections on its event loop; opened again when a call needs it.
 
     Guarantees: a value is returned only if it is the answer to the present call, by function and
-    sequence id. If a call ends in any other way, its connection is dissolved at once, so that no
+    sequence id. If a call ends in any other way, its connection is reset at once, so that no
     later call can receive a late answer. Nothing here blocks, and all of it runs on the loop.
     """
 
@@ -316,7 +316,7 @@ class Channel(Carrier):
             self._lost(failures.DeadlinePassed())
 
     def give_up(self, call: LaneCall, reason: str, exc: BaseException) -> None:
-        """End a call that was abandoned, or whose lane is closed; its connection is dissolved."""
+        """End a call that was abandoned, or whose lane is closed; its connection is reset."""
         if self.call is not call:
             return
         progress = self.life.progress
@@ -475,7 +475,7 @@ class Channel(Carrier):
             self._end(error=failures.of_two(call.first, error))
 
     def _drop(self, reason: str) -> str:
-        """Dissolve the connection, and return why it is not used any more."""
+        """Reset the connection, and return why it is not used any more."""
         stream, self._stream = self._stream, None
         self._exchange.forget()
         self._rest = b""

@@ -76,12 +76,12 @@ def is_silent(descriptor: int) -> bool:
     return _receive(descriptor, _peeked, 1, _PEEK) < 0
 
 
-#: an address of the family AF_UNSPEC: `connect` with it dissolves a connection
+#: an address of the family AF_UNSPEC: `connect` with it resets a connection
 _UNSPECIFIED: Final = bytes(16)
 
 
 def disconnect(descriptor: int) -> bool:
-    """Dissolve a TCP connection: the system discards every byte that it has not delivered.
+    """Reset a TCP connection: the system discards every byte that it has not delivered.
 
     Closing a socket does not do that: the system continues to deliver until TCP_USER_TIMEOUT ends,
     and a forked child keeps the connection alive even if its parent closes its socket. A thread

@@ -56,7 +56,7 @@ class Force(Section):
         was_on = "fc_stop" in modes
         modes.add("fc_stop")  # before the call is sent, since its answer may be lost
         try:
-            await self._settle(calls.fc_start(), _LIMIT)
+            await self._carry_out(calls.fc_start(), _LIMIT)
         except (TaskError, Refused, ControllerError, RobotStateError) as exc:
             if not was_on and not isinstance(exc, TaskUnknown):
                 modes.discard("fc_stop")
@@ -75,7 +75,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         await self._check_standstill("fc_stop")
-        await self._settle(calls.fc_stop(), _LIMIT)
+        await self._carry_out(calls.fc_stop(), _LIMIT)
         self._supervisor.stop_coordinator.modes.left_at_standstill.discard("fc_stop")
 
     async def fc_config(
@@ -121,7 +121,9 @@ class Force(Section):
         band = ranges.FORCE_DEAD_BAND("dead_band", dead_band)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         frame_ = ranges.FORCE_FRAME("frame", frame)
-        await self._settle(calls.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_), _LIMIT)
+        await self._carry_out(
+            calls.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_), _LIMIT
+        )
 
     def fc_move(self) -> MotionCommand:
         """Move by force control alone (仅基于末端力控产生的补偿运动).
@@ -167,7 +169,7 @@ class Force(Section):
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         frame_ = ranges.FORCE_FRAME("frame", frame)
         property_ = ranges.FORCE_PROPERTY("force_property", force_property)
-        await self._settle(calls.fc_guard_act(on, ft, tool_, wobj_, frame_, property_), _LIMIT)
+        await self._carry_out(calls.fc_guard_act(on, ft, tool_, wobj_, frame_, property_), _LIMIT)
 
     async def fc_guard_deact(self) -> None:
         """End the monitoring of the force (禁用力安全监控).
@@ -177,7 +179,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._settle(calls.fc_guard_deact(), _LIMIT)
+        await self._carry_out(calls.fc_guard_deact(), _LIMIT)
 
     async def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
         """Set the force sensor's present reading (力传感器读数设置为指定值), to tare it.
@@ -193,7 +195,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         on, ft = ranges.DIRECTIONS("direction", direction), ranges.SENSOR_WRENCH("ref_ft", ref_ft)
-        await self._settle(calls.fc_force_set_value(on, ft), _LIMIT)
+        await self._carry_out(calls.fc_force_set_value(on, ft), _LIMIT)
 
     async def fc_wait_pos(
         self,
@@ -230,7 +232,7 @@ class Force(Section):
         absolute_ = ranges.FLAG("absolute", absolute)
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
-        await self._settle(
+        await self._carry_out(
             calls.fc_wait_pos(middle_, range_, absolute_, duration_, timeout_), _LIMIT
         )
 
@@ -269,7 +271,7 @@ class Force(Section):
         absolute_ = ranges.FLAG("absolute", absolute)
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
-        await self._settle(
+        await self._carry_out(
             calls.fc_wait_vel(middle_, range_, absolute_, duration_, timeout_), _LIMIT
         )
 
@@ -308,7 +310,7 @@ class Force(Section):
         absolute_ = ranges.FLAG("absolute", absolute)
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
-        await self._settle(
+        await self._carry_out(
             calls.fc_wait_ft(middle_, range_, absolute_, duration_, timeout_), _LIMIT
         )
 
@@ -326,7 +328,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         logic_ = ranges.WAIT_LOGIC("logic", logic)
-        await self._settle(calls.fc_wait_logic(logic_), _LIMIT)
+        await self._carry_out(calls.fc_wait_logic(logic_), _LIMIT)
 
     async def fc_get_ft(self) -> Vector:
         """Read the force sensor (末端传感器的原始反馈读数), tared, in its own frame [N, N·m].

@@ -266,7 +266,7 @@ class Section(Uncopied, ManualNames):
         self._supervisor.check_open(call.name)
         await self._supervisor.dispatcher.perform(call.name, call.args, limit)
 
-    async def _settle(self, call: WireCall[int], timeout: float) -> None:
+    async def _carry_out(self, call: WireCall[int], timeout: float) -> None:
         """Carry out a function that has no `block`, moves nothing, and answers with a task's id.
 
         Args:

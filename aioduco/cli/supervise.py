@@ -106,11 +106,11 @@ def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = 
     address = robot_at(host, port)
     what = f"The arm at {address} goes on with what was paused, at the speed that it had.\n{SAFE}"
     ask(what, "Resume?", yes=yes)
-    from aioduco import ExitLadder  # noqa: PLC0415 - quick help
+    from aioduco import ClosingSteps  # noqa: PLC0415 - quick help
 
     # A program that leaves its robot stops what it resumed; this operator wants it to go on.
-    left_moving = ExitLadder(stop=None, standstill=None)
-    _done(address, lambda robot: robot.resume(), "resumed", json, exit_ladder=left_moving)
+    left_moving = ClosingSteps(stop=None, standstill=None)
+    _done(address, lambda robot: robot.resume(), "resumed", json, closing_steps=left_moving)
 
 
 def _done(

@@ -1,1 +1,1 @@
-"""The supervision of a robot: its tasks, stop, heartbeat, state, bring-up and exit ladder."""
+"""The supervision of a robot: its tasks, stop, heartbeat, state, bring-up and closing steps."""

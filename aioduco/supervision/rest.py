@@ -25,7 +25,7 @@ async def bring_to_rest(
     stop: Callable[[], Awaitable[object]],
     moves: Callable[[], Awaitable[bool]],
     report: Callable[[], bool] = lambda: True,
-    dissolve: Callable[[], object] = lambda: None,
+    reset: Callable[[], object] = lambda: None,
 ) -> bool:
     """Return when the arm stands and the motion cannot move it any more.
 
@@ -35,7 +35,7 @@ async def bring_to_rest(
         moves: polls whether the arm moves, and raises a `DucoError` if no answer comes.
         report: tells `motion` what is known of its delivery; returns whether the controller can
             still be polled.
-        dissolve: waits for its answer no longer: closes its connection.
+        reset: waits for its answer no longer: closes its connection.
 
     Returns:
         Whether that is certain; if not, the time is over, or the controller cannot be polled.
@@ -48,8 +48,8 @@ async def bring_to_rest(
                 return True
             case NextStep.GIVE_UP:
                 return False
-            case NextStep.DISSOLVE:
-                dissolve()
+            case NextStep.RESET:
+                reset()
                 await anyio.lowlevel.checkpoint()
             case NextStep.STOP:
                 try:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.trace import Trace
 
-__all__ = ["ExitLadder", "GuardKind", "RobotSettings"]
+__all__ = ["ClosingSteps", "GuardKind", "RobotSettings"]
 
 GuardKind: TypeAlias = Literal["process"]
 
@@ -31,10 +31,10 @@ _HEARTBEAT.expected += ", or None for no heartbeat"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExitLadder:
+class ClosingSteps:
     """The steps when `async with robot` is left, in their order.
 
-        aioduco.connect(host, exit_ladder=aioduco.ExitLadder(stop=2.0, standstill=10.0))
+        aioduco.connect(host, closing_steps=aioduco.ClosingSteps(stop=2.0, standstill=10.0))
 
     Each step has a time limit [s]. None skips the step: its effect is then not guaranteed. Only
     motions of this program are stopped, and only modes that it has entered are ended. The last step
@@ -42,7 +42,7 @@ class ExitLadder:
     robot, connections and threads end.
 
     Attributes:
-        settle: time to wait for the answers of commands on their way [s]. Without it, a command
+        answers: time to wait for the answers of commands on their way [s]. Without it, a command
             may be accepted after the stop.
         stop: time for a stop to be accepted [s]. Without it, a motion continues until the
             controller misses the heartbeat, if there is one; the motion has the time of
@@ -57,15 +57,15 @@ class ExitLadder:
         ParameterError: a time is not above 0 s.
     """
 
-    settle: float | None = 8.0
+    answers: float | None = 8.0
     stop: float | None = 5.0
     standstill: float | None = 5.0
     modes: float | None = 2.0
 
     def __post_init__(self) -> None:
-        for rung in fields(self):
-            if (seconds := getattr(self, rung.name)) is not None:
-                TIMEOUT(f"exit_ladder.{rung.name}", seconds)
+        for step in fields(self):
+            if (seconds := getattr(self, step.name)) is not None:
+                TIMEOUT(f"closing_steps.{step.name}", seconds)
 
 
 def _within(rule: Callable[[str, Any], object], *, off: bool = False) -> dict[str, Any]:
@@ -90,7 +90,7 @@ class RobotSettings:
     stop_timeout: float = field(metadata=_within(TIMEOUT))
     standstill_timeout: float = field(metadata=_within(TIMEOUT))
     unanswered_timeout: float = field(metadata=_within(TIMEOUT))
-    exit_ladder: ExitLadder | None
+    closing_steps: ClosingSteps | None
     guard: GuardKind | None
     state_rate: float = field(metadata=_within(STATE_RATE))
     lag_limit: float | None = field(metadata=_within(TIMEOUT, off=True))
@@ -103,8 +103,8 @@ class RobotSettings:
             value, rule = getattr(self, setting.name), setting.metadata.get("rule")
             if rule is not None and not (value is None and setting.metadata["off"]):
                 rule(setting.name, value)
-        if self.exit_ladder is not None and not isinstance(self.exit_ladder, ExitLadder):
-            raise ParameterError("exit_ladder", self.exit_ladder, "an ExitLadder, or None")
+        if self.closing_steps is not None and not isinstance(self.closing_steps, ClosingSteps):
+            raise ParameterError("closing_steps", self.closing_steps, "ClosingSteps, or None")
         if self.guard is not None and self.guard not in get_args(GuardKind):
             raise ParameterError("guard", self.guard, '"process", or None for no guard')
         if not isinstance(self.clock, Clock):
@@ -113,11 +113,11 @@ class RobotSettings:
             raise ParameterError("on_cancel", self.on_cancel, '"stop", "pause" or "detach"')
 
     @property
-    def ladder(self) -> ExitLadder:
-        """The exit ladder: as it was given, or with the time limits of every stop."""
-        if self.exit_ladder is not None:
-            return self.exit_ladder
+    def steps(self) -> ClosingSteps:
+        """The closing steps: as they were given, or with the time limits of every stop."""
+        if self.closing_steps is not None:
+            return self.closing_steps
         stop, standstill = self.stop_timeout, self.standstill_timeout
         # A command on its way may have to be stopped first, if its answer is lost.
-        settle = self.call_timeout + self.unanswered_timeout + stop + standstill + _GRACE
-        return ExitLadder(settle=settle, stop=stop, standstill=standstill)
+        answers = self.call_timeout + self.unanswered_timeout + stop + standstill + _GRACE
+        return ClosingSteps(answers=answers, stop=stop, standstill=standstill)

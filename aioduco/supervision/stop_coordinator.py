@@ -442,7 +442,7 @@ class StopCoordinator:
             self._enter_again(commands)
             await self.send_stop(settings.stop_timeout)
 
-        def dissolve() -> None:
+        def reset() -> None:
             for call in commands:
                 _give_up(call)
 
@@ -450,7 +450,7 @@ class StopCoordinator:
         certain = await bring_to_rest(
             *(motion, stop, self._channel.moving),
             report=lambda: self._report_delivery(motion, commands),
-            dissolve=dissolve,
+            reset=reset,
         )
         if self.closed:
             return  # the code that closed the robot has already done what was possible
@@ -481,7 +481,7 @@ class StopCoordinator:
             return True
         if self.worker_died or not all(call.answered for call in commands):
             # Since then, and not since it is noticed: the stop that was sent meanwhile took longer.
-            motion.dissolved(max(ended, default=now))
+            motion.connection_reset(max(ended, default=now))
         else:
             motion.answered(now)
         return True

@@ -1,7 +1,7 @@
-"""The supervision of one robot: its connections, its heartbeat, and the exit ladder.
+"""The supervision of one robot: its connections, its heartbeat, and the closing steps.
 
 Guarantees:
-- Each step of the exit ladder is carried out to its end even if closing is cancelled, once or more;
+- Each step of the closing steps is carried out to its end even if closing is cancelled, once or more;
   the cancellation is raised afterwards.
 - A step that fails is logged, and the next one follows. The first failure is raised at the end.
 - Closing waits for log handlers only after the connections are closed, and for a limited time.
@@ -91,7 +91,7 @@ _NO_LIMIT = math.inf
 
 
 #: a step when a robot is left: its name, its limit [s] (None: it is left out), and what it does
-_ExitStep: TypeAlias = "tuple[str, float | None, Callable[[float], Awaitable[object]]]"
+_ClosingStep: TypeAlias = "tuple[str, float | None, Callable[[float], Awaitable[object]]]"
 
 
 class SupervisorStatistics(NamedTuple):
@@ -509,7 +509,7 @@ class Supervisor:
         return blocked
 
     async def aclose(self) -> None:
-        """Carry out the exit ladder: stop what moves, wait until it stands, close.
+        """Carry out the closing steps: stop what moves, wait until it stands, close.
 
         If the robot's own event loop has been closed, this runs on the present one. In a forked
         child it does nothing: the robot belongs to the parent.
@@ -528,7 +528,7 @@ class Supervisor:
         self.gate.close("the robot is closed, or is being closed")
         failed: Exception | None = None
         cancelled: BaseException | None = None
-        for name, limit, step in self._exit_steps():
+        for name, limit, step in self._closing_steps():
             error, again = await _carry_out(name, limit, step)
             failed, cancelled = failed or error, again or cancelled
         _, again = await run_to_completion(_written)
@@ -537,15 +537,15 @@ class Supervisor:
         if (cancelled := again or cancelled) is not None:
             raise cancelled
 
-    def _exit_steps(self) -> Iterator[_ExitStep]:
-        """Yield the steps of the exit ladder; each depends on what the ones before it have done."""
-        ladder, coordinator = self.settings.ladder, self.stop_coordinator
-        yield "settle", ladder.settle, self.dispatcher.quiet
+    def _closing_steps(self) -> Iterator[_ClosingStep]:
+        """Yield the closing steps; each depends on what the ones before it have done."""
+        steps, coordinator = self.settings.steps, self.stop_coordinator
+        yield "answers", steps.answers, self.dispatcher.quiet
         if coordinator.moving:
-            yield "stop", ladder.stop, coordinator.send_stop
-            yield "standstill", ladder.standstill, partial(coordinator.rest, ladder.stop)
+            yield "stop", steps.stop, coordinator.send_stop
+            yield "standstill", steps.standstill, partial(coordinator.rest, steps.stop)
         if coordinator.modes.any:
-            yield "modes", ladder.modes, coordinator.leave_modes
+            yield "modes", steps.modes, coordinator.leave_modes
         if self.heartbeat is not None:
             self.heartbeat.end()
         yield "close", _NO_LIMIT, lambda _: self._close_lanes()

@@ -50,7 +50,7 @@ class NextStep(enum.Enum):
 
     STOP = "send a stop"
     LOOK = "ask whether the arm moves"
-    DISSOLVE = "wait for no answer any more: dissolve the connection"
+    RESET = "wait for no answer any more: reset the connection"
     DONE = "the motion cannot move the arm any more"
     GIVE_UP = "the time is over, and it may still move the arm"
 
@@ -69,7 +69,7 @@ class UnansweredMotion:
     __slots__ = (
         "_answer_by",
         "_answered",
-        "_dissolved",
+        "_reset_at",
         "_given_up",
         "_looked",
         "_since",
@@ -87,7 +87,7 @@ class UnansweredMotion:
         self._stop_needed_since = now
         self._answered = False
         #: time since which none of its bytes are left in this system
-        self._dissolved: float | None = None
+        self._reset_at: float | None = None
         #: time at which the last stop was accepted
         self._stopped: float | None = None
         #: time since which the arm has been watched after that stop
@@ -115,7 +115,7 @@ class UnansweredMotion:
         return made
 
     def __repr__(self) -> str:
-        state = "answered" if self._answered else "dissolved" if self._dissolved else "open"
+        state = "answered" if self._answered else "reset" if self._reset_at else "open"
         return f"<UnansweredMotion {state}, seen standing {self._standing} times>"
 
     def answered(self, now: float) -> None:
@@ -124,10 +124,10 @@ class UnansweredMotion:
             self._answered = True
             self._require_stop(now)
 
-    def dissolved(self, now: float) -> None:
-        """Record that the connection was dissolved, with all bytes not delivered by this system."""
-        if self._dissolved is None and not self._answered:
-            self._dissolved = now
+    def connection_reset(self, now: float) -> None:
+        """Record that the connection was reset, with all bytes not delivered by this system."""
+        if self._reset_at is None and not self._answered:
+            self._reset_at = now
             self._require_stop(now)
 
     def stopped(self, sent: float, now: float) -> None:
@@ -175,8 +175,8 @@ class UnansweredMotion:
             return NextStep.DONE
         if self._given_up:
             return NextStep.GIVE_UP
-        if now >= self._answer_by and not self._answered and self._dissolved is None:
-            return NextStep.DISSOLVE
+        if now >= self._answer_by and not self._answered and self._reset_at is None:
+            return NextStep.RESET
         return NextStep.STOP if self._stopped is None else NextStep.LOOK
 
     def _certain(self) -> bool:
@@ -184,9 +184,9 @@ class UnansweredMotion:
             return False
         if self._answered:
             return True
-        if self._dissolved is None:
+        if self._reset_at is None:
             return False
-        took = self._stopped - self._dissolved
+        took = self._stopped - self._reset_at
         return self._looked - self._stopped >= min(max(took, MIN_WATCH), MAX_WATCH)
 
     def _require_stop(self, now: float) -> None:

@@ -80,7 +80,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.heartbeat import HeartbeatStatistics
-    from aioduco.supervision.settings import ExitLadder, GuardKind
+    from aioduco.supervision.settings import ClosingSteps, GuardKind
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel
@@ -6315,7 +6315,7 @@ def connect(
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
     unanswered_timeout: float = 60.0,
-    exit_ladder: ExitLadder | None = None,
+    closing_steps: ClosingSteps | None = None,
     guard: GuardKind | None = None,
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
@@ -6354,7 +6354,7 @@ def connect(
         unanswered_timeout: maximum seconds, after its call_timeout, to wait for the answer to a
             motion. The arm is stopped at once, but the motion may reach the controller late, and
             a wait for it returns only when that is ruled out.
-        exit_ladder: the steps when the robot is closed, with a time limit for each; None for all
+        closing_steps: the steps when the robot is closed, with a time limit for each; None for all
             steps, with the times above.
         guard: "process" to run stop and heartbeat in a small separate process, one for all
             robots of the program: the arm is stopped at once when the program dies, and a busy
@@ -6389,7 +6389,7 @@ def connect(
         host, port, call_timeout=call_timeout, connect_timeout=connect_timeout, pool_size=pool_size,
         heartbeat=heartbeat, loop_stall_limit=loop_stall_limit, on_cancel=on_cancel,
         stop_timeout=stop_timeout, standstill_timeout=standstill_timeout,
-        unanswered_timeout=unanswered_timeout, exit_ladder=exit_ladder, guard=guard,
+        unanswered_timeout=unanswered_timeout, closing_steps=closing_steps, guard=guard,
         state_rate=state_rate, lag_limit=lag_limit, trace=trace, record=record, clock=clock
     )
     return Robot(Runner(robot, hold_limit, program_limit))

@@ -21,7 +21,7 @@ from aioduco.integrations.fleet import FleetClient, FleetSettings
 from aioduco.sim import Simulator
 from aioduco.streaming.doctor import examine
 from aioduco.streaming.ticks import Ticks
-from aioduco.supervision.settings import ExitLadder
+from aioduco.supervision.settings import ClosingSteps
 from aioduco.testing import HalfOpen, Throttle
 from aioduco.testing.preflight import PreflightSettings
 from client.bench import HOME
@@ -72,7 +72,7 @@ ABOVE: dict[str, Callable[[Any, float], Any]] = {
     "hold of a pool": lambda r, x: r.track.stream("joints", speed=1.0, acc=1.0, hold=x),
     "answer of a worker": lambda _, x: WorkerOptions(timeout=x),
     "start of a worker": lambda _, x: WorkerOptions(connect_timeout=x),
-    "exit ladder": lambda _, x: ExitLadder(stop=x),
+    "closing steps": lambda _, x: ClosingSteps(stop=x),
     "call_timeout": lambda _, x: aioduco.connect("arm", call_timeout=x),
     "connect_timeout": lambda _, x: aioduco.connect("arm", connect_timeout=x),
     "state_rate": lambda _, x: aioduco.connect("arm", state_rate=x),

@@ -63,20 +63,20 @@ class Call(Named):
     Attributes:
         command: the command.
         state: "sent", "served", "answered" or "dropped".
-        broken: whether its connection broke, or was dissolved by the sender.
-        dissolved: when that was [s]; None if it was not.
+        broken: whether its connection broke, or was reset by the sender.
+        reset_at: when that was [s]; None if it was not.
         until: when bytes that are still on their way have arrived or are lost [s].
         answer: the controller's answer.
     """
 
-    __slots__ = ("answer", "broken", "command", "dissolved", "state", "until")
+    __slots__ = ("answer", "broken", "command", "reset_at", "state", "until")
 
     def __init__(self, command: Command) -> None:
         super().__init__(command.name)
         self.command = command
         self.state = "sent"
         self.broken = False
-        self.dissolved: float | None = None
+        self.reset_at: float | None = None
         self.until: float | None = None
         self.answer = 0
 
@@ -84,14 +84,14 @@ class Call(Named):
         if self.state in _GONE:
             return self.state
         now = world.time()
-        times = world.ago(self.dissolved, now), world.ago(self.until, now)
+        times = world.ago(self.reset_at, now), world.ago(self.until, now)
         return self.state, self.broken, self.answer, *times
 
-    def dissolve(self, now: float) -> None:
+    def reset(self, now: float) -> None:
         """Close the connection: the answer is lost, and so are bytes that this system still has."""
         self.broken = True
-        if self.dissolved is None:
-            self.dissolved = now
+        if self.reset_at is None:
+            self.reset_at = now
         if self.state == "served":
             self.state = "dropped"
 
@@ -344,7 +344,7 @@ class ArmWorld(World):
         self.spend("break")
         call = self.calls[name]
         self.say(f"the connection of {name} breaks")
-        call.dissolve(self.time())
+        call.reset(self.time())
 
     def do_down(self, _: object) -> None:
         self.spend("down")
@@ -374,8 +374,8 @@ class ArmWorld(World):
         """
         now = self.time()
         for call in self.calls.values():
-            if call.state == "sent" and call.dissolved is not None and sent >= call.dissolved:
-                watch = min(max(now - call.dissolved, MIN_WATCH), MAX_WATCH)
+            if call.state == "sent" and call.reset_at is not None and sent >= call.reset_at:
+                watch = min(max(now - call.reset_at, MIN_WATCH), MAX_WATCH)
                 call.until = min(call.until or now + watch, now + watch)
 
     def passed(self) -> None:

@@ -134,7 +134,7 @@ class LivingWorld(ArmWorld):
             self.killed = self.now
             for call in self.calls.values():
                 if call.state in ("sent", "served"):
-                    call.dissolve(self.time())
+                    call.reset(self.time())
                     call.until = self.time() + SLACK
 
     def do_lapse(self, _: object) -> None:
@@ -260,7 +260,7 @@ class LivingProgram(Program):
         now = world.monotonic()
         self.guard_stops()
         motion = UnansweredMotion(now, now, now + 30.0)
-        motion.dissolved(now)
+        motion.connection_reset(now)
         motion.stopped(now, now)
         while (step := motion.step(world.monotonic())) is not NextStep.DONE:
             now = world.monotonic()

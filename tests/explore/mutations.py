@@ -147,7 +147,7 @@ def _always_beats(self: HeartbeatMachine, now: float, alive: float) -> bool:
 
 def _without_watch(self: UnansweredMotion) -> bool:
     stood = self._stopped is not None and self._standing >= 2
-    return stood and (self._answered or self._dissolved is not None)
+    return stood and (self._answered or self._reset_at is not None)
 
 
 def _watch_without_last_look(self: UnansweredMotion, now: float) -> object:

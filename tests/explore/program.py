@@ -352,7 +352,7 @@ class Program:
                 if call.answer < 0:
                     raise Refused(command.name, -1, "no reason is given")
             else:
-                call.dissolve(world.time())
+                call.reset(world.time())
                 raise OutcomeUnknown(command.name, "no answer came")  # noqa: TRY301
         except OutcomeUnknown as exc:
             pending.error = exc
@@ -380,7 +380,7 @@ class Program:
                 if all(each.answered for each in pending):
                     motion.answered(world.monotonic())
                 else:
-                    motion.dissolved(max(each.at for each in pending))
+                    motion.connection_reset(max(each.at for each in pending))
             now = world.monotonic()
             match motion.step(now):
                 case NextStep.DONE:
@@ -389,7 +389,7 @@ class Program:
                     break
                 case NextStep.GIVE_UP:
                     raise StopUnconfirmed("it is not known what became of it")
-                case NextStep.DISSOLVE:
+                case NextStep.RESET:
                     for each in pending:
                         each.given_up = True
                     yield None

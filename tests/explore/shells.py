@@ -235,7 +235,7 @@ class Lane:
         self._run.send(call)
 
     def _over(self, call: LaneCall) -> None:
-        """Use the connection for the next call; one that was given up is dissolved."""
+        """Use the connection for the next call; one that was given up is reset."""
         if call in self._timers:
             self._timers.pop(call).cancel()
         if call in self._waiting:
@@ -243,7 +243,7 @@ class Lane:
         if self._busy is not call:
             return
         self._busy = None
-        self._run.dissolve(call)
+        self._run.reset(call)
         if self._waiting:
             self._start(self._waiting.popleft())
 
@@ -423,11 +423,11 @@ class Run(ArmWorld):
         self._wire.append(call)
         return None
 
-    def dissolve(self, call: _Call) -> None:
+    def reset(self, call: _Call) -> None:
         """Note that nobody waits for the answer of a call any more."""
         call.gone = True
         if call.call is not None and call.call.state in ("sent", "served"):
-            call.call.dissolve(self.seconds)
+            call.call.reset(self.seconds)
         if call in self._wire and (call.served or call.call is None):
             self._wire.remove(call)
 

@@ -91,7 +91,7 @@ class Process:
 #: variables that never change; times in ticks; times in seconds of `World.monotonic`
 _NO_STATE: Final = frozenset({"self", "world"})
 _TICKS: Final = frozenset({"until", "then"})
-_SECONDS: Final = frozenset({"now", "sent", "due", "at", "dissolved", "till"})
+_SECONDS: Final = frozenset({"now", "sent", "due", "at", "reset_at", "till"})
 
 
 def _frames(steps: Any, world: World) -> list[object]:

@@ -16,8 +16,8 @@ import aioduco
 ROOT = Path(__file__).parents[2]
 FILES = ROOT / "examples" / "production"
 UNIT = FILES / "aioduco.service"
-LADDER = aioduco.connect("192.0.2.1")._supervisor.settings.ladder
-LONGEST = sum(s or 0.0 for s in (LADDER.settle, LADDER.stop, LADDER.standstill, LADDER.modes))
+STEPS = aioduco.connect("192.0.2.1")._supervisor.settings.steps
+LONGEST = sum(s or 0.0 for s in (STEPS.answers, STEPS.stop, STEPS.standstill, STEPS.modes))
 
 
 def test_the_service_lets_the_program_leave_and_the_guard_end_after_it() -> None:

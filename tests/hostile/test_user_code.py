@@ -120,7 +120,7 @@ async def test_a_handler_that_raises_leaves_out_no_rung(
     handler = Raising(error)
     with installed(handler, level):
         await moved_and_left(bench)
-    # Above that the ladder has nothing to say; the controller in this process may have.
+    # Above that the closing steps have nothing to say; the controller in this process may have.
     assert handler.seen.is_set() or level > logging.DEBUG
 
 
@@ -155,9 +155,9 @@ async def test_failed_rungs_are_gone_through_although_their_report_raises(bench:
     bench.answer("fc_start", 4)
     bench.answer("fc_stop", 4)
     bench.answer("robotmoving", True)
-    ladder = aioduco.ExitLadder(standstill=0.1, modes=0.1)
+    steps = aioduco.ClosingSteps(standstill=0.1, modes=0.1)
     with installed(Raising(ValueError)):
-        robot = aioduco.connect(bench.host, bench.port, exit_ladder=ladder)
+        robot = aioduco.connect(bench.host, bench.port, closing_steps=steps)
         await robot.open()
         await robot.force.fc_start()
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()

@@ -78,7 +78,7 @@ async def test_a_mode_that_is_entered_after_stop_now_is_ended(
     assert not mode.on
 
 
-async def test_abort_outlasts_what_is_on_its_way(robot: aioduco.Robot, bench: Bench) -> None:
+async def test_abort_waits_out_what_is_on_its_way(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 30.0
     let = bench.hold("movej2", bench._motion("movej2"))
     aborted = anyio.Event()

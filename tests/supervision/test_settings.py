@@ -28,7 +28,7 @@ OTHERS: dict[str, Any] = {
     "stop_timeout": 5.5,
     "standstill_timeout": 6.5,
     "unanswered_timeout": 61.0,
-    "exit_ladder": aioduco.ExitLadder(stop=1.0),
+    "closing_steps": aioduco.ClosingSteps(stop=1.0),
     "guard": "process",
     "state_rate": 60.0,
     "lag_limit": 0.5,

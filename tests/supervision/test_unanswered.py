@@ -36,7 +36,7 @@ def test_a_standing_arm_is_watched_as_long_as_the_answer_may_come() -> None:
     stand(one, 0.0, 0.1)
     assert one.step(0.1) is NextStep.LOOK
     assert one.step(ANSWER_BY - 0.1) is NextStep.LOOK
-    assert one.step(ANSWER_BY) is NextStep.DISSOLVE
+    assert one.step(ANSWER_BY) is NextStep.RESET
 
 
 def test_an_answer_makes_a_new_stop_certain() -> None:
@@ -55,7 +55,7 @@ def test_an_answer_makes_a_new_stop_certain() -> None:
 )
 def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, watch: float) -> None:
     one = motion()
-    one.dissolved(0.0)
+    one.connection_reset(0.0)
     stand(one, 0.0, outage)
     look(one, outage + watch - 0.001)
     assert one.step(outage + watch + 1.0) is NextStep.LOOK
@@ -65,7 +65,7 @@ def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, wa
 
 def test_the_last_look_begins_after_the_watch() -> None:
     one = motion()
-    one.dissolved(0.0)
+    one.connection_reset(0.0)
     stand(one, 0.0, 1.0)
     one.seen(1.9, 2.1, moving=False)  # it may have been served at 1.9, and the motion at 2.0
     assert one.step(2.1) is NextStep.LOOK
@@ -73,7 +73,7 @@ def test_the_last_look_begins_after_the_watch() -> None:
 
 def test_an_arm_that_begins_to_move_in_the_watch_is_stopped_and_watched_anew() -> None:
     one = motion()
-    one.dissolved(0.0)
+    one.connection_reset(0.0)
     stand(one, 0.0, 2.0)
     look(one, 3.0, moving=True)
     assert one.step(3.0) is NextStep.STOP
@@ -103,7 +103,7 @@ def test_a_controller_that_is_not_heard_is_told_to_stop_again() -> None:
 
 def test_it_is_given_up_when_what_was_tried_after_the_time_has_failed() -> None:
     one = motion()
-    one.dissolved(0.0)
+    one.connection_reset(0.0)
     one.poll_failed(UNTIL - 0.1, UNTIL + 0.1)
     assert one.step(UNTIL + 0.1) is NextStep.STOP
     one.poll_failed(UNTIL + 0.1, UNTIL + 0.2)
@@ -150,14 +150,14 @@ def test_an_arm_that_was_stopped_is_stopped_again_when_it_moves_on() -> None:
     assert one.step(0.6) is NextStep.STOP
 
 
-MOVES = st.sampled_from(["answered", "dissolved", "stop", "stands", "moves", "unheard", "nothing"])
+MOVES = st.sampled_from(["answered", "reset", "stop", "stands", "moves", "unheard", "nothing"])
 
 
 @given(st.lists(st.tuples(MOVES, st.floats(0.0, 4.0)), max_size=60))
 def test_it_is_never_done_while_the_motion_may_still_begin(
     story: list[tuple[str, float]],
 ) -> None:
-    """Done: answered and stopped after it, or dissolved and stopped and watched for long enough."""
+    """Done: answered and stopped after it, or reset and stopped and watched for long enough."""
     one = motion()
     now = 0.0
     fate: str | None = None
@@ -166,7 +166,7 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
     for what, later in story:
         now += later
         match what:
-            case "answered" | "dissolved" if fate is None:
+            case "answered" | "reset" if fate is None:
                 getattr(one, what)(now)
                 fate, fate_at, stopped = what, now, False
             case "stop":
@@ -185,6 +185,6 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
             assert stopped
             assert stop_at >= fate_at
             assert stop_at >= disturbed_at or what != "unheard"
-            if fate == "dissolved":
+            if fate == "reset":
                 assert now - stop_at >= min(max(stop_at - fate_at, MIN_WATCH), MAX_WATCH)
             return

@@ -104,7 +104,7 @@ async def _perform(
                 await pick_and_place(robot, stage, plan)
                 watching.cancel_scope.cancel()
     finally:
-        stage.settle()
+        stage.record_rest()
 
 
 async def _end_on_signal(

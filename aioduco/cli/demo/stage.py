@@ -120,16 +120,16 @@ class Stage:
             await running.task
         except TaskError as raised:
             error = raised
-        self._settle(running, error)
+        self._record(running, error)
         if error is not None and not running.record.ok:
             raise error
 
-    def settle(self) -> None:
+    def record_rest(self) -> None:
         """Record the outcomes of motions that are no longer followed."""
         for running in tuple(self._live):
-            self._settle(running, None)
+            self._record(running, None)
 
-    def _settle(self, running: Running, error: TaskError | None) -> None:
+    def _record(self, running: Running, error: TaskError | None) -> None:
         self._live.remove(running)
         task, record = running.task, running.record
         record.outcome = task.outcome

@@ -164,7 +164,7 @@ class Telemetry(Uncopied):
         with self._lock:
             left, self._motions = self._motions, {}
         for motion in left.values():
-            self._settle(motion, time.monotonic(), "unknown")
+            self._record(motion, time.monotonic(), "unknown")
 
     async def _follow(self, robot: Robot) -> None:
         with contextlib.suppress(RobotStateError), robot.events.subscribe() as subscribed:
@@ -205,7 +205,7 @@ class Telemetry(Uncopied):
             before = self._motions.pop(number, None)
             self._motions[number] = motion
         if before is not None:
-            self._settle(before, began, "unknown")
+            self._record(before, began, "unknown")
         return motion
 
     def _ended(self, number: int, event: CallFinished) -> None:
@@ -218,9 +218,9 @@ class Telemetry(Uncopied):
         with self._lock:
             motion = self._motions.pop(number, None)
         if motion is not None:
-            self._settle(motion, event.at, state.name.lower())
+            self._record(motion, event.at, state.name.lower())
 
-    def _settle(self, motion: _Motion, at: float, outcome: str) -> None:
+    def _record(self, motion: _Motion, at: float, outcome: str) -> None:
         attributes = self._named(function=motion.function, outcome=outcome)
         self._tasks.add(1, attributes)
         self._times.record(at - motion.began, attributes)

@@ -234,7 +234,7 @@ class MotionQueue:
         try:
             self._mover.append(id_, checked)
         except PlanError:
-            self._settle()
+            self._at_standstill()
 
     @property
     def time_left(self) -> float:
@@ -270,7 +270,7 @@ class MotionQueue:
         self._planning = None
         if isinstance(came, PlanError):
             self._fail(planning.id, came)
-            self._settle()
+            self._at_standstill()
         elif self._mover.take(came):  # else its inputs have changed: it is planned again
             self._unplanned.popleft()
             if came.segment.radius > 0.0:
@@ -364,7 +364,7 @@ class MotionQueue:
         self._mover.stop()
         if self._follower is not None:
             self._follower.stop()
-        self._settle()
+        self._at_standstill()
 
     def curtail(self, message: str) -> None:
         """End the running motion early, and skip the motions behind it.
@@ -400,7 +400,7 @@ class MotionQueue:
             self._mover.pause()
             if self._follower is not None:
                 self._follower.pause()
-        self._settle()
+        self._at_standstill()
 
     def resume(self) -> None:
         """Resume after a pause."""
@@ -439,7 +439,7 @@ class MotionQueue:
         elif mover.moving:
             return tick.setpoint  # most cycles: no task ends or pauses
         if self.phase is not _IDLE or self._waiting_for_rest:
-            self._settle()
+            self._at_standstill()
         return tick.setpoint
 
     def _tick_follower(self, follower: TargetFollower, q: Vector, qd: Vector) -> JointSetPoint:
@@ -456,7 +456,7 @@ class MotionQueue:
             self._leave(setpoint.q)
             self._end(id_, TaskState.FINISHED)
             self._go_on()
-        self._settle()
+        self._at_standstill()
         return setpoint
 
     def _fail_follower(self, failure: FollowError) -> None:
@@ -497,9 +497,9 @@ class MotionQueue:
             self._end(id_, TaskState.FINISHED, reached=True)
         elif event == "blended":
             self._end(id_, TaskState.INTERRUPT, "blended into the next motion", reached=True)
-        # "stopped" changes nothing here: `_settle` ends the task when the arm stands.
+        # "stopped" changes nothing here: `_at_standstill` ends the task when the arm stands.
 
-    def _settle(self) -> None:
+    def _at_standstill(self) -> None:
         """End or pause tasks once the arm stands."""
         if self.moving:
             return

@@ -125,7 +125,7 @@ class ProgramExecution:
         if self.active and (self._ending is None or state is TaskState.ERROR):
             self._ending = (state, message)
 
-    def settle(self, motion: MotionPhase) -> None:
+    def at_standstill(self, motion: MotionPhase) -> None:
         """End or pause the program's task once the arm stands."""
         if self._current is None:
             return
@@ -146,7 +146,7 @@ class ProgramExecution:
         Returns:
             Why the program cannot continue; empty if it can. The caller ends it, and its motions.
         """
-        self.settle(motion)
+        self.at_standstill(motion)
         if self._current is None or self._paused or self._ending is not None:
             return ""
         if motion not in (_IDLE, MotionPhase.RUNNING):
@@ -160,7 +160,7 @@ class ProgramExecution:
             self.calling = False
         if over:
             self.end(TaskState.FINISHED, "")
-            self.settle(motion)
+            self.at_standstill(motion)
         return ""
 
 

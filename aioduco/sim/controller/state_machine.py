@@ -396,7 +396,7 @@ class Controller:
         self._execution.pause()
         self._deferred.paused = bool(self._deferred)
         self._motion.pause(id_)
-        self._execution.settle(self._motion.phase)
+        self._execution.at_standstill(self._motion.phase)
         return id_
 
     def resume(self) -> int:
@@ -662,13 +662,13 @@ class Controller:
         self._execution.end(state, message)
         self._deferred.end(state, message)
         self._motion.stop(state, message, control)
-        self._execution.settle(self._motion.phase)
+        self._execution.at_standstill(self._motion.phase)
 
     def _cut(self, message: str) -> None:
         self._deferred.end(TaskState.ERROR, message)
         self._motion.cut(message, self._sensed.q)
         self._execution.end(TaskState.ERROR, message)
-        self._execution.settle(_IDLE)
+        self._execution.at_standstill(_IDLE)
         self._power.cut(message)
         self.force.cut()
 

@@ -229,7 +229,7 @@ def alone(key: int, segment: Segment) -> Entry:
     """
     axes = segment.axes.path if segment.axes is not None else None
     entry = Entry(key, segment, segment.path, segment.limits, axes=axes)
-    return _settle((entry,))[0]
+    return _with_exits((entry,))[0]
 
 
 def joined(queue: tuple[Entry, ...], new: Entry) -> tuple[Entry, ...] | None:
@@ -246,7 +246,7 @@ def joined(queue: tuple[Entry, ...], new: Entry) -> tuple[Entry, ...] | None:
     if corner is None:
         return None
     left = _leave(queue[-1], corner)
-    return _settle((*queue[:-1], left, _enter(new, corner)))
+    return _with_exits((*queue[:-1], left, _enter(new, corner)))
 
 
 def keeps(entry: Entry, at: float, speed: float) -> bool:
@@ -296,19 +296,19 @@ def _enter(entry: Entry, corner: Blend) -> Entry:
     return replace(entry, path=path, limits=limits, blend=corner, axes=axes, exit=-1.0)
 
 
-def _settle(queue: tuple[Entry, ...]) -> tuple[Entry, ...]:
+def _with_exits(queue: tuple[Entry, ...]) -> tuple[Entry, ...]:
     """Compute how fast each motion may end, from the last one to the first."""
-    settled = list(queue)
+    entries = list(queue)
     exit_ = 0.0
     for i in range(len(queue) - 1, -1, -1):
         entry = queue[i]
         if entry.exit == exit_:
             break  # nothing changed for this one, nor for those before it
         if entry.limits is None:
-            settled[i] = replace(entry, exit=exit_)
+            entries[i] = replace(entry, exit=exit_)
             exit_ = 0.0
             continue
         back = tuple(backward(entry.limits, exit_))
-        settled[i] = replace(entry, exit=exit_, back=back)
+        entries[i] = replace(entry, exit=exit_, back=back)
         exit_ = back[0] / entry.blend.ratio**2 if entry.blend is not None else 0.0
-    return tuple(settled)
+    return tuple(entries)

@@ -50,7 +50,7 @@ def bring_to_rest(
         match step := motion.step(time.monotonic()):
             case NextStep.DONE | NextStep.GIVE_UP:
                 return step is NextStep.DONE
-            case NextStep.DISSOLVE:
+            case NextStep.RESET:
                 assert lost is not None
                 lost.close()
             case NextStep.STOP | NextStep.LOOK:
@@ -63,7 +63,7 @@ def _report(motion: UnansweredMotion, lost: Connection) -> None:
     if lost.late_answer(time.monotonic() + _LISTEN):
         motion.answered(time.monotonic())
     elif not lost.overdue:
-        motion.dissolved(time.monotonic())
+        motion.connection_reset(time.monotonic())
 
 
 class Line:

@@ -180,7 +180,7 @@ class GuardedRobot:
         """
         now = time.monotonic()
         motion = UnansweredMotion(now, now, now + ABANDONED_LIMIT)
-        motion.dissolved(begin)
+        motion.connection_reset(begin)
         motion.stopped(now, now)
         if not await bring_to_rest(motion, self._stop_again, self.stop_channel.moving):
             _log.critical("the arm was told to stop, and begins to move again and again")

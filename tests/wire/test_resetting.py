@@ -23,7 +23,7 @@ from aioduco.testing import DropReply, FaultProxy, RecordingServer
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-pytestmark = pytest.mark.linux("a connection that is dissolved before it is closed")
+pytestmark = pytest.mark.linux("a connection that is reset before it is closed")
 
 #: family, kind, protocol and name of an address
 TCP = socket.AF_INET, socket.SOCK_STREAM, 0, ""

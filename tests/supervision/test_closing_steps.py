@@ -166,29 +166,29 @@ async def test_opened_in_one_task_and_closed_in_another(bench: Bench) -> None:
     await left_standing(bench)
 
 
-# -- rungs ---------------------------------------------------------------------------------------
+# -- steps one by one -----------------------------------------------------------------------------
 
 
-def test_rungs_are_times_or_none() -> None:
-    ladder = aioduco.ExitLadder(stop=2.0, modes=None)
-    assert (ladder.stop, ladder.standstill, ladder.modes) == (2.0, 5.0, None)
-    for rung in ("settle", "stop", "standstill", "modes"):
-        with pytest.raises(ParameterError, match=f"exit_ladder.{rung} is 0"):
-            aioduco.ExitLadder(**{rung: 0})
-    with pytest.raises(ParameterError, match="exit_ladder"):
-        aioduco.connect("robot", exit_ladder=5.0)  # type: ignore[arg-type]  # the wrong type is the point
+def test_steps_are_times_or_none() -> None:
+    steps = aioduco.ClosingSteps(stop=2.0, modes=None)
+    assert (steps.stop, steps.standstill, steps.modes) == (2.0, 5.0, None)
+    for step in ("answers", "stop", "standstill", "modes"):
+        with pytest.raises(ParameterError, match=f"closing_steps.{step} is 0"):
+            aioduco.ClosingSteps(**{step: 0})
+    with pytest.raises(ParameterError, match="closing_steps"):
+        aioduco.connect("robot", closing_steps=5.0)  # type: ignore[arg-type]  # the wrong type is the point
 
 
-async def test_each_rung_is_logged(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+async def test_each_step_is_logged(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     bench.motion_time = 30.0
     caplog.set_level("DEBUG", "aioduco.supervision.supervisor")
-    ladder = aioduco.ExitLadder(modes=None)
-    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+    steps = aioduco.ClosingSteps(modes=None)
+    async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
         robot._supervisor.stop_coordinator.modes.left_at_standstill.add("fc_stop")
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     said = [record.getMessage().removeprefix("leaving the robot: ") for record in caplog.records]
     assert [line.split(" took ")[0] for line in said] == [
-        "settle",
+        "answers",
         "stop",
         "standstill",
         "modes is left out",
@@ -206,8 +206,8 @@ async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> No
         bench.arrive()
         return seen[-1]
 
-    ladder = aioduco.ExitLadder(stop=None)
-    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+    steps = aioduco.ClosingSteps(stop=None)
+    async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         assert bench.moving()
         bench.answer("robotmoving", arriving)
@@ -218,8 +218,8 @@ async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> No
 
 async def test_without_the_stop_a_motion_that_goes_on_is_told(bench: Bench) -> None:
     bench.motion_time = 30.0
-    ladder = aioduco.ExitLadder(stop=None, standstill=0.1)
-    robot = aioduco.connect(bench.host, bench.port, exit_ladder=ladder)
+    steps = aioduco.ClosingSteps(stop=None, standstill=0.1)
+    robot = aioduco.connect(bench.host, bench.port, closing_steps=steps)
     await robot.open()
     await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     with pytest.raises(aioduco.StopUnconfirmed, match="still moves"):
@@ -231,8 +231,8 @@ async def test_without_the_stop_a_motion_that_goes_on_is_told(bench: Bench) -> N
 
 async def test_without_standstill_nobody_waits_for_it(bench: Bench) -> None:
     bench.motion_time, bench.braking_time = 30.0, 30.0
-    ladder = aioduco.ExitLadder(standstill=None)
-    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+    steps = aioduco.ClosingSteps(standstill=None)
+    async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     assert bench.commands == ["movej2", "stop"]
     assert bench.moving()
@@ -281,8 +281,8 @@ async def test_force_control_is_left_on_while_the_arm_moves(
     bench.motion_time = 30.0
     bench.answer("fc_start", 4)
     bench.answer("fc_stop", 4)
-    ladder = aioduco.ExitLadder(modes=0.1)
-    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+    steps = aioduco.ClosingSteps(modes=0.1)
+    async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
         await robot.force.fc_start()
         bench._answers["movej2"](HOME, 1.0, 1.0, 0.0, False, None, False)
     assert "fc_stop" not in bench.commands
