@@ -150,7 +150,7 @@ def test_an_arm_that_was_stopped_is_stopped_again_when_it_moves_on() -> None:
     assert one.step(0.6) is NextStep.STOP
 
 
-MOVES = st.sampled_from(["answered", "reset", "stop", "stands", "moves", "unheard", "nothing"])
+MOVES = st.sampled_from(["answered", "connection_reset", "stop", "stands", "moves", "unheard", "nothing"])
 
 
 @given(st.lists(st.tuples(MOVES, st.floats(0.0, 4.0)), max_size=60))
@@ -166,7 +166,7 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
     for what, later in story:
         now += later
         match what:
-            case "answered" | "reset" if fate is None:
+            case "answered" | "connection_reset" if fate is None:
                 getattr(one, what)(now)
                 fate, fate_at, stopped = what, now, False
             case "stop":
@@ -185,6 +185,6 @@ def test_it_is_never_done_while_the_motion_may_still_begin(
             assert stopped
             assert stop_at >= fate_at
             assert stop_at >= disturbed_at or what != "unheard"
-            if fate == "reset":
+            if fate == "connection_reset":
                 assert now - stop_at >= min(max(stop_at - fate_at, MIN_WATCH), MAX_WATCH)
             return
