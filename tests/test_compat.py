@@ -685,6 +685,7 @@ def test_whole_numbers_may_be_doubles(server: RecordingServer, robot: Any) -> No
         robot.write_raw_data_can(3.5, [1])
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "line",
     [

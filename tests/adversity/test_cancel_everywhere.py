@@ -140,6 +140,7 @@ async def test_the_arm_stands_after_a_cancellation_at_any_await(
     await cancelled_everywhere(sim, Program(sim, move), how, again, step if thorough else 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("script", "how", "again", "guard", "on_cancel", "step"),
     [

@@ -86,6 +86,7 @@ def test_it_takes_what_the_motion_takes(case: Case) -> None:
     assert "await" not in text
 
 
+@pytest.mark.slow
 def test_it_is_up_to_date_and_the_check_can_fail(tmp_path: Path) -> None:
     root = Path(__file__).parents[2]
     text = (root / "aioduco" / "api" / "blocking.py").read_text("utf-8")

@@ -102,6 +102,7 @@ def nearest(seen: Seen) -> float:
 # -- set-points call by call -------------------------------------------------------------------
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", ["servoj", "servoj_pose", "servo_tcp", "servol"])
 async def test_set_points_end_at_the_wall(robot: aioduco.Robot, seen: Seen, kind: str) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
@@ -233,6 +234,7 @@ HAMMERED = [
 ]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", HAMMERED)
 async def test_a_loop_of_motions_does_not_creep(
     robot: aioduco.Robot, seen: Seen, kind: str
@@ -252,7 +254,7 @@ async def test_a_loop_of_motions_does_not_creep(
     assert nearest(seen) < 0.08
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["speedj", "speedl", "jog"])
 async def test_a_loop_that_does_not_wait_does_not_creep(
     robot: aioduco.Robot, seen: Seen, kind: str
@@ -274,6 +276,7 @@ async def test_a_loop_that_does_not_wait_does_not_creep(
     assert nearest(seen) > -LAG
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", ["joints", "linear"])
 async def test_streams_of_speeds_opened_again_and_again_do_not_creep(
     robot: aioduco.Robot, seen: Seen, kind: str
@@ -298,6 +301,7 @@ async def test_streams_of_speeds_opened_again_and_again_do_not_creep(
     assert nearest(seen) > -LAG
 
 
+@pytest.mark.slow
 async def test_streams_of_positions_opened_again_and_again_do_not_creep(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
@@ -491,6 +495,7 @@ SPEEDS = [
 ]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("number", range(len(SPEEDS)))
 async def test_a_limit_of_the_speed_slows_a_command(
     robot: aioduco.Robot, seen: Seen, number: int
@@ -507,6 +512,7 @@ async def test_a_limit_of_the_speed_refuses_a_command(robot: aioduco.Robot, numb
         await SPEEDS[number](robot.motion)
 
 
+@pytest.mark.slow
 async def test_a_set_point_is_slowed_within_a_slow_zone_alone(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
@@ -518,6 +524,7 @@ async def test_a_set_point_is_slowed_within_a_slow_zone_alone(
     assert fastest(seen) <= 0.05 * 1.05
 
 
+@pytest.mark.slow
 async def test_a_stream_of_speeds_is_slowed(robot: aioduco.Robot, seen: Seen) -> None:
     robot.envelope = Envelope("gcr5_910", ToolSpeed(0.1, action="slow"))
     for stream, speeds in (
@@ -533,6 +540,7 @@ async def test_a_stream_of_speeds_is_slowed(robot: aioduco.Robot, seen: Seen) ->
         assert 0.05 < fastest(seen) <= 0.1 * 1.05
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", ["speedj", "servoj", "jog"])
 async def test_margins_of_joints_are_kept(robot: aioduco.Robot, seen: Seen, kind: str) -> None:
     limit = 2 * math.pi - 0.3

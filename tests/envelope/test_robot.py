@@ -215,6 +215,7 @@ async def test_what_blends_after_a_blocking_call_is_watched(
     robot.envelope = None
 
 
+@pytest.mark.slow
 async def test_a_stream_in_a_process_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
     points = START.array + np.linspace(0, 1, 400)[:, None] * np.array([0.8, 0, 0, 0, 0, 0])
@@ -230,6 +231,7 @@ async def test_a_stream_in_a_process_ends_before_the_wall(robot: aioduco.Robot, 
     assert not await robot.state.robotmoving()
 
 
+@pytest.mark.slow
 async def test_a_stream_that_begins_in_a_slow_zone_goes_on(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
@@ -286,7 +288,7 @@ async def lead(stream: Stream, points: list[list[float]]) -> None:
             await stream.send(point)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["servoj_pose", "servo_tcp", "servo_tcp base", "track"])
 async def test_each_stream_of_places_ends_before_the_wall(
     robot: aioduco.Robot, seen: Seen, kind: str

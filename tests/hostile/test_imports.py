@@ -148,6 +148,7 @@ def test_all_that_the_processes_import_is_taken_from_where_the_program_has_it(
     assert {"aioduco", *some} <= set(said.split())
 
 
+@pytest.mark.slow
 def test_a_program_that_is_tried_finds_modules_as_it_would_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

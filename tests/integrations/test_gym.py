@@ -110,7 +110,7 @@ def made() -> Iterator[Callable[..., Any]]:
         each.close()
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("actions", ["cartesian", "joints"])
 @pytest.mark.parametrize("kind", ["", "wire-"])
 @pytest.mark.parametrize("task", TASKS)
@@ -121,7 +121,7 @@ def test_gymnasiums_own_check_passes(
     check_env(env.unwrapped, skip_render_check=True)
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("actions", ["cartesian", "joints"])
 @pytest.mark.parametrize("task", TASKS)
 def test_episodes_repeat_by_seed_and_are_the_same_over_the_wire(
@@ -142,7 +142,7 @@ def test_episodes_repeat_by_seed_and_are_the_same_over_the_wire(
     np.testing.assert_allclose(traces[0][:, :6], traces[1][:, :6], rtol=0, atol=2e-3)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("task", POLICIES)
 def test_a_scripted_policy_solves_both_alike(made: Callable[..., Any], task: str) -> None:
     fast, wire = (made(f"aioduco/{task}-{kind}v0") for kind in ("", "wire-"))

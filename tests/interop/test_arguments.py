@@ -113,6 +113,7 @@ async def test_a_function_of_a_section(case: Case, generated: Generated) -> None
         same(result, case.result)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("case", blocking_cases(), ids=str)
 async def test_a_blocking_call(case: Case, generated: Generated) -> None:
     """It is the call of the motion with `block` true, and its answer is a state."""

@@ -126,6 +126,7 @@ def test_a_reading_at_the_limit_is_taken_everywhere_and_the_limit_is_sent() -> N
     assert check_command(names, list(at_limit), profile)[5] == limit
 
 
+@pytest.mark.slow
 def test_a_plan_begins_and_ends_at_a_reading_at_the_limit() -> None:
     at_limit = Joints(0.5, -0.26, 1.83, 0.0, -1.57, READ)
     near = Joints(0.5, -0.26, 1.83, 0.0, -1.57, 6.0)

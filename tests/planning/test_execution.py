@@ -59,6 +59,7 @@ async def joints(robot: Robot) -> Joints:
     return await robot.state.get_actual_joints_position()
 
 
+@pytest.mark.slow
 async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions() -> None:
     async with cell() as (robot, _, planner):
         plan = await planner.plan(LEFT, RIGHT, v=2.0, a=6.0)

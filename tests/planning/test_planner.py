@@ -347,8 +347,8 @@ def raised(scene: Scene, q: Joints, *by: float) -> Pose:
     return Pose.from_matrix(pose)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("gap", [3e-4, 2e-4, 1e-5, 0.0])
-@pytest.mark.cases(2)
 def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float) -> None:
     scene = near(gap, [Rod(length=0.1, radius=0.01)] if gap in (3e-4, 1e-5) else None)
     here, up = raised(scene, RIGHT, 0, 0, 0), raised(scene, RIGHT, 0, 0, 0.1)
@@ -371,6 +371,7 @@ def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float) -> No
             assert not any(scene.collides(q) for q, _ in plan.waypoints())
 
 
+@pytest.mark.slow
 def test_away_from_a_near_end_all_of_the_padding_is_kept() -> None:
     scene = near(2e-4)
     with Planner(scene) as planner:

@@ -42,6 +42,7 @@ asyncio.run(main())
 """
 
 
+@pytest.mark.slow
 def test_a_program_runs_on_a_bare_platform_and_the_guard_says_what_it_needs() -> None:
     environment = {**os.environ, "PYTHONPATH": str(BARE), "AIODUCO_TESTS_BARE": str(BARE)}
     done = subprocess.run(

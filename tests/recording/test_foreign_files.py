@@ -123,6 +123,7 @@ def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path: Path) -> None:
         read(path)
 
 
+@pytest.mark.slow
 def test_a_small_file_does_not_hold_millions_of_messages(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     path.write_bytes(HEAD + chunk(channel(1, "/x") + message(1, b"") * 700_000) + END)

@@ -123,6 +123,7 @@ async def test_states_events_and_log_lines_are_recorded(
     assert states[0]["robot"] == "ENABLE"
 
 
+@pytest.mark.slow
 def test_a_line_that_python_would_show_is_shown_although_it_is_recorded(tmp_path: Path) -> None:
     code = (
         "import logging, aioduco.sync\n"
@@ -147,6 +148,7 @@ def test_a_line_that_python_would_show_is_shown_although_it_is_recorded(tmp_path
     assert line["message"] == "seen once"
 
 
+@pytest.mark.slow
 async def test_a_stream_is_recorded_with_its_set_points_and_its_lateness(tmp_path: Path) -> None:
     with Simulator() as sim:
         async with aioduco.connect(
@@ -391,6 +393,7 @@ def test_chunks_are_written_often_enough() -> None:
     assert writer.FLUSH_EVERY < 1.0
 
 
+@pytest.mark.slow
 def test_an_interpreter_that_ends_with_a_recording_ends_it(bench: Bench, tmp_path: Path) -> None:
     code = (
         "import aioduco.sync, os, sys\n"

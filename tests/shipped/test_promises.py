@@ -116,9 +116,9 @@ def program(sim: Simulator, body: str, guard: str | None) -> Iterator[subprocess
             child.kill()
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.cases(6)
 @pytest.mark.linux("signals that freeze and interrupt a process")
 def test_an_arm_stays_where_it_came_to_rest(case: str, guard: str | None) -> None:
     name, deed = CASES[case]

@@ -69,6 +69,7 @@ def test_vibration_control_takes_time_if_the_simulator_is_told(
         Simulator(vibration_time=-0.1)
 
 
+@pytest.mark.slow
 def test_a_line_through_a_singularity_is_gone_around(sim: Simulator, robot: Program) -> None:
     # Past the wrist's singularity: joint 5 changes its sign on the way.
     start = (0.0, 0.3, 1.2, 0.0, 0.2, 0.0)

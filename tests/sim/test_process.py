@@ -44,6 +44,7 @@ def test_a_spawned_simulator_is_served_and_ends_with_its_block(
     assert sim.process.returncode == 0
 
 
+@pytest.mark.slow
 def test_a_spawned_simulator_tells_where_everything_is() -> None:
     process = Simulator.spawn(gripper="parallel", joints=[0.1, 0.0, 1.5, 0.0, -1.5, 0.0])
     with pytest.raises(RuntimeError, match="not running"):
@@ -53,12 +54,14 @@ def test_a_spawned_simulator_tells_where_everything_is() -> None:
         assert process.positions[0] == pytest.approx(0.1, abs=1e-3)
 
 
+@pytest.mark.slow
 async def test_the_same_in_async_code(connect: Callable[..., Program]) -> None:
     async with Simulator.spawn() as sim:
         assert connect(sim).get_robot_state() == [4, 0, 4, 1]
     assert sim.process.returncode == 0
 
 
+@pytest.mark.slow
 def test_a_process_that_cannot_start_says_why() -> None:
     with pytest.raises(RuntimeError, match="ur5"), Simulator.spawn(model="ur5"):
         pass

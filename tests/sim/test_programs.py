@@ -99,6 +99,7 @@ def test_a_program_runs_to_its_end(cell: Simulator, program: Program) -> None:
     assert program.get_last_error() == []
 
 
+@pytest.mark.slow
 def test_its_motions_blend(cell: Simulator, program: Program) -> None:
     seen: list[str] = []
     program.to(*READY)
@@ -204,6 +205,7 @@ def test_a_popup_pauses_it(cell: Simulator, program: Program) -> None:
     program.stop(True)
 
 
+@pytest.mark.slow
 def test_a_lost_heartbeat_ends_it(cell: Simulator, connect: Callable[..., Program]) -> None:
     program = connect(cell)
     program.power_off(True)

@@ -85,6 +85,7 @@ def test_the_simulation_goes_on_while_a_picture_is_drawn() -> None:
         assert sim.statistics().cycles > before + 10
 
 
+@pytest.mark.slow
 def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     with Simulator() as sim:
@@ -137,6 +138,7 @@ def test_a_film_leaves_out_what_looks_the_same() -> None:
     assert [frame.duration for frame in film.frames] == pytest.approx([0.2, 0.5, 0.1])
 
 
+@pytest.mark.slow
 def test_a_long_film_has_fewer_frames_to_the_second() -> None:
     film = Film(limit=50)
     for i in range(10_000):
@@ -150,5 +152,6 @@ def test_a_long_film_has_fewer_frames_to_the_second() -> None:
     assert steps.max() < 3.0 * steps.min()
 
 
+@pytest.mark.slow
 def test_no_film_without_a_look() -> None:
     assert Film().frames == []

@@ -180,6 +180,7 @@ def test_every_thing_is_mjcf_with_and_without_a_mass() -> None:
     assert World(FIVE, tool=mjcf_of(things, free=False)).model.nv == 6 + 2
 
 
+@pytest.mark.slow
 def test_a_process_of_its_own_takes_scene_tool_and_mounting(
     connect: Callable[..., Program],
 ) -> None:

@@ -197,7 +197,7 @@ async def test_a_worker_process_is_small(controller: Controller, upsample: str) 
     assert 0 < stream.statistics().memory <= 60e6
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("run_in", ["process", "thread"])
 async def test_one_stream_after_the_other_leaves_nothing(
     controller: Controller, run_in: str

@@ -254,8 +254,8 @@ async def ended(
     return error
 
 
+@pytest.mark.cases(2)
 @kinds
-@pytest.mark.cases(4)
 @workers
 async def test_a_withdrawn_permit_ends_the_mode_and_stops_and_nothing_more(
     arm: Controller, kind: str, options: WorkerOptions

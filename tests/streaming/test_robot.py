@@ -253,6 +253,7 @@ async def test_an_emergency_stop_ends_it(robot: aioduco.Robot, sim: Simulator, k
     await robot.recover()
 
 
+@pytest.mark.slow
 async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator) -> None:
     """Its controller is in a safety stop then, and yet enabled."""
 
@@ -272,6 +273,7 @@ async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator
     await robot.recover()
 
 
+@pytest.mark.slow
 async def test_a_program_that_hangs_while_an_array_is_played_stops_the_arm(
     sim: Simulator,
 ) -> None:

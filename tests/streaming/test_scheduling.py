@@ -93,6 +93,7 @@ async def test_a_worker_that_is_woken_late_goes_first_by_itself(controller: Cont
     assert not stream.statistics().unmet
 
 
+@pytest.mark.slow
 @pytest.mark.linux("policies of the scheduler")
 async def test_a_worker_that_hardly_waits_leaves_the_processor_to_the_program(
     controller: Controller,

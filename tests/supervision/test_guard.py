@@ -179,6 +179,7 @@ async def test_the_guards_death_stops_the_arm_and_another_takes_over(
     await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("heartbeat", [0.3, None], ids=["heartbeat", "none"])
 async def test_another_guard_is_tried_until_it_can_be_started(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, heartbeat: float | None
@@ -212,6 +213,7 @@ async def test_a_robot_that_is_closed_tries_no_other_guard(
     assert not any("guard" in task.get_name() for task in asyncio.all_tasks())
 
 
+@pytest.mark.slow
 async def test_a_guard_that_dies_while_it_takes_over_is_replaced_once_more(
     bench: Bench, robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

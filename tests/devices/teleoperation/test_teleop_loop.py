@@ -73,6 +73,7 @@ def place(sim: Simulator) -> np.ndarray:
     return np.array(sim.arm.fkine(sim.joints)[:3, 3])
 
 
+@pytest.mark.slow
 @pytest.mark.linux("devices that are files")
 async def test_a_held_key_leads_the_tool_and_a_silent_device_leaves_it_standing(
     pipe: tuple[int, int], tmp_path: Path
@@ -149,6 +150,7 @@ class Held(InputDevice):
         return Reading(held=True, done=now - self.first >= self._seconds)
 
 
+@pytest.mark.slow
 async def test_a_hold_that_lasts_until_the_end_counts() -> None:
     with Simulator() as sim:
         async with patient(sim) as robot:

@@ -306,6 +306,7 @@ async def test_a_client_that_is_entered_again_leaves_no_session_open(sessions: l
     assert all(session.is_closed() for session in sessions)
 
 
+@pytest.mark.slow
 def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         file = tmp_path / "fleet.toml"

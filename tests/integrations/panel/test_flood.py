@@ -169,6 +169,7 @@ async def test_no_other_request_stops(
         assert bench.received("stop") == ()
 
 
+@pytest.mark.slow
 async def test_a_stop_that_fails_says_so(bench: Bench) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
         bench.answer("stop", -1)

@@ -108,6 +108,7 @@ async def moving(client: Client) -> None:
     await eventually_async(lambda: client.seen and client.seen[-1].time > 0.3)
 
 
+@pytest.mark.slow
 async def test_a_goal_is_followed_with_feedback(node: ArmNode, sim: Simulator) -> None:
     client = Client(goal(count=50, duration=1.5))
     await settled(node, client)

@@ -87,6 +87,7 @@ class Counter:
         self._since.clear()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plan", [woven, splined, wound])
 def test_no_slice_is_longer_the_longer_the_path(
     plan: Callable[..., Segment], monkeypatch: pytest.MonkeyPatch

@@ -173,6 +173,7 @@ def test_a_pause_does_not_shorten_a_dwell() -> None:
     assert stood(pause=True) == stood(pause=False) + 40
 
 
+@pytest.mark.slow
 def test_pauses_and_speeds_leave_the_way_as_it_is() -> None:
     weave = Weave(WeaveShape.FIGURE_EIGHT, WeavePlane.TOOL_XY, 2.0, 0.004, 0.1, 0.1, stands=True)
     segment = woven(weave)

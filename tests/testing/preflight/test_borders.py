@@ -123,6 +123,7 @@ def test_each_way_out_is_refused_and_found_even_if_the_program_goes_on(tmp_path:
     assert "--reach 192.0.2.1:7003" in report.findings[0].text
 
 
+@pytest.mark.slow
 def test_what_is_refused_and_not_caught_is_one_finding(tmp_path: Path) -> None:
     tried = tmp_path / "tried.py"
     tried.write_text(BEGIN + "socket.create_connection(ARM)\n")

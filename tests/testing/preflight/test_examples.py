@@ -44,7 +44,7 @@ def test_with_an_address_it_runs_in_the_cell_that_was_given(name: str) -> None:
     assert report.status == 0
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ON_ITS_OWN)
 def test_without_one_it_runs_on_the_simulator_that_it_starts(name: str) -> None:
     for _ in range(20):

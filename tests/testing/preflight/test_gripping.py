@@ -45,7 +45,7 @@ LET_GO = [GO.format("DOWN.shifted(z=0.002)"), "await close(robot, False)"]
 UP = GO.format("DOWN.shifted(z=0.1)")
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("steps", "found"),
     [
