@@ -1,8 +1,8 @@
 """The supervision of one robot: its connections, its heartbeat, and the closing steps.
 
 Guarantees:
-- Each step of the closing steps is carried out to its end even if closing is cancelled, once or more;
-  the cancellation is raised afterwards.
+- Each closing step is carried out to its end even if closing is cancelled, once or more; the
+  cancellation is raised afterwards.
 - A step that fails is logged, and the next one follows. The first failure is raised at the end.
 - Closing waits for log handlers only after the connections are closed, and for a limited time.
 - The heartbeat beats until the arm was seen to stand, or until that has failed.

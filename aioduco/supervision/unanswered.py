@@ -69,9 +69,9 @@ class UnansweredMotion:
     __slots__ = (
         "_answer_by",
         "_answered",
-        "_reset_at",
         "_given_up",
         "_looked",
+        "_reset_at",
         "_since",
         "_standing",
         "_stop_needed_since",

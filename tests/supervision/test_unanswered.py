@@ -153,8 +153,6 @@ def test_an_arm_that_was_stopped_is_stopped_again_when_it_moves_on() -> None:
 MOVES = st.sampled_from(
     ["answered", "connection_reset", "stop", "stands", "moves", "unheard", "nothing"]
 )
-    ["answered", "connection_reset", "stop", "stands", "moves", "unheard", "nothing"]
-)
 
 
 @given(st.lists(st.tuples(MOVES, st.floats(0.0, 4.0)), max_size=60))
