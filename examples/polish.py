@@ -60,5 +60,5 @@ if __name__ == "__main__":
         from aioduco.sim.scene import Table
 
         # The arm begins with its flange looking down, 20 mm above the part.
-        with Simulator(speed=5, scene=[Table(at=(0.5, 0.1445, 0.422))]) as sim:
+        with Simulator(speed=5, scene=[Table(at=(0.5, 0.1405, 0.422))]) as sim:
             anyio.run(main, sim.host, sim.port)

@@ -45,8 +45,8 @@ def arm(model: str, **lengths: float) -> Arm:
 
     Args:
         model: the model's name, such as "gcr5_910" or "GCR5-910".
-        lengths: lengths that replace the model's: d1, d2, a2, a3, d5, d6 [m]. Public sources
-            differ in d2 of the GCR5-910, 0.1445 or 0.1405: `arm("gcr5_910", d2=0.1405)`.
+        lengths: lengths that replace the model's: d1, d2, a2, a3, d5, d6 [m], such as
+            `arm("gcr5_910", d2=0.1411)`.
 
     Raises:
         ParameterError: there is no such model or length.

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 #: the tool at START
-AT = (0.492, 0.1445, 0.442)
+AT = (0.492, 0.1405, 0.442)
 FLAT = (Zone.plane((0, AT[1] + 0.1, 0), (0, -1, 0), bodies=("flange",)),)
 THREAD = WorkerOptions(run_in="thread", timeout=10.0)
 #: how far beyond a limit the arm may ever be, however often a program commands [m]

@@ -94,10 +94,10 @@ def test_margins_are_the_distances_that_mujoco_finds(shape: str) -> None:
 
 def test_a_crossing_between_two_places_is_found() -> None:
     """Neither end is beyond the zone, and no corner of it is near."""
-    needle = Zone.sphere((0.492, 0.1445 + 0.02, 0.442), 0.001, bodies=("tool",))
+    needle = Zone.sphere((0.492, 0.1405 + 0.02, 0.442), 0.001, bodies=("tool",))
     look = checker(needle, tool=NONE)
     ends = [tuple(ARM.ikine(Pose(0.492, y, 0.442, math.pi, 0, -math.pi / 2), START).tolist())
-            for y in (0.1445, 0.1845)]  # fmt: skip
+            for y in (0.1405, 0.1845)]  # fmt: skip
     assert look.begin(ends[0]) is None
     found = look.sweep(ends[0], ends[1])
     assert found is not None

@@ -45,7 +45,7 @@ TOOL = Pose(0, 0, 0, 0, 0, 0)
 CYCLE = 0.001
 SPEED = 10.0
 #: the tool at START
-AT = (0.492, 0.1445, 0.442)
+AT = (0.492, 0.1405, 0.442)
 #: the wall of most tests; there is no tool, so its tip is the flange
 FLAT = (Zone.plane((0, AT[1] + 0.1, 0), (0, -1, 0), bodies=("flange",)),)
 

@@ -45,12 +45,27 @@ def test_there_are_thirteen_models() -> None:
 
 
 def test_lengths_can_be_replaced() -> None:
-    shorter = arm("gcr5_910", d2=0.1405)
-    assert shorter.geometry.d2 == 0.1405
-    assert shorter.geometry.a2 == arm("gcr5_910").geometry.a2
-    assert arm("gcr5_910").geometry.d2 == 0.1445
+    longer = arm("gcr5_910", d2=0.1411)
+    assert longer.geometry.d2 == 0.1411
+    assert longer.geometry.a2 == arm("gcr5_910").geometry.a2
+    assert arm("gcr5_910").geometry.d2 == 0.1405
     with pytest.raises(ParameterError, match="d1, d2, a2, a3, d5, d6"):
         arm("gcr5_910", d4=0.1)
+
+
+@pytest.mark.parametrize(
+    ("joints", "position"),
+    [
+        ([15.771, -8.0047, -97.4297, 15.6165, 89.9417, 11.8593], [-555.8729, -10.2684, 333.8967]),
+        ([15.771, -8.0054, -97.4297, 15.6158, 89.9417, 8.5264], [-555.8742, -10.2687, 333.8890]),
+    ],
+)
+def test_the_lengths_of_the_gcr5_fit_what_a_real_one_logged(
+    joints: list[float], position: list[float]
+) -> None:
+    # Gorani-ros2/ROS2, duco_named_poses.json [deg, mm]
+    flange = arm("GCR5-910").fkine(np.radians(joints))
+    assert np.linalg.norm(1000 * flange[:3, 3] - position) < 0.7
 
 
 def test_at_zero_the_arm_stands_straight_up(any_arm: Arm) -> None:

@@ -44,18 +44,18 @@ def test_a_distance_is_that_of_the_geometry(radius: float) -> None:
 @pytest.mark.parametrize(
     "thing",
     [
-        Box(at=(0.492, 0.1445, 0.42), size=(0.1, 0.1, 0.1), name="it"),
-        Cylinder(at=(0.492, 0.1445, 0.42), radius=0.05, length=0.1, name="it"),
-        Sphere(at=(0.492, 0.1445, 0.42), radius=0.05, name="it"),
+        Box(at=(0.492, 0.1405, 0.42), size=(0.1, 0.1, 0.1), name="it"),
+        Cylinder(at=(0.492, 0.1405, 0.42), radius=0.05, length=0.1, name="it"),
+        Sphere(at=(0.492, 0.1405, 0.42), radius=0.05, name="it"),
         Mesh(
-            at=(0.492, 0.1445, 0.42),
+            at=(0.492, 0.1405, 0.42),
             vertices=[
                 [x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05)
             ],
             name="it",
         ),
         PointCloud(
-            at=(0.492, 0.1445, 0.435), points=[[0.0, 0.0, 0.0], [0.03, 0.0, 0.0]], name="it"
+            at=(0.492, 0.1405, 0.435), points=[[0.0, 0.0, 0.0], [0.03, 0.0, 0.0]], name="it"
         ),
         Ground(at=(0.0, 0.0, 0.45), name="it"),
     ],
@@ -143,7 +143,7 @@ def test_what_is_held_moves_with_the_arm_and_stays_where_it_is_let_go() -> None:
 
 
 def test_a_contact_that_is_allowed_is_none_until_it_is_forbidden() -> None:
-    scene = Scene("gcr5_910", [Box(at=(0.492, 0.1445, 0.42), size=(0.1, 0.1, 0.1), name="it")])
+    scene = Scene("gcr5_910", [Box(at=(0.492, 0.1405, 0.42), size=(0.1, 0.1, 0.1), name="it")])
     found = scene.clearance(READY)
     assert found.pair is not None
     touching = set()

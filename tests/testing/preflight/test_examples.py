@@ -37,7 +37,7 @@ ON_ITS_OWN = [
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_ADDRESS)
 def test_with_an_address_it_runs_in_the_cell_that_was_given(name: str) -> None:
-    table = [Table(at=(0.5, 0.1445, 0.422))] if "table" in name else None
+    table = [Table(at=(0.5, 0.1405, 0.422))] if "table" in name else None
     settings = PreflightSettings(scene=table, timeout=110)
     report = preflight(EXAMPLES / name, WITH_ADDRESS[name], settings, quiet=True)
     assert report.ok, "\n".join(map(str, report.findings))

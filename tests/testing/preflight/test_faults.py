@@ -14,7 +14,7 @@ from aioduco.testing.preflight.findings import KINDS
 PROGRAMS = Path(__file__).parent / "programs"
 CELLS: dict[str, list[Thing]] = {
     "box": [Box(at=(0.35, 0.35, 0.4), size=(0.2, 0.2, 0.8), name="box")],
-    "table": [Table(at=(0.5, 0.1445, 0.3), name="table")],
+    "table": [Table(at=(0.5, 0.1405, 0.3), name="table")],
     "part": [
         Rod(length=0.1, radius=0.01, mass=0.1),
         Box(at=(0, 0, 0.1), size=(0.04, 0.04, 0.04), mass=0.1, name="part"),
