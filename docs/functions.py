@@ -5,7 +5,7 @@
 
 The wire and its meanings come from `idl/robot.thrift`, the manuals' names from
 `tests/data/manual-3.8.json` and `manual-4.3.json`, what older controllers lack from
-`wire-older.json` there, our names from `aioduco/models/names.py`.
+`aioduco/sim/server/older_wires.json`, our names from `aioduco/models/names.py`.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def ours(name: str) -> str:
 
 def lacking() -> dict[str, str]:
     """Function -> which older controllers lack it."""
-    older = {name: set(one["lacks"]) for name, one in _data("wire-older")["versions"].items()}
+    older = {name: set(one["lacks"]) for name, one in _older_wires().items()}
     every = set.union(*older.values())
     return {name: ", ".join(one for one in older if name in older[one]) for name in every}
 
@@ -117,9 +117,9 @@ def older() -> list[str]:
     """The rows of the parameters that older controllers do not know."""
     wire = _data("wire")["methods"]
     unknown: dict[str, dict[str, list[str]]] = {}
-    for generation, one in _data("wire-older")["versions"].items():
-        for name, method in one["methods"].items():
-            places = {tuple(place) for place in method["args"]}
+    for generation, one in _older_wires().items():
+        for name, fields in one["methods"].items():
+            places = {tuple(place) for place in fields}
             missing = [place[2] for place in wire[name]["args"] if tuple(place) not in places]
             unknown.setdefault(name, {})[generation] = [one for one in missing if one != "block"]
     rows = []
@@ -147,6 +147,13 @@ def _by_compat(one: dict[str, Any]) -> str:
     """Where a function is that the robot does not have."""
     sent = one["status"] == "without arguments"
     return f"`DucoCobot.{one['name']}` of `aioduco.compat`" if sent else "not callable"
+
+
+def _older_wires() -> dict[str, Any]:
+    """The generations of which a generated client is known."""
+    path = ROOT / "aioduco" / "sim" / "server" / "older_wires.json"
+    versions = json.loads(path.read_text(encoding="utf-8"))["versions"]
+    return {name: versions[name] for name in ("older", "oldest")}
 
 
 def _data(name: str) -> Any:

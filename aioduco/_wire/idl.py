@@ -90,8 +90,8 @@ class Function:
 
     def __init__(self, name: str, args: _Spec, result: _Spec) -> None:
         self.name: str = name
-        self.args: Any = _payload(f"{name}_args", args)
-        self.result: Any = _payload(f"{name}_result", result)
+        self.args: Any = payload(f"{name}_args", args)
+        self.result: Any = payload(f"{name}_result", result)
         self.other: Any = _older(self.result, _OLDER[name].split()) if name in _OLDER else None
         self.newer: Any = None
         if name in newer.ADDED:
@@ -107,9 +107,7 @@ class Function:
         self.texts: bool = _has_text(self.result.thrift_spec)
         self.layouts: Layouts = Layouts(self.result.thrift_spec)
         #: for each parameter, a factory for the value that a missing field has
-        self.zeros: tuple[Any, ...] = tuple(
-            entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries
-        )
+        self.zeros: tuple[Any, ...] = tuple(map(zero, entries))
 
 
 class Functions(Mapping[str, Function]):
@@ -133,7 +131,7 @@ class Functions(Mapping[str, Function]):
         made = self._made.get(name)
         if made is None:
             returned, arguments = self._lines.get(name) or (NEWER[name], "")
-            function = Function(name, _fields(arguments), _result(returned))
+            function = Function(name, fields_of(arguments), _result(returned))
             made = self._made.setdefault(name, function)
         return made
 
@@ -163,12 +161,12 @@ def functions() -> Functions:
     """
     text = _COMMENT.sub("", path().read_text("utf-8"))
     for name, fields in _STRUCT.findall(text):
-        getattr(rpc, name).thrift_spec = _fields(fields)
+        getattr(rpc, name).thrift_spec = fields_of(fields)
     (service,) = _SERVICE.findall(text)
     return Functions(service)
 
 
-def _payload(name: str, spec: _Spec) -> Any:
+def payload(name: str, spec: _Spec) -> Any:
     """Make a class for the arguments or the result of a function, as thriftpy2 expects it."""
     return type(name, (_Payload,), {"__module__": __name__, "thrift_spec": spec})
 
@@ -187,7 +185,13 @@ def _result(returned: str) -> _Spec:
     return {} if returned == "void" else {0: _entry(returned, "success")}
 
 
-def _fields(text: str) -> _Spec:
+def zero(entry: tuple[Any, ...]) -> Any:
+    """Return what makes the value of a field that did not come."""
+    return entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]]
+
+
+def fields_of(text: str) -> _Spec:
+    """Return the fields of a struct, from their text as in the IDL."""
     return {int(number): _entry(kind, name) for number, kind, name in _FIELD.findall(text)}
 
 
@@ -239,7 +243,7 @@ def _with(result: Any, kind: type, fields: str, *, added: bool) -> Any:
     number, name, shape, required = result.thrift_spec[0]
     listed = number == TType.LIST
     present = shape[1] if listed else shape
-    spec = _fields(fields)
+    spec = fields_of(fields)
     made: Any = type(
         kind.__name__,
         (kind,),

@@ -7,7 +7,7 @@ import signal
 import socket
 import sys
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -20,6 +20,8 @@ from aioduco.errors import RenderError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from aioduco.sim.server.generations import Generation
+
 __all__ = ["sim"]
 
 ENDS = (signal.SIGINT, signal.SIGTERM)
@@ -27,6 +29,12 @@ ENDS = (signal.SIGINT, signal.SIGTERM)
 
 def sim(
     model: Annotated[str, typer.Option(help="The arm to simulate.")] = "gcr5_910",
+    generation: Annotated[
+        str,
+        typer.Option(
+            help="The controller that it plays: 3.8, 4.3, older, oldest or first; see the docs."
+        ),
+    ] = "3.8",
     host: Annotated[
         str, typer.Option(help="Address to listen on. 0.0.0.0: the whole network.")
     ] = "127.0.0.1",
@@ -100,6 +108,7 @@ def sim(
         try:
             simulator = Simulator(
                 model,
+                generation=cast("Generation", generation),
                 host=host,
                 port=port,
                 status_port=status_port,

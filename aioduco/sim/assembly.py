@@ -14,12 +14,14 @@ from aioduco.sim.force.control import ForceControl
 from aioduco.sim.force.noise import SensorNoise
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
-from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
+from aioduco.sim.handlers.generations import NewerHandlers, OlderHandlers
+from aioduco.sim.handlers.single_precision import in_single_precision
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.scene import gravity
 from aioduco.sim.server import Server
+from aioduco.sim.server.generations import Generation, wire_of
 from aioduco.sim.server.status_server import StatusServer, frame_of
 from aioduco.sim.view.render import PictureProcess
 
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SimulatorAssembly", "SimulatorSettings"]
 
+_HANDLERS: dict[Generation, type[Handlers]] = {"3.8": Handlers, "4.3": NewerHandlers}
+
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatorSettings:
@@ -50,6 +54,7 @@ class SimulatorSettings:
     """
 
     arm: Arm
+    generation: Generation
     #: duration of one cycle [s]
     cycle: float
     #: joints at the start [rad]
@@ -128,7 +133,9 @@ class SimulatorAssembly:
         if self.world.hand is not None:
             self._connect_gripper(self.world.hand, settings)
         handlers = _handlers(settings, self.controller, self.runtime)
-        self.server: Server = Server(handlers, host=settings.host, port=settings.port)
+        self.server: Server = Server(
+            handlers, host=settings.host, port=settings.port, wire=wire_of(settings.generation)
+        )
         self.server.start()
         self.status: StatusServer | None = None
         if settings.status_port is not None:
@@ -213,5 +220,7 @@ def _handlers(
         settings.cabinet,
         settings.forgiving,
         settings.mounting,
+        tuple(settings.joints.tolist()),
     )
-    return (SinglePrecisionHandlers if settings.real_readings else Handlers)(context)
+    kind = _HANDLERS.get(settings.generation, OlderHandlers)
+    return (in_single_precision(kind) if settings.real_readings else kind)(context)

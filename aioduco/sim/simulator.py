@@ -13,6 +13,7 @@ import anyio.to_thread
 import numpy as np
 
 from aioduco._process.copying import Uncopied
+from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose
@@ -28,6 +29,7 @@ from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.physics.world import camera_of, pose_of
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import mjcf_of, mounting_of
+from aioduco.sim.server.generations import GENERATIONS
 from aioduco.sim.view.camera import Camera, PictureMark, towards
 
 if TYPE_CHECKING:
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     from aioduco.sim.process import SimulatorProcess
     from aioduco.sim.runtime import Observer
     from aioduco.sim.scene import MountingLike, SceneLike
+    from aioduco.sim.server.generations import Generation
     from aioduco.sim.view.viewer import Viewer
 
 #: time of one controller cycle [s]
@@ -76,6 +79,9 @@ class Simulator(Uncopied):
 
     Args:
         model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them.
+        generation: the controller that it plays: by its manual "3.8" or "4.3", or "older", "oldest"
+            or "first", three before them. That of 3.8 also takes the calls of older clients; each
+            of the others knows its own wire alone.
         host: address to listen on; loopback by default.
         port: TCP port; 0 picks a free one, which the property `port` then gives.
         status_port: TCP port of status frames, 2001 on a real controller; 0 picks a free one, which
@@ -115,7 +121,7 @@ class Simulator(Uncopied):
         on_shutdown: called when a client has shut the controller down, on one of its threads.
 
     Raises:
-        ParameterError: There is no such model, or `joints` are not six angles.
+        ParameterError: There is no such model or generation, or `joints` are not six angles.
         ValueError: `external_axes` are not valid.
         SceneError: `mounting` or `pedestal` is not valid, or `scene` or `tool` holds an object that
             is not a `Thing`.
@@ -128,6 +134,7 @@ class Simulator(Uncopied):
         self,
         model: str = "gcr5_910",
         *,
+        generation: Generation = "3.8",
         host: str = "127.0.0.1",
         port: int = 0,
         status_port: int | None = None,
@@ -150,6 +157,8 @@ class Simulator(Uncopied):
         cycle: float = CYCLE,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
+        if generation not in GENERATIONS:
+            raise ParameterError("generation", generation, f"one of {', '.join(GENERATIONS)}")
         cycle = Number(0.0, 0.004, "s", open_low=True, source="this package")("cycle", cycle)
         if heartbeat_slack is None:
             heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
@@ -159,6 +168,7 @@ class Simulator(Uncopied):
         if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
         self.arm: Final[Arm] = arm_of(model)
+        self.generation: Final[Generation] = generation
         self.seed: Final = seed
         self.mounting: Final[Pose] = mounting_of(mounting, self.arm, pedestal)
         self.gripper: Final = None if gripper is None else gripper_model(gripper)
@@ -168,6 +178,7 @@ class Simulator(Uncopied):
         self.external_axes: Final = SimulatedExternalAxes(external_axes)
         self._settings = SimulatorSettings(
             arm=self.arm,
+            generation=generation,
             cycle=cycle,
             joints=Joints.of(READY if joints is None else joints).array,
             mounting=self.mounting,

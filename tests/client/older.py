@@ -14,6 +14,8 @@ from thriftpy2.protocol import TBinaryProtocol
 from thriftpy2.thrift import TProcessor
 from thriftpy2.transport import TBufferedTransport, TSocket
 
+from aioduco.sim.server import generations
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
@@ -21,8 +23,11 @@ if TYPE_CHECKING:
 
 DATA = Path(__file__).parents[1] / "data"
 WIRE: dict[str, Any] = json.loads((DATA / "wire.json").read_text("utf-8"))
-OLDER: dict[str, Any] = json.loads((DATA / "wire-older.json").read_text("utf-8"))["versions"]
-NAMES = tuple(OLDER)
+OLDER: dict[str, Any] = json.loads(
+    Path(generations.__file__).with_name("older_wires.json").read_text("utf-8")
+)["versions"]
+#: those of which a generated client is known
+NAMES = ("older", "oldest")
 
 #: thriftpy2 ships types of half of its functions
 _library: Any = thriftpy2
@@ -66,7 +71,7 @@ def layout(generation: str) -> Layout:
     older = OLDER[generation]
     structs = WIRE["structs"] | older["structs"]
     methods = {
-        name: older["methods"].get(name, one)
+        name: one | {"args": older["methods"].get(name, one["args"])}
         for name, one in WIRE["methods"].items()
         if name not in older["lacks"]
     }

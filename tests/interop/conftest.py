@@ -9,14 +9,16 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from aioduco.sim import Simulator
 
 from . import build
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 #: what the compiler writes into
 _PACKAGES = ("duco", "clients")
@@ -100,9 +102,3 @@ def connected(generated: Generated, host: str, port: int) -> Iterator[Any]:
 def connect(generated: Generated, sim: Simulator) -> Connect:
     """Open a connection to the simulator as the vendor's Python client does."""
     return lambda: connected(generated, sim.host, sim.port)
-
-
-@pytest.fixture
-def older_clients() -> Path:
-    """What two older generations of the vendor's client send otherwise."""
-    return Path(__file__).with_name("older_clients.json")

@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, Any
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl
+from aioduco.sim.server import generations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 OLDER: dict[str, Any] = json.loads(
-    Path(__file__).with_name("older_clients.json").read_text(encoding="utf-8")
+    Path(generations.__file__).with_name("older_wires.json").read_text(encoding="utf-8")
 )
 #: by generation, the struct of its `Op` where it has one of its own
 _OPS = {"oldest": "ShortOp", "first": "FirstOp"}
@@ -67,7 +68,7 @@ def layouts() -> dict[str, dict[str, list[tuple[int, str, str]]]]:
             short[name] = [field for field in sent if field[2] not in out]
     older = {
         version.capitalize(): {
-            name: [_older(version, *one) for one in sent] for name, sent in _.items()
+            name: [_older(version, *one) for one in sent] for name, sent in _["methods"].items()
         }
         for version, _ in OLDER["versions"].items()
     }
@@ -93,9 +94,10 @@ def _lines() -> Iterator[str]:
     yield 'include "robot.thrift"'
     yield "namespace py clients"
     yield "namespace cpp clients"
-    for struct, fields in (("ShortOp", OLDER["op"]), ("FirstOp", OLDER["first_op"])):
+    for version, struct in _OPS.items():
         yield f"struct {struct} {{"
-        yield from (f"  {fid}: {of} f{fid}" for fid, of in fields)
+        fields = OLDER["versions"][version]["structs"]["Op"]
+        yield from (f"  {fid}: {of} f{fid}" for fid, of, _name in fields)
         yield "}"
     for service, functions in layouts().items():
         yield f"service {service} {{"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -11,6 +9,7 @@ import pytest
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 from aioduco.testing import eventually
 
+from . import layouts
 from .frames import EXCEPTION, REPLY, Fields, RawClient
 
 if TYPE_CHECKING:
@@ -20,15 +19,13 @@ pytestmark = pytest.mark.interop
 
 RUNNING, STOPPED, FINISHED, PARAMETER_MISMATCH = 1, 3, 4, 8
 TURNED = [1.0, 0.2, 1.4, 0.1, -1.4, 0.3]
-OLDER: dict[str, Any] = json.loads(
-    Path(__file__).with_name("older_clients.json").read_text(encoding="utf-8")
-)
+OLDER: dict[str, Any] = layouts.OLDER["versions"]
 ZEROS: dict[str, Any] = {"bool": False, "i8": 0, "i32": 0, "double": 0.0, "string": ""}
 
 
 def short_op() -> Fields:
     """The Op of the oldest client: two triggers, twelve fields."""
-    op: Fields = [(fid, of, ZEROS[of]) for fid, of in OLDER["op"]]
+    op: Fields = [(fid, of, ZEROS[of]) for fid, of, _name in OLDER["oldest"]["structs"]["Op"]]
     assert len(op) == 12
     return op
 
@@ -39,7 +36,7 @@ def first_op(**given: Any) -> Fields:
     values = {1: given.get("start", {}), 6: given.get("end", {})}
     return [
         (fid, of, values[1 if fid < 6 else 6].get(names[(fid - 1) % 5], ZEROS[of]))
-        for fid, of in OLDER["first_op"]
+        for fid, of, _name in OLDER["first"]["structs"]["Op"]
     ]
 
 
@@ -152,11 +149,11 @@ def state_of(robot: RawClient, task: int) -> int | None:
 
 @pytest.mark.parametrize(
     ("version", "function"),
-    [(version, function) for version, methods in OLDER["versions"].items() for function in methods],
+    [(version, function) for version, one in OLDER.items() for function in one["methods"]],
 )
 def test_every_older_layout_is_answered(sim: Simulator, version: str, function: str) -> None:
     """Each call gets an answer of its own, and leaves the connection in step for the next."""
-    layout = OLDER["versions"][version][function]
+    layout = OLDER[version]["methods"][function]
     with RawClient(sim.host, sim.port) as robot:
         answer = robot.call(function, [(fid, of, zero(of, version)) for fid, of, _name in layout])
         assert answer.kind in {REPLY, EXCEPTION}

@@ -58,7 +58,7 @@ async def refused(
 
 def seen(cell: Simulator, name: str = "rail") -> float:
     """Where the first axis of a scheme is, without a call."""
-    return {scheme: at for scheme, _, at in cell.external_axes.states()}[name]
+    return {each.name: each.position for each in cell.external_axes.states()}[name]
 
 
 async def where(robot: aioduco.Robot, name: str = "rail") -> float:

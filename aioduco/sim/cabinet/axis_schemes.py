@@ -19,7 +19,7 @@ from aioduco.sim.refusal import Rejected, mismatch
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["Axis", "Scheme", "SimulatedExternalAxes"]
+__all__ = ["Axis", "Scheme", "SchemeState", "SimulatedExternalAxes"]
 
 #: most axes of a scheme: positions on the wire have three numbers
 _MOST = 3
@@ -62,6 +62,24 @@ class Scheme:
     active: bool = False
 
 
+class SchemeState(NamedTuple):
+    """State of a scheme.
+
+    Attributes:
+        name: name that motions use for it.
+        active: whether it has been enabled.
+        position: position of its first axis [rad or m].
+        speed: commanded speed of that axis [1/s].
+        acceleration: its commanded acceleration [1/s²].
+    """
+
+    name: str
+    active: bool
+    position: float
+    speed: float
+    acceleration: float
+
+
 class SimulatedExternalAxes:
     """The external axes of a controller.
 
@@ -79,6 +97,9 @@ class SimulatedExternalAxes:
     def __init__(self, schemes: Mapping[str, Sequence[Sequence[float]]] | None = None) -> None:
         self.positions: dict[int, float] = {}
         self._axes: dict[int, Axis] = {}
+        #: by axis, its speed and acceleration while it is commanded; replaced, not changed
+        self._rates: dict[int | None, tuple[float, float]] = {}
+        self._time = 0.0
         self._schemes: dict[int, Scheme] = {}  # replaced, not changed: read without a lock
         try:
             for name, axes in (schemes or {}).items():
@@ -93,12 +114,33 @@ class SimulatedExternalAxes:
         self._schemes[len(self._schemes)] = scheme = Scheme(name)
         self._link(scheme, numbers)
 
-    def states(self) -> list[tuple[str, bool, float]]:
-        """Name of each scheme, whether it is active, and the position of its first axis."""
-        return [
-            (scheme.name, scheme.active, self.positions[scheme.axes[0]] if scheme.axes else 0.0)
-            for scheme in self._schemes.values()
-        ]
+    def states(self) -> list[SchemeState]:
+        """State of each scheme."""
+        return [self._state(scheme) for scheme in self._schemes.values()]
+
+    def _state(self, scheme: Scheme) -> SchemeState:
+        first = scheme.axes[0] if scheme.axes else None
+        position = 0.0 if first is None else self.positions[first]
+        return SchemeState(
+            scheme.name, scheme.active, position, *self._rates.get(first, (0.0, 0.0))
+        )
+
+    def follow(self, positions: Mapping[int, float], time: float) -> None:
+        """Take the axes to positions that a motion commands; the others stand.
+
+        Args:
+            positions: by axis [rad or m].
+            time: of the controller [s]. A new run of it begins at 0 again.
+        """
+        elapsed, self._time = time - self._time, time
+        if not positions and not self._rates:
+            return
+        rates: dict[int | None, tuple[float, float]] = {}
+        for number, position in positions.items() if elapsed > 0.0 else ():
+            speed = (position - self.positions[number]) / elapsed
+            rates[number] = speed, (speed - self._rates.get(number, (0.0, 0.0))[0]) / elapsed
+        self.positions.update(positions)
+        self._rates = rates
 
     # -- set-up --------------------------------------------------------------------------------
 

@@ -500,6 +500,10 @@ class Controller:
         """Add to the error list."""
         self._errors = (*self._errors, message)[-_ERRORS:]
 
+    def clear_errors(self) -> None:
+        """Empty the error list."""
+        self._errors = ()
+
     def fault(self, category: SafetyState, message: str) -> None:
         """Begin a safety stop: STOP0 cuts power, STOP1 stops the arm first, STOP2 only stops it."""
         self.note_error(message)
@@ -584,6 +588,7 @@ class Controller:
             self._power_went(before, power.state)
         if power.state is not _ENABLED:
             force.cut()
+            self.external_axes.follow({}, time)
             self.collisions.reset()
             return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), True)
         joint = self.collisions.update(time, sensed.external)
@@ -591,8 +596,7 @@ class Controller:
             self.collide(joint, sensed.touched())
         setpoint = motion.tick(time, sensed.q, sensed.qd, at_rest=self._at_rest)
         motion.read_ahead(*self.read_ahead)
-        if motion.axes:
-            self.external_axes.positions.update(motion.axes)
+        self.external_axes.follow(motion.axes, time)
         if force.control.active:
             setpoint = force.tick(setpoint)
         if motion.failures or motion.faults:
@@ -655,7 +659,7 @@ class Controller:
         if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
             self.force.powered()
         if now in _POWERED and before not in _POWERED:
-            self._errors = ()
+            self.clear_errors()
 
     def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
         """End the program, every motion and the control task when the arm stands."""

@@ -63,6 +63,7 @@ class HandlerContext:
         cabinet: the other state of the controller: variables, ports, files.
         forgiving: decides whether a call that deviates from the manual is accepted.
         mounting: pose of the base in the world.
+        home: joints at the start [rad].
     """
 
     arm: Arm
@@ -75,6 +76,7 @@ class HandlerContext:
     cabinet: Cabinet = field(default_factory=Cabinet)
     forgiving: Forgiving = field(default_factory=Forgiving)
     mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # noqa: RUF009 - a tuple of numbers
+    home: tuple[float, ...] = (0.0,) * 6
 
 
 class QueueFull(Exception):

@@ -99,7 +99,7 @@ class ExternalAxisHandlers(PathSection):
     def get_eaxis_info(self) -> list[EAxissInfo]:
         """Name of each scheme, whether it is active, and the position of its first axis."""
         states = self._runtime.external_axes.states()
-        return [EAxissInfo(name, int(active), at) for name, active, at in states]
+        return [EAxissInfo(each.name, int(each.active), each.position) for each in states]
 
     # -- motions -------------------------------------------------------------------------------
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.sim.controller.state_machine import Controller
+    from aioduco.sim.handlers.paths import Range
 
     Vector = NDArray[np.float64]
 
@@ -123,10 +124,11 @@ class ServoHandlers(HandlerSection):
         block: bool,
     ) -> int:
         def command(controller: Controller) -> int:
-            goal, tuning = target(), self._tuning(*numbers)
+            goal, tuning = target(), self._tuning(self._paces(name), *numbers)
 
             def aim(follower: ServoFollower) -> None:
-                follower.aim(goal(follower.target), tuning)
+                to = goal(follower.target)
+                follower.aim(to, self._by_joints(name, tuning, follower.setpoint.q, to))
 
             return controller.follow(
                 name,
@@ -135,14 +137,35 @@ class ServoHandlers(HandlerSection):
 
         return self._task(name, block, command)
 
+    def _paces(self, name: str) -> tuple[Range, Range]:  # noqa: ARG002 - others differ by it
+        """Return the ranges of v and a of a function."""
+        return JOINT_SPEED, JOINT_ACCELERATION
+
+    def _by_joints(
+        self,
+        name: str,  # noqa: ARG002 - others differ by it
+        tuning: ServoTuning,
+        at: Vector,  # noqa: ARG002 - as above
+        to: Vector,  # noqa: ARG002 - as above
+    ) -> ServoTuning:
+        """Return the tuning with the v and a of the joints, for a target `to` from `at` [rad]."""
+        return tuning
+
     def _tuning(
-        self, v: float, a: float, kp: float, kd: float, smooth_vel: float, smooth_acc: float
+        self,
+        paces: tuple[Range, Range],
+        v: float,
+        a: float,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
     ) -> ServoTuning:
         if not (kp or kd or smooth_vel or smooth_acc):
             kp, kd, smooth_vel, smooth_acc = _GAINS
         return ServoTuning(
-            arguments.at_most(self._forgiving, TOO_FAST, "v", v, *JOINT_SPEED),
-            arguments.number("a", a, *JOINT_ACCELERATION),
+            arguments.at_most(self._forgiving, TOO_FAST, "v", v, *paces[0]),
+            arguments.number("a", a, *paces[1]),
             # Without a proportional part the arm would never arrive.
             arguments.positive("kp", self._usual("kp", kp, _GAINS[0]), 1e6, ""),
             arguments.number("kd", kd, 0.0, 1e6, ""),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import math
 from typing import TYPE_CHECKING
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 class SettingHandlers(HandlerSection):
     """Settings of robot, pendant and collision detection; type and reach of the robot."""
+
+    _version = "3.8.0"
 
     def speed(self, val: float) -> int:
         """机器人全局速度百分比 [%]."""
@@ -57,7 +60,7 @@ class SettingHandlers(HandlerSection):
 
     def get_robot_version(self) -> str:
         """Version of the controller's software: that of the manual, then this package's."""
-        return f"3.8.0+aioduco.simulator.{importlib.metadata.version('aioduco')}"
+        return f"{self._version}+aioduco.simulator.{importlib.metadata.version('aioduco')}"
 
     def get_robot_type(self) -> list[str]:
         """Series, model, extension, serial number."""
@@ -118,18 +121,32 @@ class SettingHandlers(HandlerSection):
         check_points: Sequence[Sequence[float]],
     ) -> ReachabilityParam:
         """Tell whether every pose can be reached, and if so by which joints."""
+        found = self._joints_of(base, wobj, tool, ref_pos, check_points)
+        reached = found is not None and len(found) == len(check_points)
+        return ReachabilityParam(reached, found if found and reached else [])
+
+    def _joints_of(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float],
+        tool: Sequence[float],
+        ref_pos: Sequence[float],
+        check_points: Sequence[Sequence[float]],
+    ) -> list[list[float]] | None:
+        """Return joints for the poses, up to the first out of reach; None: wrong arguments."""
+        found: list[list[float]] = []
         try:
             frame = pose("base", base).inverse() @ pose("wobj", wobj)
             flange = pose("tool", tool).inverse()
             near = joints("ref_pos", ref_pos)
             targets = [frame @ pose("check_points", point) @ flange for point in check_points]
         except Rejected as exc:
-            return self._invalid_arguments("reach_check", exc, ReachabilityParam(False, []))
-        try:
-            found = [self._arm.ikine(target.matrix, near).tolist() for target in targets]
-        except Unreachable:
-            return ReachabilityParam(False, [])
-        return ReachabilityParam(True, found)
+            return self._invalid_arguments("reach_check", exc, None)
+        with contextlib.suppress(Unreachable):
+            for target in targets:
+                reached = self._arm.ikine(target.matrix, near)
+                found.append(reached.tolist())
+        return found
 
     def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
         """Store the parameters. They have no effect: a simulated arm is built as designed."""

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco._wire.rpc import RobotStatus
-from aioduco.sim.handlers import Handlers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["READINGS", "SinglePrecisionHandlers"]
+    from aioduco.sim.handlers import Handlers
+
+__all__ = ["READINGS", "in_single_precision"]
 
 #: functions that return readings of the arm: measured, commanded, or computed from these
 READINGS = (
@@ -31,16 +32,19 @@ READINGS = (
     ),
     *("get_tcp_pose_coord", "get_tcp_force", "get_tcp_force_tool"),
     *("get_ext_torque", "fc_get_ft"),
+    # of controllers of manual 4.3
+    *("get_tcp_pose_command", "get_tcp_speed_command"),
 )
 
 
-class SinglePrecisionHandlers(Handlers):
-    """The same functions; each number of a reading is rounded to a 32-bit float."""
+@functools.cache
+def in_single_precision(kind: type[Handlers]) -> type[Handlers]:
+    """Return the same handlers with each number of a reading rounded to a 32-bit float."""
+    readings = {name: _rounded(getattr(kind, name)) for name in READINGS if hasattr(kind, name)}
+    return type(f"SinglePrecision{kind.__name__}", (kind,), readings)
 
 
-def _rounded(name: str) -> Callable[..., Any]:
-    exact = getattr(Handlers, name)
-
+def _rounded(exact: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(exact)
     def reading(self: Handlers, *args: Any) -> Any:
         return _single(exact(self, *args))
@@ -56,7 +60,3 @@ def _single(answer: Any) -> Any:
     if isinstance(answer, list) and answer and isinstance(answer[0], float):
         return np.array(answer, np.float32).tolist()
     return answer
-
-
-for _name in READINGS:
-    setattr(SinglePrecisionHandlers, _name, _rounded(_name))

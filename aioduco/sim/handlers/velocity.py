@@ -88,10 +88,11 @@ class VelocityHandlers(HandlerSection):
         """Jog a joint or a direction, by a step or until stop_manual_move."""
 
         def command(controller: Controller) -> int:
-            _check_jog(param)
-            if param.use_step:
-                return controller.jog("move_jog", self._jog_step(param))
-            return controller.follow("move_jog", self._jog(param))
+            jog = self._as_in_3_8(param)
+            _check_jog(jog)
+            if jog.use_step:
+                return controller.jog("move_jog", self._jog_step(jog))
+            return controller.follow("move_jog", self._jog(jog))
 
         return self._task("move_jog", block, command)
 
@@ -152,6 +153,10 @@ class VelocityHandlers(HandlerSection):
         return self._task("set_hand_teach_parameter", True, command)
 
     # -- shared parts --------------------------------------------------------------------------
+
+    def _as_in_3_8(self, param: MoveJogTaskParam) -> MoveJogTaskParam:
+        """Return a jog in the numbers of manual 3.8."""
+        return param
 
     def _joint_velocity(self, q: Vector) -> JointVelocity:
         return JointVelocity(self._arm, q, self._runtime.cycle)

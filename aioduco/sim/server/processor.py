@@ -12,11 +12,11 @@ from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TApplicationException
 from thriftpy2.transport import TCyMemoryBuffer
 
-from aioduco._wire import idl, messages
+from aioduco._wire import messages
 from aioduco._wire.framing import Bounds, Malformed
 from aioduco._wire.messages import Message, MessageType
 from aioduco.sim.refusal import Refusal
-from aioduco.sim.server import older
+from aioduco.sim.server.generations import Served, Wire, wire_of
 
 __all__ = [
     "CALL",
@@ -55,13 +55,18 @@ class CallInbox(messages.Inbox):
 
 
 class Processor:
-    """Answers messages by the handler's methods. It has buffers, so each connection has its own."""
+    """Answers messages by the handler's methods. It has buffers, so each connection has its own.
 
-    __slots__ = ("_functions", "_handler", "_in", "_out", "_reader", "_writer")
+    Args:
+        handler: object whose methods answer the calls.
+        wire: the functions that are served; None for those of the present generation.
+    """
 
-    def __init__(self, handler: object) -> None:
+    __slots__ = ("_handler", "_in", "_out", "_reader", "_wire", "_writer")
+
+    def __init__(self, handler: object, wire: Wire | None = None) -> None:
         self._handler = handler
-        self._functions = idl.functions()
+        self._wire = wire_of("3.8") if wire is None else wire
         self._in: Any = TCyMemoryBuffer()
         self._out: Any = TCyMemoryBuffer()
         self._reader = _protocol(self._in, strict_decode=True)
@@ -87,19 +92,15 @@ class Processor:
             return self._encode(message, EXCEPTION, error)
 
     def _result(self, message: Message) -> tuple[int, Any]:
-        function = self._functions.get(message.name)
-        if function is None or not hasattr(self._handler, message.name):
+        served = self._wire.get(message.name)
+        if served is None or not hasattr(self._handler, message.name):
             return _error(
                 TApplicationException.UNKNOWN_METHOD, f"unknown function {message.name!r}"
             )
         try:
-            args = self._arguments(function, message.body)
+            values = served.values(self._arguments(served, message.body))
         except Exception as exc:
             return _error(TApplicationException.PROTOCOL_ERROR, str(exc))
-        values, absent = [], older.ABSENT.get(message.name, {})
-        for name, zero in zip(function.parameters, function.zeros, strict=True):
-            value = getattr(args, name, None)
-            values.append(absent.get(name, zero()) if value is None else value)
         try:
             value = getattr(self._handler, message.name)(*values)
         except Refusal as exc:
@@ -107,17 +108,14 @@ class Processor:
         except Exception as exc:
             _log.exception("%s failed in the simulated controller", message.name)
             return _error(TApplicationException.INTERNAL_ERROR, repr(exc))
-        result = function.result()
-        if not function.void:
-            result.success = value
-        return REPLY, result
+        return REPLY, served.answer(value)
 
-    def _arguments(self, function: idl.Function, body: bytes) -> Any:
+    def _arguments(self, served: Served, body: bytes) -> Any:
         """Decode the arguments in the layout of the generation that the fields indicate."""
-        args = function.args()
+        args = served.args()
         self._in.setvalue(body)
         self._reader.read_struct(args)
-        for layout in older.layouts(function.name, function.args):
+        for layout in served.others:
             came = layout.args()
             self._in.setvalue(body)
             self._reader.read_struct(came)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from aioduco.sim.server.generations import Wire
 
 _log = BackgroundLogger(__name__)
 
@@ -35,6 +36,7 @@ class Server:
         handler: object whose methods answer the calls, from many threads at once.
         host: address to listen on; loopback by default.
         port: TCP port; 0 picks a free one, which the attribute `port` then gives.
+        wire: the functions that are served; None for those of the present generation.
         max_connections: largest number of connections; others are closed right after the accept.
     """
 
@@ -44,10 +46,12 @@ class Server:
         *,
         host: str = "127.0.0.1",
         port: int = 0,
+        wire: Wire | None = None,
         max_connections: int = 2048,
     ) -> None:
         self.host = host
         self.port: int = port
+        self._wire = wire
         self.max_connections = max_connections
         self._handler = handler
         self._lock = threading.Lock()
@@ -194,7 +198,7 @@ class Server:
 
     def _serve(self, connection: socket.socket, peer: str) -> None:
         """Answer the calls of one connection until it ends. Runs on a thread of its own."""
-        inbox, processor = CallInbox(), Processor(self._handler)
+        inbox, processor = CallInbox(), Processor(self._handler, self._wire)
         try:
             connection.setblocking(True)
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -1,0 +1,222 @@
+"""Handlers of controllers of other generations: where their meanings differ from the present one's.
+
+What a controller of manual 4.3 does is that manual's, as far as it says it. The rest is an
+assumption of the fidelity ledger. How the older ones differ in meaning is not known.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+from aioduco._wire import newer
+from aioduco.models.enums import TaskState
+from aioduco.sim.handlers import Handlers
+from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED
+from aioduco.sim.refusal import Refusal, Rejected, mismatch
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import EAxissInfo, MoveJogTaskParam, Op, RobotStatus
+    from aioduco.sim.controller.motion_queue import Plan
+    from aioduco.sim.handlers.paths import Range
+    from aioduco.sim.planner.servo_follower import ServoTuning
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["NewerHandlers", "OlderHandlers"]
+
+_TOOL_SPEED = (1e-5, 5.0, "m/s")
+_TOOL_ACCELERATION = (1e-5, math.inf, "m/s²")
+#: functions whose v and a are the tool's in manual 4.3
+_BY_TOOL = ("servo_tcp", "servol")
+#: the direction of a jog in manual 4.3, and its sign
+_JOG_SIGNS = {0: 1, 1: -1}
+_CARTESIAN = 1
+_OUT_OF_SPACE = 4
+#: the least way of the tool by which its speed says that of the joints [m]
+_LEAST_WAY = 1e-9
+
+
+class OlderHandlers(Handlers):
+    """A controller of one of the three older generations.
+
+    Which versions of the software they have is not known, so it reports a text without one.
+    """
+
+    def get_robot_version(self) -> str:
+        """A text without a version."""
+        return "older, aioduco.simulator"
+
+    def set_hand_teach_parameter(
+        self,
+        space: int,
+        joint_scale: Any,
+        cart_scale: Any,
+        coord_type: int,
+        direction: Sequence[bool],
+    ) -> int:
+        """牵引参数, with one scale for all joints, and one for all directions."""
+        joints, cart = (
+            [one] * 6 if isinstance(one, int) else one for one in (joint_scale, cart_scale)
+        )
+        return super().set_hand_teach_parameter(space, joints, cart, coord_type, direction)
+
+
+class NewerHandlers(Handlers):
+    """A controller of manual 4.3."""
+
+    _version = "4.3.0"
+
+    # -- answers with more fields, or others -----------------------------------------------------
+
+    def getRobotStatus(self) -> RobotStatus:  # noqa: N802 - the name on the wire
+        """The same as in 3.8, and torques; those of gravity alone are not computed: none."""
+        status = super().getRobotStatus()
+        snapshot = self._runtime.snapshot
+        return newer.RobotStatus(
+            **{each.name: getattr(status, each.name) for each in fields(status)},
+            jointAuxiliaryPosition=snapshot.q.tolist(),
+            jointDynamicTorque=snapshot.target_torque.tolist(),
+            jointGravityTorque=[],
+            jointActualTorque=snapshot.torque.tolist(),
+            jointExtraTorque=snapshot.external_torque.tolist(),
+        )
+
+    def get_eaxis_info(self) -> list[EAxissInfo]:
+        """The same as in 3.8, with the commanded speed and acceleration of the first axis."""
+        return [
+            newer.EAxissInfo(
+                each.name, int(each.active), each.position, each.speed, each.acceleration
+            )
+            for each in self._runtime.external_axes.states()
+        ]
+
+    def reach_check(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float],
+        tool: Sequence[float],
+        ref_pos: Sequence[float],
+        check_points: Sequence[Sequence[float]],
+    ) -> newer.ReachabilityParam:
+        """Tell whether every pose can be reached, else the first that cannot: out of space."""
+        found = self._joints_of(base, wobj, tool, ref_pos, check_points)
+        reached = 0 if found is None else len(found)
+        if found is not None and reached == len(check_points):
+            return newer.ReachabilityParam(True, [], 0, 0)
+        return newer.ReachabilityParam(False, [], reached, _OUT_OF_SPACE)
+
+    # -- motions ---------------------------------------------------------------------------------
+
+    def movec(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+        arc_rad: float = 0.0,
+    ) -> int:
+        """Move along an arc through p1 to p2; a fixed radius is not simulated."""
+        if arc_rad != 0.0:
+            return self._task("movec", block, lambda _: _refuse_radius(arc_rad))
+        return super().movec(p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc)
+
+    def _as_in_3_8(self, param: MoveJogTaskParam) -> MoveJogTaskParam:
+        sign = _JOG_SIGNS.get(param.jog_direction)
+        if sign is None:
+            raise mismatch(f"jog_direction is {param.jog_direction}, but must be 0 or 1")
+        turns = param.jog_type == _CARTESIAN and param.axis_num >= 3
+        step = param.step_jointValue if turns else param.step_cartvalue
+        return replace(param, jog_direction=sign, step_cartvalue=step)
+
+    def _with_axes(self, plan: Plan, scheme_name: Any, epose: Any, eaxis_v: Any) -> Plan:
+        """Add a move of one scheme, which comes in lists; two at once are not simulated."""
+        if isinstance(scheme_name, str):  # in a program, whose calls are those of 3.8
+            return super()._with_axes(plan, scheme_name, epose, eaxis_v)
+        if not len(scheme_name) == len(epose) == len(eaxis_v) > 0:
+            raise mismatch("scheme_name, epose and eaxis_v must be lists of the same length")
+        if len(scheme_name) > 1:
+            raise Rejected(TaskState.ILLEGAL, "moves of several schemes are not simulated")
+        return super()._with_axes(plan, scheme_name[0], epose[0], eaxis_v[0])
+
+    def _paces(self, name: str) -> tuple[Range, Range]:
+        return (_TOOL_SPEED, _TOOL_ACCELERATION) if name in _BY_TOOL else super()._paces(name)
+
+    def _by_joints(self, name: str, tuning: ServoTuning, at: Vector, to: Vector) -> ServoTuning:
+        if name not in _BY_TOOL:
+            return tuning
+        tool = self._frames.tool().matrix
+        start, end = ((self._arm.fkine(q) @ tool)[:3, 3] for q in (at, to))
+        ratio = float(np.abs(to - at).max()) / max(float(np.linalg.norm(end - start)), _LEAST_WAY)
+        return replace(
+            tuning,
+            v=float(np.clip(tuning.v * ratio, *JOINT_SPEED[:2])),
+            a=float(np.clip(tuning.a * ratio, *JOINT_ACCELERATION[:2])),
+        )
+
+    # -- functions that 3.8 does not have --------------------------------------------------------
+
+    def get_base(self) -> list[float]:
+        """Pose of the base in the world [m, rad]."""
+        return list(self._context.mounting)
+
+    def get_home_pose(self) -> list[float]:
+        """Joints at which the simulator started [rad]."""
+        return list(self._context.home)
+
+    def get_installation(self) -> list[float]:
+        """Tilt of the base's z axis, and the direction to which it leans [rad]."""
+        x, y, z = self._context.mounting.matrix[:3, 2]
+        return [math.acos(max(-1.0, min(1.0, z))), math.atan2(y, x) if math.hypot(x, y) else 0.0]
+
+    def get_tcp_pose_command(self) -> list[float]:
+        """Commanded pose of the tool in the base frame [m, rad]."""
+        return self._tips(self._runtime.snapshot)[1].pose
+
+    def get_tcp_speed_command(self) -> list[float]:
+        """Commanded speed of the tool in the base frame [m/s, rad/s]."""
+        return self._tips(self._runtime.snapshot)[1].speed
+
+    def get_simulation_state(self) -> bool:
+        """Whether motions run on a simulated arm within the controller."""
+        return self._runtime.snapshot.view.simulation
+
+    def clear_error_message(self) -> None:
+        """Empty the error list."""
+        with self._runtime.command() as controller:
+            controller.clear_errors()
+
+    def enable_laser_track(self) -> int:
+        """Refused: no seam is seen."""
+        _refuse_laser("enable_laser_track")
+
+    def disable_laser_track(self) -> int:
+        """Refused, as above."""
+        _refuse_laser("disable_laser_track")
+
+    def reset_laser_track(self) -> int:
+        """Refused, as above."""
+        _refuse_laser("reset_laser_track")
+
+
+def _refuse_radius(arc_rad: float) -> NoReturn:
+    raise mismatch(f"arc_rad is {arc_rad}: only 0, no fixed radius, is simulated")
+
+
+def _refuse_laser(name: str) -> NoReturn:
+    raise Refusal(f"{name} is not simulated: there is no laser sensor")

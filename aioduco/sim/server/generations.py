@@ -1,0 +1,200 @@
+"""The wire of each generation of controllers: which functions are served, by which layouts.
+
+A controller skips fields that it does not know, or that have another type, and takes zero for those
+that did not come. One of the present generation also answers the calls of older clients: `older`.
+Those of the other generations know their own layouts only.
+
+The numbers of fields that manual 4.3 adds are inferred from the order in which it prints them. They
+are served, and never sent.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, TypeAlias, get_args
+
+from aioduco._wire import idl, rpc
+from aioduco.sim.server import older
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = ["GENERATIONS", "Generation", "Served", "Wire", "wire_of"]
+
+Generation: TypeAlias = Literal["first", "oldest", "older", "3.8", "4.3"]
+GENERATIONS: Final[tuple[Generation, ...]] = get_args(Generation)
+
+_OLDER_WIRES = Path(__file__).with_name("older_wires.json")
+_Spec: TypeAlias = "dict[int, tuple[Any, ...]]"
+#: what manual 4.3 has otherwise: moves of external axes name several schemes, an arc may have a
+#: fixed radius, and reach_check takes the tool before the work object
+_SCHEMES = {"scheme_name": "list<string>", "epose": "list<list<double>>", "eaxis_v": "list<double>"}
+_WITH_SCHEMES = (
+    *("move_eaxis", "movej2_eaxis", "movej2_pose_eaxis", "movel_eaxis", "movec_eaxis"),
+    "move_circle_eaxis",
+)
+
+
+class Served(NamedTuple):
+    """A function as a controller serves it.
+
+    Attributes:
+        args: class of the struct of arguments.
+        others: further layouts of the arguments, recognized by what came.
+        missing: for each parameter of the handler, what makes its value if none came.
+        result: class of the struct of the result.
+        struct: class of a struct in the result that is not the present one's; None if it is.
+        void: whether it returns nothing.
+    """
+
+    args: Any
+    others: tuple[older.OlderLayout, ...]
+    missing: Mapping[str, Callable[[], Any]]
+    result: Any
+    struct: Any
+    void: bool
+
+    def values(self, args: Any) -> list[Any]:
+        """Return the handler's arguments, from a struct that came."""
+        came = ((getattr(args, name, None), missing) for name, missing in self.missing.items())
+        return [missing() if value is None else value for value, missing in came]
+
+    def answer(self, value: Any) -> Any:
+        """Return the struct of the result, for what a handler returned."""
+        result = self.result()
+        if not self.void:
+            result.success = value if self.struct is None else _as(self.struct, value)
+        return result
+
+
+class Wire:
+    """The functions that a controller of one generation serves.
+
+    Args:
+        lacks: functions that it does not have.
+        args: by function, the fields of its arguments where they are other ones.
+        structs: by struct, its class where it has other fields.
+        recognizes: whether calls of other generations are recognized by their fields.
+        newer: whether it has what manual 4.3 adds.
+    """
+
+    def __init__(
+        self,
+        *,
+        lacks: frozenset[str] = frozenset(),
+        args: Mapping[str, _Spec] | None = None,
+        structs: Mapping[str, Any] | None = None,
+        recognizes: bool = False,
+        newer: bool = False,
+    ) -> None:
+        self._lacks = lacks
+        self._args = args or {}
+        self._structs = {getattr(rpc, name): kind for name, kind in (structs or {}).items()}
+        self._recognizes = recognizes
+        self._newer = newer
+        self._served: dict[str, Served] = {}
+
+    def get(self, name: str) -> Served | None:
+        """Return a function; None if the controller does not have it."""
+        served = self._served.get(name)
+        if served is None and self.has(name):
+            served = self._served.setdefault(name, self._made(name))
+        return served
+
+    def has(self, name: str) -> bool:
+        """Whether the controller has a function."""
+        if name in idl.functions():
+            return name not in self._lacks
+        return self._newer and name in idl.NEWER
+
+    def _made(self, name: str) -> Served:
+        function = idl.functions()[name]
+        usual = dict(zip(function.parameters, function.zeros, strict=True))
+        fixed = older.ABSENT.get(name, {})
+        missing = {each: _constant(fixed[each]) if each in fixed else usual[each] for each in usual}
+        args, others = function.args, ()
+        if self._recognizes:
+            others = older.layouts(name, function.args)
+        elif name in self._args or self._structs:
+            spec = self._args.get(name, function.args.thrift_spec)
+            args = idl.payload(f"{name}_args", _with(self._structs, spec))
+            # what only this generation has comes behind the present parameters
+            added = {entry[1]: idl.zero(entry) for entry in spec.values() if entry[1] not in usual}
+            missing |= added
+        result = self._result(function)
+        struct = None if result is function.result else _struct_of(result)
+        return Served(args, others, missing, result, struct, function.void)
+
+    def _result(self, function: idl.Function) -> Any:
+        if self._newer and (function.newer or function.name == "reach_check"):
+            return function.newer or function.other
+        if rpc.IOStatus in self._structs and function.name == "getRobotIOStatus":
+            return function.other
+        return function.result
+
+
+@functools.cache
+def wire_of(generation: Generation) -> Wire:
+    """Return the wire of a generation of controllers."""
+    if generation == "3.8":
+        return Wire(recognizes=True)
+    if generation == "4.3":
+        return Wire(args=dict(_newer_arguments()), newer=True)
+    versions = json.loads(_OLDER_WIRES.read_text("utf-8"))["versions"]
+    version = versions[generation]
+    structs = {name: _older_struct(name, fields) for name, fields in version["structs"].items()}
+    args = {name: _spec(fields) for name, fields in version["methods"].items()}
+    return Wire(lacks=frozenset(version["lacks"]), args=args, structs=structs)
+
+
+def _newer_arguments() -> Any:
+    functions = idl.functions()
+    for name in _WITH_SCHEMES:
+        spec = functions[name].args.thrift_spec
+        named = _SCHEMES | ({"v": "list<double>"} if name == "move_eaxis" else {})
+        text = {
+            fid: (named[entry[1]], entry[1]) for fid, entry in spec.items() if entry[1] in named
+        }
+        added = " ".join(f"{fid}: {kind} {field}" for fid, (kind, field) in text.items())
+        yield name, {**spec, **idl.fields_of(added)}
+    yield "movec", {**functions["movec"].args.thrift_spec, **idl.fields_of("13: double arc_rad")}
+    present = functions["reach_check"].args.thrift_spec
+    yield "reach_check", {**present, 2: present[3], 3: present[2]}
+
+
+def _older_struct(name: str, fields: list[tuple[int, str, str]]) -> Any:
+    kind = getattr(rpc, name)
+    return type(name, (kind,), {"thrift_spec": _spec(fields), "__slots__": ()})
+
+
+def _spec(fields: list[tuple[int, str, str]]) -> _Spec:
+    text = " ".join(f"{fid}: {of.replace('i8', 'byte')} {name}" for fid, of, name in fields)
+    return idl.fields_of(text)
+
+
+def _with(structs: Mapping[Any, Any], spec: Any) -> Any:
+    """Return fields, with other classes for some structs."""
+    if isinstance(spec, dict):
+        return {fid: _with(structs, entry) for fid, entry in spec.items()}
+    if isinstance(spec, tuple):
+        return tuple(_with(structs, part) for part in spec)
+    return structs.get(spec, spec) if isinstance(spec, type) else spec
+
+
+def _struct_of(result: Any) -> Any:
+    shape = result.thrift_spec[0][2]
+    return shape[1] if isinstance(shape, tuple) else shape
+
+
+def _as(kind: Any, value: Any) -> Any:
+    """Return a struct, or a list of structs, as another class that has their fields."""
+    if isinstance(value, list):
+        return [_as(kind, each) for each in value]
+    return kind(**{each.name: getattr(value, each.name) for each in dataclasses.fields(value)})
+
+
+def _constant(value: Any) -> Callable[[], Any]:
+    return lambda: value
