@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -25,6 +26,7 @@ def commands(command: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]
         yield from commands(each, *names, name)
 
 
+ROOT = Path(__file__).parents[1]
 COMMANDS = dict(commands(get_command(app)))
 
 
@@ -43,3 +45,19 @@ def test_help_shows_every_text_whole_units_included(names: tuple[str, ...]) -> N
     assert helps
     missing = [text for text in helps if said(text) not in said(done.stdout)]
     assert not missing
+
+
+def test_the_list_of_commands_is_in_parts_which_are_those_of_the_page() -> None:
+    """Thirty names in one list are read by nobody."""
+    parts: dict[str, list[str]] = {}
+    for name, command in vars(get_command(app))["commands"].items():
+        parts.setdefault(str(command.rich_help_panel).lower(), []).append(name)
+    page = (ROOT / "docs" / "reference" / "cli.md").read_text("utf-8")
+    rows = re.findall(r"^\| ([a-z ,]+) \| (\[.*) \|$", page, re.MULTILINE)
+    shown = {
+        part: re.findall(r"[a-z][a-z0-9-]*", re.sub(r"\(.*?\)", "", row)) for part, row in rows
+    }
+    assert {part: sorted(names) for part, names in parts.items()} == {
+        part: sorted(names) for part, names in shown.items()
+    }
+    assert max(map(len, parts.values())) <= 7

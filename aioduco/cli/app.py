@@ -44,38 +44,48 @@ app: typer.Typer = typer.Typer(
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(sim)
+# The parts of `aioduco --help`, as in the table of docs/reference/cli.md.
+_WATCH, _LEAD, _MOVE = "Watch an arm", "Bring it up, stop it", "Move it"
+_RECORD, _FLEET, _TRY = "Recordings", "Several computers", "Try without an arm"
+_CONNECT, _PREPARE = "Other programs", "Prepare"
+
+app.command(rich_help_panel=_WATCH)(status)
+app.command(rich_help_panel=_WATCH)(monitor)
+app.command(rich_help_panel=_WATCH)(panel)
+app.command(rich_help_panel=_WATCH)(view)
+app.command("bring-up", rich_help_panel=_LEAD)(bring_up)
+app.command(rich_help_panel=_LEAD)(recover)
+app.command(rich_help_panel=_LEAD)(stop)
+app.command(rich_help_panel=_LEAD)(pause)
+app.command(rich_help_panel=_LEAD)(resume)
+app.add_typer(move, name="move", rich_help_panel=_MOVE)
+app.command(rich_help_panel=_MOVE)(jog)
+app.command(rich_help_panel=_MOVE)(teleop)
+app.command(rich_help_panel=_MOVE)(teach)
+app.add_typer(io, name="io", rich_help_panel=_MOVE)
 # A negative number is an argument, not an option.
-app.command("sim-do", context_settings={"ignore_unknown_options": True})(sim_do)
-app.command()(demo)
-app.command()(status)
-app.command()(monitor)
-app.command()(panel)
-app.command()(view)
-app.command("bring-up")(bring_up)
-app.command()(recover)
-app.command()(stop)
-app.command()(pause)
-app.command()(resume)
-app.add_typer(move, name="move")
-app.command()(jog)
-app.command()(teleop)
-app.add_typer(io, name="io")
-app.command()(doctor)
-app.command()(record)
-app.command()(plot)
-app.command()(play)
-app.command()(teach)
-app.command()(check)
-app.command(context_settings={"ignore_unknown_options": True})(call)
-app.command()(export)
-app.command()(preflight)
-app.command()(ros1)
+app.command(rich_help_panel=_MOVE, context_settings={"ignore_unknown_options": True})(call)
+app.command(rich_help_panel=_RECORD)(record)
+app.command(rich_help_panel=_RECORD)(plot)
+app.command(rich_help_panel=_RECORD)(play)
+app.command(rich_help_panel=_TRY)(demo)
+app.command(rich_help_panel=_TRY)(sim)
+app.command("sim-do", rich_help_panel=_TRY, context_settings={"ignore_unknown_options": True})(
+    sim_do
+)
+app.command(rich_help_panel=_TRY)(preflight)
+app.add_typer(fleet, name="fleet", rich_help_panel=_FLEET)
+app.command(rich_help_panel=_CONNECT)(ros1)
 # Arguments after --ros-args are for ROS.
-app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(ros2)
-app.command()(tap)
-app.add_typer(fleet, name="fleet")
-app.command()(completion)
+app.command(
+    rich_help_panel=_CONNECT,
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+)(ros2)
+app.command(rich_help_panel=_CONNECT)(tap)
+app.command(rich_help_panel=_CONNECT)(export)
+app.command(rich_help_panel=_PREPARE)(doctor)
+app.command(rich_help_panel=_PREPARE)(check)
+app.command(rich_help_panel=_PREPARE)(completion)
 
 
 def _version(wanted: bool) -> None:
