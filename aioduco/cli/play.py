@@ -44,6 +44,12 @@ def play(
     end: Annotated[
         float | None, typer.Option("--to", min=0.0, help="End there in the recording [s].")
     ] = None,
+    bridge: Annotated[
+        float,
+        typer.Option(
+            min=0.0, max=0.1, help="Bridge gaps in which the arm is known to within this [rad]."
+        ),
+    ] = 0.005,
     outputs: Annotated[
         bool, typer.Option("--outputs", help="Also set the digital outputs that changed.")
     ] = False,
@@ -97,7 +103,9 @@ def play(
         if file.suffix == ".toml":
             what = WaypointFile.read(file)
         else:
-            what = RecordedPath.of(read(file), begin=begin, end=end, speed=speed)
+            what = RecordedPath.of(read(file), begin=begin, end=end, speed=speed, bridge=bridge)
+            for gap in what.gaps:
+                say(f"bridged: {gap}")
         told = model or _model_of(what)
         limits = None if envelope is None else read_envelope(envelope, arm=told)
         if limits is not None:

@@ -13,7 +13,10 @@ from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
-__all__ = ["record"]
+__all__ = ["playable", "record"]
+
+#: entries up to which a recording is read back at its end: some 5 s
+_READ_BACK = 100_000
 
 
 def record(
@@ -51,3 +54,27 @@ def record(
     if recording.error is not None:
         say(f"it ended early: {recording.error}", error=True)
         raise typer.Exit(FAILED)
+    if figures.longest_gap:
+        say(f"longest time without a sample of the moving arm: {figures.longest_gap:.3f} s")
+        say(playable(recording.path, figures.written))
+
+
+def playable(path: Path, entries: int) -> str:
+    """Whether `aioduco play` takes a recording, and what it bridges in it."""
+    if entries > _READ_BACK:
+        return f"it is long: aioduco play {path} --check says whether it can be played"
+    from aioduco.errors import DucoError  # noqa: PLC0415
+    from aioduco.recording import read  # noqa: PLC0415
+    from aioduco.recording.playback import RecordedPath, check_path  # noqa: PLC0415
+    from aioduco.recording.playback.player import model_named  # noqa: PLC0415
+
+    try:
+        motion = RecordedPath.of(read(path))
+    except DucoError as exc:
+        return f"it cannot be played: {exc}"
+    model = model_named(motion.arm)
+    found = () if model is None else check_path(motion, model)
+    if found:
+        return f"it cannot be played: {'; '.join(str(each) for each in found)}"
+    bridged = "".join(f"; {gap}: bridged" for gap in motion.gaps)
+    return f"it can be played: {motion.duration:.2f} s of motion{bridged}"

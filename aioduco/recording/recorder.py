@@ -22,6 +22,7 @@ from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
 from aioduco.models.samples import pose
 from aioduco.models.trace import CallFinished
+from aioduco.recording.moving_gaps import MAX_GAP, MovingGaps
 from aioduco.recording.writer import MessageWriter, RecordingWriter
 from aioduco.streaming.session import Session
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
@@ -61,11 +62,16 @@ class RecordingStatistics(NamedTuple):
         written: samples, calls, tasks, events and log lines that were written.
         dropped: those that were not written, because the disk or this computer was too slow.
         size: bytes in the file.
+        longest_gap: longest time between two samples between which the arm moved [s]. From 0.1 s
+            on, `RecordedPath` bridges it, or refuses to: a computer or controller was too busy.
+        gaps: number of such times above 0.1 s.
     """
 
     written: int
     dropped: int
     size: int
+    longest_gap: float
+    gaps: int
 
 
 class RecordingHandler(logging.Handler):
@@ -133,6 +139,7 @@ class RobotObserver(Uncopied):
         self._finished = False
         self._ended = anyio.Event()
         self._missed = 0
+        self._gaps = MovingGaps()
         self._failure: Exception | None = None
         self._undo: list[Callable[[], object]] = []
         self._background = BackgroundTasks(self._crashed)
@@ -303,6 +310,8 @@ class RobotObserver(Uncopied):
             with self._supervisor.feed.subscribe(size=_SAMPLES) as samples:
                 async for sample in samples:
                     self._writer.put("sample", sample)
+                    status = sample.status
+                    self._gaps.sampled(status.received_at, status.expected_joints)
                     self._missed = samples.dropped
                     if streams or self._streams:
                         self._record_setpoints(sample.status.received_at)
@@ -398,12 +407,27 @@ class Recording(RobotObserver):
     def statistics(self) -> RecordingStatistics:
         """Figures since its start."""
         writer = self._file
-        return RecordingStatistics(writer.written, writer.dropped + self._missed, writer.size)
+        dropped, gaps = writer.dropped + self._missed, self._gaps
+        return RecordingStatistics(writer.written, dropped, writer.size, gaps.longest, gaps.count)
 
     @property
     def _cannot(self) -> str:
         return f"{self.path} cannot be written"
 
+    def _over(self) -> None:
+        super()._over()
+        if self._gaps.count:
+            _log.warning(
+                "%s: %d times the arm moved for more than %g s without a sample, for %.2f s at "
+                "most; `aioduco play %s --check` says whether it can be played",
+                *(self.path, self._gaps.count, MAX_GAP, self._gaps.longest, self.path),
+            )
+
     def _figures(self) -> dict[str, str]:
         figures = self.statistics()
-        return {"written": str(figures.written), "dropped": str(figures.dropped)}
+        return {
+            "written": str(figures.written),
+            "dropped": str(figures.dropped),
+            "longest_gap": f"{figures.longest_gap:.3f}",
+            "gaps": str(figures.gaps),
+        }

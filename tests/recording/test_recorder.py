@@ -81,6 +81,20 @@ async def test_every_command_and_task_is_recorded_with_its_end(
     assert run.metadata["address"] == f"{bench.host}:{bench.port}"
 
 
+async def test_gaps_while_the_arm_moved_are_counted_and_reported(
+    robot: aioduco.Robot, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        await eventually_async(lambda: recording.statistics().written > 3)
+        recording._gaps.sampled(1.0, [0.0] * 6)
+        recording._gaps.sampled(1.5, [0.1] * 6)
+    assert recording.statistics().longest_gap >= 0.5
+    assert recording.statistics().gaps >= 1
+    (line,) = [each.message for each in caplog.records if "without a sample" in each.message]
+    assert f"aioduco play {recording.path} --check" in line
+    assert read(recording.path)._texts["aioduco.end"]["gaps"] != "0"
+
+
 async def test_a_call_that_fails_is_recorded_with_its_error(
     robot: aioduco.Robot, bench: Bench, tmp_path: Path
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.bounds import outside, shown
 from aioduco.models.pose import Pose
 from aioduco.models.ranges import JOINT_SPEED
+from aioduco.recording.playback.recorded_path import SPEED_FACTOR
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,10 +89,13 @@ def check_path(
         return (*found, PathFinding("joint limit", at, text))
     times, q = _looks(path)
     most = np.minimum(arm.velocity if v is None else [v] * 6, JOINT_SPEED.high)
-    found += _beyond(path, "speed", "rad/s", times[:-1], np.diff(q, axis=0) / _LOOK, most)
-    sharp = _accelerations(q)
+    speeds, sharp = np.diff(q, axis=0) / _LOOK, _accelerations(q)
+    allowed = np.full(6, a)
+    within = not _over(speeds, most) and not _over(sharp, allowed)
+    helps = "" if within else _what_helps(path, speeds, sharp, most, allowed)
+    found += _beyond(path, "speed", "rad/s", times[:-1], speeds, most, helps)
     middles = times[_WINDOW // 2 :]
-    found += _beyond(path, "acceleration", "rad/s²", middles, sharp, np.full(6, a))
+    found += _beyond(path, "acceleration", "rad/s²", middles, sharp, allowed, helps)
     if envelope is not None:
         found += _leaves(path, envelope, tool)
     return tuple(found)
@@ -153,9 +158,9 @@ def _beyond(
     times: NDArray[np.float64],
     values: NDArray[np.float64],
     most: NDArray[np.float64],
+    helps: str,
 ) -> list[PathFinding]:
-    over = np.abs(values) > most * (1 + 1e-6)
-    if not over.any():
+    if not _over(values, most):
         return []
     row, joint = np.unravel_index(int(np.argmax(np.abs(values) / most)), values.shape)
     return [
@@ -163,9 +168,34 @@ def _beyond(
             kind,
             path.recorded_time(float(times[row])),
             f"joint {joint + 1} has {abs(values[row, joint]):.3g} {unit}, {most[joint]:.3g} "
-            "allowed; a lower speed factor may do",
+            f"allowed; {helps}",
         )
     ]
+
+
+def _over(values: NDArray[np.float64], most: NDArray[np.float64]) -> bool:
+    return bool((np.abs(values) > most * (1 + 1e-6)).any())
+
+
+def _what_helps(
+    path: RecordedPath,
+    speeds: NDArray[np.float64],
+    accelerations: NDArray[np.float64],
+    v: NDArray[np.float64],
+    a: NDArray[np.float64],
+) -> str:
+    """The speed factor at which a path is within limits, tried, if there is one."""
+    excess = float((np.abs(accelerations) / a).max(initial=0.0)) ** 0.5
+    share = 1.0 / max(1.0, excess, float((np.abs(speeds) / v).max(initial=0.0)))
+    factor = math.floor(950 * share * path.speed) / 1000
+    if factor >= SPEED_FACTOR.low:
+        q = _looks(path.slower(factor / path.speed))[1]
+        if not _over(np.diff(q, axis=0) / _LOOK, v) and not _over(_accelerations(q), a):
+            return f"it would be allowed at a speed factor (--speed) of {factor:g}"
+    return (
+        "a lower speed factor does not help: the times of the samples there are not known well "
+        "enough. Record it again on a computer that is less busy, or leave that part out"
+    )
 
 
 def _leaves(

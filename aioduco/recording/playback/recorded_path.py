@@ -1,14 +1,12 @@
 """The joints of a recording over time, as a path that an arm can follow again.
 
-A sample has the time of its reception. Its delay varies, and the arm would shake on a path with
-these times. The recorded speeds give the true time between two samples. If they agree with the
-positions, the times within a motion are computed from them; only the position of the whole motion
-on the time axis is taken from the times of reception.
+`sample_times` computes when the samples were taken, and what is missing between them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -18,6 +16,14 @@ from aioduco.models.pose import Joints
 from aioduco.models.ranges import TIMEOUT, WAIT
 from aioduco.models.rules import Number
 from aioduco.recording.foreign import of_any_maker
+from aioduco.recording.playback.sample_times import (
+    SAME,
+    STILL,
+    RecordedGap,
+    gaps_between,
+    is_fresh,
+    steady_times,
+)
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
@@ -32,14 +38,9 @@ if TYPE_CHECKING:
 
 __all__ = ["RecordedOutput", "RecordedPath"]
 
-_FACTOR = Number(0.01, 10.0, source="this package")
-#: longest time between two samples of a moving arm [s]: a curve through them is off by less than
-#: 0.1 mrad up to there, at a jerk of 100 rad/s³
-MAX_GAP = 0.1
-#: joint speed [rad/s], and distance between two samples [rad], up to which the arm stands
-_STILL, _SAME = 2e-3, 3e-5
-#: largest relative difference between times from speeds and of reception, in one motion
-_AGREES = 0.1
+#: factor on the recorded speed
+SPEED_FACTOR = Number(0.01, 10.0, source="this package")
+_BRIDGE = Number(0.0, 0.1, source="this package")
 #: shortest time between two samples [s]: closer ones are the same sample of the controller
 _SHORTEST = 5e-4
 #: time of rest that is kept before and after the motion [s]
@@ -76,6 +77,7 @@ class RecordedPath:
         velocities: joint speeds [rad/s]; None if they do not agree with the positions.
         outputs: digital outputs of the cabinet that changed on the way.
         incidents: times [s] and names of incidents of the recorded arm, such as a collision.
+        gaps: times without samples that were bridged.
     """
 
     source: Path
@@ -87,6 +89,7 @@ class RecordedPath:
     velocities: Array | None
     outputs: tuple[RecordedOutput, ...]
     incidents: tuple[tuple[float, str], ...]
+    gaps: tuple[RecordedGap, ...] = ()
 
     @classmethod
     @of_any_maker
@@ -98,6 +101,7 @@ class RecordedPath:
         end: float | None = None,
         speed: float = 1.0,
         of: Literal["setpoints", "states"] = "setpoints",
+        bridge: float = 0.005,
     ) -> RecordedPath:
         """Take the path out of a recording, from when the arm begins to move until it stands.
 
@@ -110,13 +114,17 @@ class RecordedPath:
             end: time in the recording to end at [s]; None for its end.
             speed: factor on the recorded speed, 0.01 to 10.
             of: "setpoints" for the commanded joints; "states" for the actual joints.
+            bridge: a gap of more than 0.1 s between two samples of the moving arm is bridged, from
+                the positions and speeds at its ends, if no joint can have been farther from there
+                than this, 0 to 0.1 [rad]. A recording is taken not to hide a larger acceleration
+                than it has elsewhere.
 
         Raises:
             ParameterError: an argument is out of range.
-            RecordingError: the recording has no joints, the arm did not move in that time, or
-                samples are missing while it moved: the message says where.
+            RecordingError: the recording has no joints, the arm did not move in that time, or a
+                gap is too wide to be bridged: the message says where, and what helps.
         """
-        speed = _FACTOR("speed", speed)
+        speed, bridge = SPEED_FACTOR("speed", speed), _BRIDGE("bridge", bridge)
         if of not in ("setpoints", "states"):
             raise ParameterError("of", of, '"setpoints" or "states"')
         first = 0.0 if begin is None else WAIT("begin", begin)
@@ -135,11 +143,14 @@ class RecordedPath:
         velocities = velocities[inside]
         kept = _moving_part(run, received, positions)
         received, positions, velocities = received[kept], positions[kept], velocities[kept]
-        times, known = steady_times(received, positions, velocities)
-        fresh = np.concatenate([[True], np.diff(times) > _SHORTEST])
-        times, received = times[fresh], received[fresh]
-        positions, velocities = positions[fresh], velocities[fresh]
-        _refuse_gaps(run, times, positions)
+        fresh = is_fresh(positions, velocities)
+        received, positions, velocities = received[fresh], positions[fresh], velocities[fresh]
+        times, sharpest, factor = steady_times(received, positions, velocities)
+        velocities = velocities * factor
+        gaps = gaps_between(received, times, positions, velocities, sharpest)
+        _bridged(run, gaps, bridge)
+        apart = np.concatenate([[True], np.diff(times) > _SHORTEST])
+        times, positions, velocities = times[apart], positions[apart], velocities[apart]
         eased, rates = _eased(times, positions)
         velocities = velocities * rates[:, None] * speed
         velocities[0] = velocities[-1] = 0.0
@@ -151,15 +162,26 @@ class RecordedPath:
             times=eased,
             recorded=times,
             positions=positions,
-            velocities=velocities if known else None,
+            velocities=velocities if factor else None,
             outputs=_outputs(run, times, eased),
             incidents=_incidents(run, float(times[0]), float(times[-1])),
+            gaps=gaps,
         )
 
     def __repr__(self) -> str:
         return (
             f"<RecordedPath {self.source.name}, {self.duration:.2f} s from {self.begin:.2f} s, "
             f"{len(self.times)} points>"
+        )
+
+    def slower(self, share: float) -> RecordedPath:
+        """The same path, at a share of its speed."""
+        return replace(
+            self,
+            speed=self.speed * share,
+            times=self.times / share,
+            velocities=None if self.velocities is None else self.velocities * share,
+            outputs=tuple(each._replace(time=each.time / share) for each in self.outputs),
         )
 
     @property
@@ -199,46 +221,9 @@ class RecordedPath:
         return await follow(motion, read_joints, self, **options)
 
 
-def steady_times(received: Array, positions: Array, velocities: Array) -> tuple[Array, bool]:
-    """Times at which samples were really taken, from the speeds between them.
-
-    Args:
-        received: times of reception, rising [s]. Shape (n,).
-        positions: joint angles [rad]. Shape (n, 6).
-        velocities: joint speeds [rad/s]; NaN where they are not known. Shape (n, 6).
-
-    Returns:
-        The times [s], and whether the speeds agree with the positions throughout.
-    """
-    times = received.copy()
-    ways, mean = np.diff(positions, axis=0), (velocities[1:] + velocities[:-1]) / 2
-    square = (mean * mean).sum(axis=1)
-    moving = (square > (10 * _STILL) ** 2) & (np.abs(ways).max(axis=1) > _SAME)
-    moving &= np.diff(received) < MAX_GAP  # speeds say nothing about the motion in a gap
-    agree = bool(np.all(np.isfinite(velocities)))
-    for first, last in _stretches(moving):
-        span = received[last] - received[first]
-        steps = (ways[first:last] * mean[first:last]).sum(axis=1) / square[first:last]
-        steps = np.maximum(steps, 0.0)
-        if not agree or abs(steps.sum() - span) > _AGREES * span + 0.02:
-            agree = False
-            continue
-        made = np.concatenate([[0.0], np.cumsum(steps)])
-        # Samples are never early: the 25 % quantile of the offsets tells when the motion began.
-        times[first : last + 1] = made + np.quantile(received[first : last + 1] - made, 0.25)
-    return np.maximum.accumulate(times), agree
-
-
-def _stretches(moving: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last sample of each motion; `moving` says whether the arm moves after a sample."""
-    edges = np.diff(np.concatenate([[0], moving.astype(int), [0]]))
-    firsts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    return list(zip(firsts.tolist(), ends.tolist(), strict=True))
-
-
 def _moving_part(run: RecordedRun, received: Array, positions: Array) -> slice:
     """The samples from just before the arm moves until just after."""
-    moved = np.flatnonzero(np.abs(np.diff(positions, axis=0)).max(axis=1) > _SAME)
+    moved = np.flatnonzero(np.abs(np.diff(positions, axis=0)).max(axis=1) > SAME)
     if not len(moved):
         raise RecordingError(
             f"{run.path}: the arm did not move from {received[0]:.2f} to {received[-1]:.2f} s"
@@ -248,16 +233,21 @@ def _moving_part(run: RecordedRun, received: Array, positions: Array) -> slice:
     return slice(first, last)
 
 
-def _refuse_gaps(run: RecordedRun, times: Array, positions: Array) -> None:
-    steps, ways = np.diff(times), np.abs(np.diff(positions, axis=0)).max(axis=1)
-    gaps = np.flatnonzero((steps > MAX_GAP) & (ways > 10 * _SAME))
-    if len(gaps):
-        at = int(gaps[0])
-        raise RecordingError(
-            f"{run.path}: {steps[at]:.2f} s are missing from {times[at]:.2f} s on, in which the "
-            f"arm moved by {ways[at]:.3f} rad; how is not known. "
-            f"Play it up to {times[at]:.2f} s, or from {times[at + 1]:.2f} s on"
-        )
+def _bridged(run: RecordedRun, gaps: tuple[RecordedGap, ...], bridge: float) -> None:
+    """Refuse a gap in which the arm may have been farther from the curve than is allowed."""
+    wide = [gap for gap in gaps if gap.off > bridge]
+    if not wide:
+        return
+    gap = wide[0]
+    further = f" There are {len(wide)} such gaps." if len(wide) > 1 else ""
+    largest = max(each.off for each in wide)
+    helps = "Record it again, on a computer that is less busy; or play"
+    if np.isfinite(largest) and largest < _BRIDGE.high:
+        helps += f" with bridge (--bridge) {math.ceil(largest * 1e4) / 1e4:g} rad, or"
+    raise RecordingError(
+        f"{run.path}: {gap}; at most {bridge * 1e3:g} mrad are bridged.{further} {helps} up to "
+        f"{gap.time:.2f} s (--to), or from {gap.time + gap.duration:.2f} s on (--from)"
+    )
 
 
 def _eased(times: Array, positions: Array) -> tuple[Array, Array]:
@@ -271,11 +261,11 @@ def _eased(times: Array, positions: Array) -> tuple[Array, Array]:
     if since[-1] < _EASE:
         return made, rates
     speeds = np.abs(np.diff(positions, axis=0)).max(axis=1) / np.diff(times)
-    if speeds[0] > 10 * _STILL:
+    if speeds[0] > 10 * STILL:
         slow = since < _EASE / 2
         made = np.where(slow, np.sqrt(2 * _EASE * since), since + _EASE / 2)
         rates = np.where(slow, made / _EASE, rates)
-    if speeds[-1] > 10 * _STILL:
+    if speeds[-1] > 10 * STILL:
         slow, late = left < _EASE / 2, np.sqrt(2 * _EASE * left)
         made = np.where(slow, made[-1] + _EASE / 2 - late, made)
         rates = np.where(slow, late / _EASE, rates)

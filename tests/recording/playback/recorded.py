@@ -39,6 +39,7 @@ def write(
     positions: Callable[[Array], Array] = nod,
     *,
     seconds: float = 2.5,
+    taken: Array | None = None,
     late: Callable[[Array], Array] = np.zeros_like,
     outputs: dict[float, dict[int, bool]] | None = None,
     arm: str = "GCR5 910",
@@ -51,13 +52,14 @@ def write(
         path: the file.
         positions: where the arm is at some times [rad].
         seconds: how long.
+        taken: when the samples are taken; None for all 8 ms.
         late: by how much each sample is received late [s].
         outputs: from when on which output is how.
         arm: what its controller tells.
         error: from when on it has a fault.
         without: a time in which samples are missing.
     """
-    times = np.arange(0.0, seconds, 1 / RATE)
+    times = np.arange(0.0, seconds, 1 / RATE) if taken is None else taken
     q = positions(times)
     speeds = (positions(times + 1e-4) - positions(times - 1e-4)) / 2e-4
     lag = late(times)

@@ -17,6 +17,7 @@ import aioduco
 import aioduco.sync
 from aioduco import Tolerances
 from aioduco.cli.app import app
+from aioduco.cli.record import playable
 from aioduco.envelope import Envelope, Zone
 from aioduco.kinematics import arm
 from aioduco.recording import read
@@ -347,6 +348,27 @@ def test_a_file_of_limits_that_is_wrong_says_where(tmp_path: Path, text: str, sa
     path.write_text(text)
     with pytest.raises(aioduco.ParameterError, match=said):
         read_envelope(path, arm="gcr5_910")
+
+
+def test_record_says_at_its_end_whether_a_file_can_be_played(tmp_path: Path) -> None:
+    whole = write(tmp_path / "whole.mcap")
+    assert playable(whole, 1000) == "it can be played: 1.60 s of motion"
+    gap = write(tmp_path / "gap.mcap", without=(0.8, 0.91))
+    assert playable(gap, 1000).endswith(" mrad: bridged")
+    wide = write(tmp_path / "wide.mcap", without=(0.8, 1.2))
+    assert "it cannot be played" in playable(wide, 1000)
+    assert "--bridge" in playable(wide, 1000)
+    fast = write(tmp_path / "fast.mcap", lambda times: nod(times, 0.5, 0.6))
+    assert "it would be allowed at a speed factor (--speed)" in playable(fast, 1000)
+    assert "--check" in playable(whole, 1_000_000)
+
+
+def test_a_gap_is_bridged_as_far_as_the_command_says(tmp_path: Path) -> None:
+    gap = str(write(tmp_path / "gap.mcap", without=(0.8, 0.91)))
+    done = run("play", gap, "--check")
+    assert (done.exit_code, "bridged: 0.11 s are missing" in done.stdout) == (0, True), done.output
+    done = run("play", gap, "--check", "--bridge", "0.003")
+    assert (done.exit_code, "at most 3 mrad are bridged" in done.stderr) == (1, True), done.output
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,8 @@ from recording.playback.recorded import FAR, HOME, RATE, nod, write
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from recording.playback.recorded import Array
 
 ARM = arm("gcr5_910")
 
@@ -77,9 +80,104 @@ def test_pauses_stay_and_gaps_are_refused(tmp_path: Path) -> None:
     still = path.at(np.array([2.0, 3.0]))
     assert np.abs(still - HOME).max() < 1e-4
     gap = write(tmp_path / "gap.mcap", without=(1.0, 1.3))
-    with pytest.raises(aioduco.RecordingError, match=r"0\.3\d s are missing from 1\.00 s on"):
+    with pytest.raises(
+        aioduco.RecordingError, match=r"0\.3\d s are missing from 1\.00 s on"
+    ) as told:
         RecordedPath.of(read(gap))
     assert RecordedPath.of(read(gap), end=1.0).duration == pytest.approx(0.75, abs=0.03)
+    # what the message says helps
+    (needed,) = re.findall(r"--bridge\) (\S+) rad", str(told.value))
+    bridged = RecordedPath.of(read(gap), bridge=float(needed))
+    assert off(bridged) < float(needed)
+    with pytest.raises(aioduco.RecordingError):
+        RecordedPath.of(read(gap), bridge=0.95 * float(needed))
+
+
+def busy(seed: int) -> tuple[Array, Any]:
+    """When a busy computer's samples are taken, and how late they are received.
+
+    The controller computes its cycles in bursts, so that two answers may be from one cycle; and the
+    program is held up for up to 60 ms, and now and then for longer.
+    """
+    chance = np.random.default_rng(seed)
+    asked = np.cumsum(0.002 + chance.exponential(0.008, 600).clip(0.0, 0.06))
+    asked += 0.08 * np.cumsum(chance.random(600) < 0.01)
+    asked = asked[asked < 2.5]
+    burst = np.sort(chance.uniform(0.0, 2.5, 300))
+    last = burst[np.maximum(np.searchsorted(burst, asked) - 1, 0)]
+    taken = np.asarray(np.round(np.minimum(last, asked), 3), dtype=float)
+    return taken, lambda _: asked - taken + chance.uniform(0.0, 1e-4, len(asked))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_recording_of_a_busy_computer_is_played_as_the_arm_moved(
+    seed: int, tmp_path: Path
+) -> None:
+    taken, late = busy(seed)
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", taken=taken, late=late)))
+    assert kinds(path) == []
+    times = np.arange(0.0, path.duration, 0.001)
+    lags = np.arange(-0.02, 0.06, 0.0005)
+    assert min(np.abs(path.at(times) - nod(path.begin + times - lag)).max() for lag in lags) < 2e-3
+
+
+def test_a_gap_is_bridged_from_the_speeds_at_its_ends_and_said(tmp_path: Path) -> None:
+    run = read(write(tmp_path / "run.mcap", without=(0.8, 0.91)))
+    path = RecordedPath.of(run)
+    (gap,) = path.gaps
+    assert gap.time == pytest.approx(0.8, abs=0.01)
+    assert gap.duration == pytest.approx(0.115, abs=0.005)
+    assert 0.0 < gap.off < 0.005
+    assert off(path) < gap.off
+    assert "0.11 s are missing from 0.80 s on" in str(gap)
+    with pytest.raises(aioduco.RecordingError, match=r"at most 0 mrad are bridged"):
+        RecordedPath.of(run, bridge=0.0)
+
+
+def test_a_gap_without_speeds_is_not_bridged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = read(write(tmp_path / "run.mcap", without=(0.8, 0.91)))
+    arrays = run.arrays("/joint_setpoints")
+    lost = {**arrays, "velocity": np.full_like(arrays["velocity"], np.nan)}
+    monkeypatch.setattr(run, "arrays", lambda _: lost)
+    with pytest.raises(aioduco.RecordingError, match=r"are missing.*play up to") as told:
+        RecordedPath.of(run, bridge=0.1)
+    assert "--bridge" not in str(told.value)
+
+
+def test_the_controllers_clock_may_have_another_speed(tmp_path: Path) -> None:
+    """A simulator at half its speed: the recording is of what was seen."""
+
+    def late(times: Any) -> Any:
+        return times
+
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", late=late)))
+    assert path.duration == pytest.approx(3.2, abs=0.1)
+    assert kinds(path) == []
+    times = np.arange(0.0, path.duration, 0.001)
+    assert np.abs(path.at(times) - nod((path.begin + times) / 2)).max() < 2e-3
+
+
+def test_the_speed_that_helps_is_named_and_does(tmp_path: Path) -> None:
+    def fast(times: Any) -> Any:
+        return nod(times, seconds=0.6)
+
+    run = read(write(tmp_path / "run.mcap", fast))
+    found = check_path(RecordedPath.of(run), ARM)
+    assert found
+    (factor,) = {re.findall(r"--speed\) of (\S+)", str(each))[0] for each in found}
+    assert 0.3 < float(factor) < 1.0
+    assert kinds(RecordedPath.of(run, speed=float(factor))) == []
+
+
+def test_where_no_speed_helps_that_is_said(tmp_path: Path) -> None:
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    positions = path.positions.copy()
+    positions[len(positions) // 2] += 0.05  # a place at which the arm cannot have been
+    path = dataclasses.replace(path, positions=positions, velocities=None)
+    for found in check_path(path, ARM):
+        assert "a lower speed factor does not help" in str(found)
 
 
 @pytest.mark.parametrize(
