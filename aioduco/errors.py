@@ -712,7 +712,7 @@ class CameraError(DucoError, OSError):
 
 
 class CalibrationError(DucoError, ValueError):
-    """The position of a camera cannot be found from these views. The message says why."""
+    """Measurements do not determine a camera's pose, a tool or a load. The message says why."""
 
 
 class RecordingError(DucoError):

@@ -107,7 +107,9 @@ MAY_IMPORT: dict[str, set[str]] = {
         "__init__",
     },
     # where a camera is and what it sees; simulated ones draw by the simulator
-    "devices.cameras": {"_process.copying", "errors", "models", "models.controller_clock", "sim"},
+    "devices.cameras": {
+        *("_process.copying", "errors", "models", "models.controller_clock", "kinematics", "sim"),
+    },
     "testing.pytest_plugin": CLIENT
     | {"robot", "__init__", "sim", "sync", "testing", "testing.preflight"},
     "cli": CLIENT
@@ -130,7 +132,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "cycle": {"planner"},
     "physics": {"planner", "cycle"},
     "server": {"refusal"},
-    "force": {"planner", "cycle", "scene"},
+    "force": {"planner", "cycle"},
     "cabinet": {"planner", "refusal"},
     "controller": {"planner", "force", "cabinet", "cycle", "refusal", "forgiving"},
     "planning": {"planner", "controller"},
@@ -162,7 +164,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     },
     "assembly": {
         *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
-        *("runtime", "scene", "forgiving"),
+        *("runtime", "forgiving"),
     },
     "simulator": {
         *("assembly", "cabinet", "controller", "physics", "view"),

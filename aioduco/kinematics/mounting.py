@@ -11,8 +11,12 @@ from aioduco.models.pose import Pose
 
 if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
+    from aioduco.models.rotation import Array
 
-__all__ = ["MountingLike", "base_in_world"]
+__all__ = ["GRAVITY", "MountingLike", "base_in_world", "gravity"]
+
+GRAVITY = 9.81
+"""Acceleration of gravity [m/s²]."""
 
 MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
 """Where the arm is: on the floor, at a wall, at the ceiling, or a pose of its base [m, rad]."""
@@ -41,3 +45,13 @@ def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
     if mounting not in named:
         raise ParameterError("mounting", mounting, "floor, wall, ceiling, or a pose")
     return named[mounting]
+
+
+def gravity(mounting: Pose) -> Array:
+    """Return the acceleration of gravity along the base's axes [m/s²]. Shape (3,).
+
+    Args:
+        mounting: pose of the base in the world [m, rad].
+    """
+    down: Array = -GRAVITY * mounting.matrix[2, :3]
+    return down

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+from aioduco.errors import ParameterError
+from aioduco.models.pose import Pose
+
+if TYPE_CHECKING:
+    from aioduco.models.pose import PoseLike
 
 __all__ = ["Load"]
 
@@ -21,3 +27,42 @@ class Load(NamedTuple):
     x: float = 0.0
     y: float = 0.0
     z: float = 0.0
+
+    def with_load(self, other: Load) -> Load:
+        """Return this load and another one in the same frame together."""
+        return self._sum(other, 1.0)
+
+    def without_load(self, other: Load) -> Load:
+        """Return what remains of this load without a part of it, in the same frame.
+
+        Raises:
+            ParameterError: the part is as heavy as this load, or heavier.
+        """
+        if other.mass >= self.mass:
+            raise ParameterError("other", other, f"lighter than the whole, {self.mass:g} kg")
+        return self._sum(other, -1.0)
+
+    def in_tool(self, tool_offset: PoseLike) -> Load:
+        """Return this load, given in the flange's frame, with its centre in a tool's frame.
+
+        Args:
+            tool_offset: the tool in the flange's frame [m, rad], as of `get_tcp_offset`.
+        """
+        centre = Pose.of(tool_offset).inverse() @ Pose(self.x, self.y, self.z, 0.0, 0.0, 0.0)
+        return Load(self.mass, *centre[:3])
+
+    def in_flange(self, tool_offset: PoseLike) -> Load:
+        """Return this load, given in a tool's frame, with its centre in the flange's frame.
+
+        Args:
+            tool_offset: the tool in the flange's frame [m, rad], as of `get_tcp_offset`.
+        """
+        centre = Pose.of(tool_offset) @ Pose(self.x, self.y, self.z, 0.0, 0.0, 0.0)
+        return Load(self.mass, *centre[:3])
+
+    def _sum(self, other: Load, sign: float) -> Load:
+        mass = self.mass + sign * other.mass
+        if mass == 0.0:
+            return Load(0.0)
+        pairs = zip(self[1:], other[1:], strict=True)
+        return Load(mass, *((self.mass * a + sign * other.mass * b) / mass for a, b in pairs))

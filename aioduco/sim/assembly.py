@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.kinematics.mounting import gravity
 from aioduco.sim.cabinet.grippers import ValveGripper, slave_of
 from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.state_machine import Controller
@@ -19,7 +20,6 @@ from aioduco.sim.handlers.single_precision import in_single_precision
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
-from aioduco.sim.scene import gravity
 from aioduco.sim.server import Server
 from aioduco.sim.server.generations import Generation, wire_of
 from aioduco.sim.server.status_server import StatusServer, frame_of

@@ -27,11 +27,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
 
 
 __all__ = [
-    "GRAVITY",
     "Box",
     "Cylinder",
     "MountingLike",
@@ -41,7 +39,6 @@ __all__ = [
     "Sphere",
     "Table",
     "Thing",
-    "gravity",
     "mjcf_of",
     "mounting_of",
 ]
@@ -61,9 +58,6 @@ _PERIOD = 0.004  # period of a sprung plate over 2π: a step of 1 ms still resol
 _LOWEST_PEDESTAL = 0.05  # [m]
 _MASS = Number(0.0, unit="kg", source="this package")
 _SIZE = Number(0.0, unit="m", open_low=True, source="this package")
-
-GRAVITY = 9.81
-"""Acceleration of gravity [m/s²]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -373,9 +367,3 @@ def mounting_of(mounting: MountingLike, arm: Arm, pedestal: float = 0.0) -> Pose
         if isinstance(mounting, str):
             raise SceneError(f"no mounting is called {mounting!r}: {exc.expected}") from None
         raise SceneError(f"mounting is {mounting!r}, but must be {exc.expected}") from None
-
-
-def gravity(mounting: Pose) -> Array:
-    """Give the acceleration of gravity along the base's axes [m/s²]. Shape (3,)."""
-    down: Array = -GRAVITY * mounting.matrix[2, :3]
-    return down

@@ -10,12 +10,12 @@ result depends on each view. So it also holds where errors are not the same in a
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
 from aioduco.errors import CalibrationError, ParameterError
-from aioduco.models.pose import Pose
+from aioduco.kinematics.measured import bound, nearest_rotation, rigid_frames
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 
 if TYPE_CHECKING:
@@ -31,13 +31,8 @@ __all__ = ["HandEye", "calibrate_hand_eye"]
 
 _MIN_VIEWS = 4  # number of views: three determine the pose, and the fourth verifies it
 _MIN_ROTATION = 0.05  # minimum rotation between views, about two axes [rad]
-_RIGID = 1e-3  # largest error of a rotation matrix
 _STEPS = 30  # of Newton's method, at most
 _SMALLEST = 1e-9  # spread of the views that is not told from none [rad, m]
-#: largest squared error of three numbers that 95 % stay within, in variances estimated with so many
-#: degrees of freedom: three times the 0.95 quantile of Fisher's F for 3 and that number
-_FREEDOMS = (6, 8, 10, 12, 15, 20, 30, 60, 1e9)
-_QUANTILES = (14.27, 12.20, 11.12, 10.47, 9.862, 9.295, 8.767, 8.274, 7.815)
 
 
 class HandEye(NamedTuple):
@@ -89,7 +84,8 @@ def calibrate_hand_eye(
         CalibrationError: the views are rotated too little, or by half turns alone, or disagree by
             more than the limits.
     """
-    hands, seen = _frames("flanges", flanges), _frames("boards", boards)
+    hands = rigid_frames("flanges", flanges, "view")
+    seen = rigid_frames("boards", boards, "view")
     if len(hands) < _MIN_VIEWS:
         raise ParameterError("flanges", f"{len(hands)} views", f"{_MIN_VIEWS} or more")
     if len(seen) != len(hands):
@@ -112,38 +108,10 @@ def calibrate_hand_eye(
             f"{limits[0]:g} m and {limits[1]:g} rad are allowed. Leave views out that are blurred, "
             "and check the size of the squares, the intrinsics and which joints go with which view"
         )
-    within = np.interp(
-        1.0 / (3 * len(moved) - 6), [1.0 / each for each in _FREEDOMS[::-1]], _QUANTILES[::-1]
-    )
     turn, place = (
-        float(np.sqrt(within * np.linalg.eigvalsh(spread[part, part])[-1]))
-        for part in (slice(0, 3), slice(3, 6))
+        bound(spread[part, part], 3 * len(moved) - 6) for part in (slice(0, 3), slice(3, 6))
     )
     return HandEye(camera, board, tuple(distances.tolist()), tuple(angles.tolist()), (place, turn))
-
-
-def _frames(name: str, given: Any) -> Matrix:
-    """Frames as matrices. Shape (n, 4, 4)."""
-    found = []
-    for number, one in enumerate(given):
-        expected = f"in view {number} a rigid frame of shape (4, 4), or a pose"
-        try:
-            numbers = one if isinstance(one, Pose) else np.asarray(one, dtype=np.float64)
-            frame = Pose.of(numbers).matrix if np.shape(numbers) != (4, 4) else np.array(numbers)
-        except (TypeError, ValueError) as error:
-            told = "None: leave out views without a board" if one is None else type(one).__name__
-            raise ParameterError(name, told, expected) from error
-        turn = frame[:3, :3]
-        if not (
-            np.isfinite(frame).all()
-            and np.abs(frame[3] - (0.0, 0.0, 0.0, 1.0)).max() < _RIGID
-            and np.abs(turn @ turn.T - np.eye(3)).max() < _RIGID
-            and np.linalg.det(turn) > 0.0
-        ):
-            raise ParameterError(name, frame.tolist(), expected)
-        frame[:3, :3] = _nearest_rotation(turn)
-        found.append(frame)
-    return np.array(found).reshape(-1, 4, 4)
 
 
 def _check_turns(turns: Matrix) -> None:
@@ -177,7 +145,7 @@ def _first(moved: Matrix, seen: Matrix) -> tuple[Matrix, Matrix]:
     one, other = left[:, 0].reshape(3, 3), right[0].reshape(3, 3)
     sign = np.sign(np.linalg.det(one))
     camera, board = np.eye(4), np.eye(4)
-    camera[:3, :3], board[:3, :3] = _nearest_rotation(sign * one), _nearest_rotation(sign * other)
+    camera[:3, :3], board[:3, :3] = nearest_rotation(sign * one), nearest_rotation(sign * other)
     rows = np.hstack([turns.reshape(-1, 3), np.tile(-np.eye(3), (len(turns), 1))])
     away = (turns @ camera[:3, :3] @ seen[:, :3, 3:])[:, :, 0] + moved[:, :3, 3]
     places = np.linalg.lstsq(rows, -away.ravel(), rcond=None)[0]
@@ -240,9 +208,3 @@ def _crossing(vectors: Matrix) -> Matrix:
     none = np.zeros_like(x)
     rows = ((none, -z, y), (z, none, -x), (-y, x, none))
     return np.moveaxis(np.array(rows), 2, 0)
-
-
-def _nearest_rotation(matrix: Matrix) -> Matrix:
-    u, _, vt = np.linalg.svd(matrix)
-    found: Matrix = u @ np.diag((1.0, 1.0, np.linalg.det(u @ vt))) @ vt
-    return found

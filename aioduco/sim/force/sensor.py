@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.scene import GRAVITY
+from aioduco.kinematics.mounting import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
