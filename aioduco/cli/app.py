@@ -18,6 +18,7 @@ from aioduco.cli.monitor.monitor import monitor
 from aioduco.cli.move import move
 from aioduco.cli.output import say
 from aioduco.cli.panel import panel
+from aioduco.cli.payload import payload
 from aioduco.cli.play import play
 from aioduco.cli.plot import plot
 from aioduco.cli.preflight import preflight
@@ -31,6 +32,7 @@ from aioduco.cli.supervise import bring_up, pause, recover, resume, stop
 from aioduco.cli.tap import tap
 from aioduco.cli.teach import teach
 from aioduco.cli.teleop import teleop
+from aioduco.cli.tool import tool
 from aioduco.cli.view import view
 
 __all__ = ["app"]
@@ -85,6 +87,8 @@ app.command(rich_help_panel=_CONNECT)(tap)
 app.command(rich_help_panel=_CONNECT)(export)
 app.command(rich_help_panel=_PREPARE)(doctor)
 app.command(rich_help_panel=_PREPARE)(check)
+app.add_typer(tool, name="tool", rich_help_panel=_PREPARE)
+app.command(rich_help_panel=_PREPARE, context_settings={"ignore_unknown_options": True})(payload)
 app.command(rich_help_panel=_PREPARE)(completion)
 
 

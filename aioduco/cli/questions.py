@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 import typer
 
 from aioduco.cli.exit_codes import NOT_CONFIRMED
 from aioduco.cli.output import say, shown
 
-__all__ = ["SAFE", "ask"]
+__all__ = ["SAFE", "ask", "typed_line"]
 
 #: what a person must ensure before an arm moves
 SAFE = (
@@ -35,3 +37,13 @@ def ask(what: str, question: str, *, yes: bool) -> None:
     if not agreed:
         say("not confirmed: nothing was sent that moves the arm", error=True)
         raise typer.Exit(NOT_CONFIRMED)
+
+
+def typed_line(question: str) -> str | None:
+    """Ask for a line, by the standard error, and return it; None at the end of the input."""
+    print(shown(question), end="", file=sys.stderr, flush=True)
+    try:
+        return input().strip()
+    except EOFError:
+        say(error=True)
+        return None

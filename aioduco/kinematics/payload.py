@@ -126,8 +126,8 @@ def identify_load_by_torques(
         ParameterError: an argument has a wrong shape or value, or there are fewer than six poses.
         CalibrationError: the poses differ too little, or the readings show no load.
     """
-    q = _rows("joints", joints, None)
-    count = _enough("joints", len(q))
+    count = _enough("joints", len(joints))
+    q = _rows("joints", joints, count)
     read = _centred(_rows("torques", torques, count))
     down = _acceleration(gravity)
     moves = np.swapaxes(arm.jacobian(q), 1, 2)
@@ -227,13 +227,13 @@ def _enough(name: str, count: int) -> int:
     return count
 
 
-def _rows(name: str, given: Any, count: int | None) -> Array:
+def _rows(name: str, given: Any, count: int) -> Array:
     """Readings of six numbers each. Shape (n, 6)."""
-    expected = f"six finite numbers for each of {'the' if count is None else count} poses"
+    expected = f"six finite numbers for each of {count} poses"
     try:
         found = np.array([[*each] for each in given], dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ParameterError(name, type(given).__name__, expected) from error
-    if found.shape != (len(found) if count is None else count, 6) or not np.isfinite(found).all():
+    if found.shape != (count, 6) or not np.isfinite(found).all():
         raise ParameterError(name, f"an array of shape {found.shape}", expected)
     return found

@@ -1,0 +1,269 @@
+"""`aioduco payload`: find mass and centre of what an arm carries, by readings at several poses."""
+
+from __future__ import annotations
+
+import enum
+import time
+from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.extras import arm as arm_named
+from aioduco.cli.output import print_json, say
+from aioduco.cli.questions import SAFE, ask, typed_line
+from aioduco.cli.sessions import control_session
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.kinematics import Arm, MeasuredLoad
+    from aioduco.models.load import Load
+    from aioduco.models.pose import Joints
+    from aioduco.models.state import Vector
+    from aioduco.recording.playback import WaypointFile
+    from aioduco.sync import Robot
+
+__all__ = ["payload"]
+
+#: readings at a pose, and seconds between two
+_READINGS, _EVERY = 50, 0.02
+#: seconds in which an arm that has just stopped comes to rest
+_REST = 0.5
+#: speed and acceleration between the poses of a file [rad/s, rad/s²]
+_SPEED, _ACCELERATION = 0.3, 0.5
+
+_Numbers = tuple[float, float, float, float]
+
+
+class Sensor(enum.StrEnum):
+    """What is read."""
+
+    TORQUE = "torque"
+    FORCE = "force"
+
+
+class Mounting(enum.StrEnum):
+    """Where the arm is mounted."""
+
+    FLOOR = "floor"
+    WALL = "wall"
+    CEILING = "ceiling"
+
+
+def payload(
+    host: Host = None,
+    port: Port = None,
+    sensor: Annotated[
+        Sensor, typer.Option(help="The joints' torques, or the force sensor at the flange.")
+    ] = Sensor.TORQUE,
+    poses: Annotated[
+        Path | None,
+        typer.Option(
+            help="File of `aioduco teach`: the arm moves to its waypoints. Without it, the arm is "
+            "guided by hand.",
+        ),
+    ] = None,
+    set_load: Annotated[
+        _Numbers | None,
+        typer.Option(
+            metavar="KG X Y Z",
+            help="For torques: the load that a program has set by set_load_data, in the tool's "
+            "frame [m]; the controller does not tell it.",
+        ),
+    ] = None,
+    tool: Annotated[
+        str | None,
+        typer.Option(help="Write the result as the load of a tool of this name: it asks first."),
+    ] = None,
+    held: Annotated[
+        bool,
+        typer.Option(
+            "--held",
+            help="Write what the result has beyond the tool's load, as held by the tool: it asks "
+            "first.",
+        ),
+    ] = False,
+    mounting: Annotated[Mounting, typer.Option(help="Where the arm is mounted.")] = Mounting.FLOOR,
+    model: Annotated[
+        str | None, typer.Option(help="Model of the arm. Default: as the controller says.")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+) -> None:
+    """Find mass and centre of gravity of the tool with what it holds.
+
+    Eight poses or more are read, at rest: turn the wrist to several sides and bend the elbow, by 30
+    degrees or more. Let go of the arm before each reading. Stop other programs, and tare nothing.
+
+    aioduco payload 192.168.1.10 --tool grip
+
+    aioduco payload left --poses around.toml --sensor force --held
+
+    Exit codes: 0 it was found; 1 it was not, or no controller; 2 wrong options; 3 not confirmed:
+    nothing was written; 4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM.
+    """
+    if held and tool is not None:
+        raise typer.BadParameter("--tool and --held write the result in two ways: give one of them")
+    address = robot_at(host, port)
+    known_arm = None if model is None else arm_named(model)
+    file = None if poses is None else _file(poses)
+    if file is None:
+        what = (
+            f"The arm at {address} will give way to a hand. With a load that its controller does "
+            "not know of, it sinks or rises by itself. Hold it."
+        )
+    else:
+        what = f"The arm at {address} will move to {len(file.waypoints)} poses, at 17 °/s.\n{SAFE}"
+    ask(what, "Begin?", yes=yes)
+    # A person may take any time: hand guiding must not stop because no call is made.
+    with control_session(address, hold_limit=None) as robot:
+        robot.bring_up()
+        arm = known_arm or _arm(robot)
+        joints, read = [], []
+        for number, q in enumerate(_guided(robot) if file is None else _moved(robot, file), 1):
+            joints.append(q)
+            read.append(_mean(robot, sensor))
+            say(f"pose {number} is read", error=True)
+        found = _found(robot, sensor, arm, joints, read, set_load, mounting)
+        if json:
+            print_json({"load": found.load._asdict(), "uncertainty": found.uncertainty})
+        else:
+            _tell(found)
+        if tool is not None:
+            _define(robot, tool, found.load, yes=yes)
+        elif held:
+            _set_held(robot, found.load, yes=yes)
+        else:
+            say("nothing was written to the controller: --tool and --held do that", error=True)
+
+
+def _file(path: Path) -> WaypointFile:
+    from aioduco.recording.playback import WaypointFile  # noqa: PLC0415 - quick help
+
+    with ended_by_errors():
+        return WaypointFile.read(path)
+
+
+def _arm(robot: Robot) -> Arm:
+    """The arm that the controller reports."""
+    from aioduco.recording.playback.player import arm_named as told  # noqa: PLC0415
+    from aioduco.recording.playback.player import model_named  # noqa: PLC0415
+
+    found = model_named(told(robot.version.get_robot_type()))
+    if found is None:
+        say("the controller tells no arm that is known: --model says which one it is", error=True)
+        raise typer.Exit(FAILED)
+    return found
+
+
+def _guided(robot: Robot) -> Iterator[Joints]:
+    """The arm at rest at each pose to which a person guided it."""
+    number = 1
+    while True:
+        with robot.motion.teach_mode.start():
+            word = typed_line(f"guide the arm to pose {number}: Enter, q ends: ")
+        if word != "":
+            return
+        typed_line("let go of the arm: Enter: ")
+        robot.sleep(_REST)
+        yield robot.state.get_actual_joints_position()
+        number += 1
+
+
+def _moved(robot: Robot, file: WaypointFile) -> Iterator[Joints]:
+    """The arm at rest at each waypoint of a file."""
+    for waypoint in file.waypoints:
+        robot.motion.movej2(waypoint.joints, v=_SPEED, a=_ACCELERATION)
+        robot.sleep(_REST)
+        yield robot.state.get_actual_joints_position()
+
+
+def _mean(robot: Robot, sensor: Sensor) -> Vector:
+    """The mean of many readings."""
+    import numpy as np  # noqa: PLC0415 - quick help
+
+    read = robot.force.fc_get_ft if sensor is Sensor.FORCE else robot.state.get_ext_torque
+    values = []
+    begin = time.monotonic()
+    for number in range(1, _READINGS + 1):
+        values.append(read())
+        robot.sleep(max(0.0, begin + number * _EVERY - time.monotonic()))
+    mean: Vector = np.mean(values, axis=0)
+    if not np.isfinite(mean).all():
+        say(
+            f"the controller tells no {sensor.value}: "
+            + ("is a sensor set up? Try --sensor torque" if sensor is Sensor.FORCE
+               else "it is older; try --sensor force"),
+            error=True,
+        )  # fmt: skip
+        raise typer.Exit(FAILED)
+    return mean
+
+
+def _found(
+    robot: Robot,
+    sensor: Sensor,
+    arm: Arm,
+    joints: list[Joints],
+    read: list[Vector],
+    set_load: _Numbers | None,
+    mounting: Mounting,
+) -> MeasuredLoad:
+    """The load of tool and held things."""
+    from aioduco.kinematics import (  # noqa: PLC0415 - quick help
+        gravity,
+        identify_load_by_forces,
+        identify_load_by_torques,
+    )
+    from aioduco.kinematics.mounting import base_in_world  # noqa: PLC0415
+    from aioduco.models.load import Load  # noqa: PLC0415
+
+    down = gravity(base_in_world(mounting.value, arm))
+    if sensor is Sensor.FORCE:
+        flanges = [arm.fkine(q) for q in joints]
+        return identify_load_by_forces(flanges, read, gravity=down)
+    known = robot.frames.get_tool_load()
+    if set_load is not None:
+        known = known.with_load(Load(*set_load).in_flange(robot.frames.get_tcp_offset()))
+    return identify_load_by_torques(arm, joints, read, known=known, gravity=down)
+
+
+def _load_line(load: Load) -> str:
+    x, y, z = (part * 1e3 for part in load[1:])
+    return f"{load.mass:.3f} kg at x {x:.1f}  y {y:.1f}  z {z:.1f} mm"
+
+
+def _tell(found: MeasuredLoad) -> None:
+    say(f"{_load_line(found.load)} in the flange's frame: tool and held things together")
+    say(f"mass within {found.uncertainty[0]:.3f} kg, centre within "
+        f"{found.uncertainty[1] * 1e3:.1f} mm; readings up to {max(found.deviations):.2f} N·m "
+        "off")  # fmt: skip
+
+
+def _define(robot: Robot, name: str, load: Load, *, yes: bool) -> None:
+    """Write the load of a tool, after a question."""
+    offset = robot.frames.get_tcp_offset()
+    ask(
+        f"The controller will define the tool {name!r} with {_load_line(load)}, the tip of the "
+        "tool in use and no inertia, and use it from now on.",
+        "Write it?",
+        yes=yes,
+    )
+    robot.frames.set_tool_data(name, offset, load)
+    say(f"the controller uses the tool {name!r} from now on", error=True)
+
+
+def _set_held(robot: Robot, load: Load, *, yes: bool) -> None:
+    """Write the held load, after a question."""
+    held = load.without_load(robot.frames.get_tool_load())
+    held = held.in_tool(robot.frames.get_tcp_offset())
+    ask(
+        f"The controller will take {_load_line(held)} of the tool's tip for what the tool holds.",
+        "Write it?",
+        yes=yes,
+    )
+    robot.frames.set_load_data(held)
+    say("the controller knows the held load from now on", error=True)

@@ -1,0 +1,180 @@
+"""`aioduco tool touch` and `aioduco payload`: what a person does, and what is written."""
+
+from __future__ import annotations
+
+import json
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from test_cli_robot import HOME, at, ready_arm
+from typer.testing import CliRunner
+
+import aioduco.sync
+from aioduco import Load, Pose
+from aioduco.cli.app import app
+from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.recording.playback import WaypointFile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from aioduco.sim import Simulator
+
+TIP = np.array([0.01, -0.02, 0.15])
+TOOL = matrix_from_rotvec(np.array([0.3, 0.2, 0.5]))
+POINT = np.array([0.45, 0.15, 0.25])
+TILTS = [(0.0, 0.0), (0.6, 0.0), (-0.6, 0.0), (0.0, 0.6), (0.0, -0.6), (0.4, 0.4)]
+
+
+@pytest.fixture
+def arm() -> Iterator[Simulator]:
+    with ready_arm(speed=20.0) as sim:
+        yield sim
+
+
+@contextmanager
+def mover(sim: Simulator) -> Iterator[aioduco.sync.Robot]:
+    """Another program that moves the arm."""
+    with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+        yield robot
+
+
+def flange(tilt: tuple[float, float], turn: float, to: tuple[float, ...] = (0, 0, 0)) -> Pose:
+    """The flange for a place of the tool, from the tip along its axes, at the point."""
+    rotation = (
+        matrix_from_rotvec(np.array([np.pi, 0.0, 0.0]))
+        @ matrix_from_rotvec(np.array([*tilt, 0.0]))
+        @ matrix_from_rotvec(np.array([0.0, 0.0, turn]))
+    )
+    return Pose.from_rotation(POINT - rotation @ (TIP + TOOL @ to), rotation)
+
+
+TOUCHES = [flange(tilt, 0.4 * k) for k, tilt in enumerate(TILTS)]
+AXES = [flange((0.0, 0.0), 0.0, (0.0, 0.0, 0.06)), flange((0.0, 0.0), 0.0, (0.05, 0.0, 0.06))]
+
+
+def moved_to(robot: aioduco.sync.Robot, sim: Simulator, pose: Pose) -> None:
+    robot.motion.movej2(sim.arm.ikine(pose, HOME), v=2.0, a=5.0)
+
+
+@pytest.fixture
+def typed(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], None]:
+    """Answer each question for a line by the next of these calls."""
+
+    def given(answers: list[Callable[[], str]]) -> None:
+        left = iter(answers)
+        monkeypatch.setattr("builtins.input", lambda: next(left)())  # noqa: PLW0108 - the next each time
+
+    return given
+
+
+def invoke(*words: str, confirm: str = "") -> Any:
+    return CliRunner().invoke(app, words, input=confirm)
+
+
+def test_a_tool_is_touched_and_written(arm: Simulator, typed: Any) -> None:
+    with mover(arm) as robot:
+
+        def go(pose: Pose) -> Callable[[], str]:
+            return lambda: moved_to(robot, arm, pose) or ""
+
+        slipped = flange((0.2, 0.1), 0.0, (0.0, 0.02, 0.0))
+        touches = [go(pose) for pose in (*TOUCHES[:4], slipped)]
+        touches += [lambda: "d", *(go(pose) for pose in TOUCHES[4:]), lambda: "q"]
+        typed([*touches, *(go(pose) for pose in AXES)])
+        words = ("tool", "touch", at(arm), "--no-guide", "--axes", "--name", "pen", "--json")
+        ended = invoke(*words, "--load", "0.4", "0", "0", "0.05", confirm="y\n")
+        assert ended.exit_code == 0, ended.output
+        offset, kept = robot.frames.get_tcp_offset(), robot.frames.get_tool_load()
+    assert offset.almost_equal(Pose.from_rotation(TIP, TOOL), position=1e-4, rotation=1e-3)
+    assert np.allclose(kept, (0.4, 0.0, 0.0, 0.05))
+    told = json.loads(ended.stdout.splitlines()[0])  # the runner echoes the answer
+    assert np.allclose(told["tip"], TIP, atol=1e-4)
+    assert "in touch 5 it is" in ended.stderr
+    assert "Write it?" in ended.stderr
+
+
+def test_nothing_is_written_without_a_yes(arm: Simulator, typed: Any) -> None:
+    with mover(arm) as robot:
+
+        def touched() -> None:
+            typed([*(lambda p=p: moved_to(robot, arm, p) or "" for p in TOUCHES), lambda: "q"])
+
+        touched()
+        ended = invoke("tool", "touch", at(arm), "--no-guide", "--name", "pen", confirm="n\n")
+        assert ended.exit_code == 3
+        touched()
+        ended = invoke("tool", "touch", at(arm), "--no-guide")
+        assert ended.exit_code == 0
+        assert "nothing was written" in ended.stderr
+        assert robot.frames.get_tcp_offset() == Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_touches_from_one_side_are_refused(arm: Simulator, typed: Any) -> None:
+    typed([*[lambda: ""] * 6, lambda: "q"])
+    ended = invoke("tool", "touch", at(arm), "--yes")
+    assert ended.exit_code == 1
+    assert "hardly turn the tool" in ended.stderr
+    assert "gave no tip" in ended.stderr
+    assert not arm.moving
+
+
+TURNS = [
+    (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    (0.0, -0.4, 0.3, 0.6, 0.5, 0.0),
+    (0.0, 0.3, -0.4, -0.6, -0.5, 0.8),
+    (0.0, -0.4, 0.6, 0.2, -0.7, 1.6),
+    (0.0, 0.4, -0.2, -0.7, 0.6, -0.8),
+    (0.0, 0.3, 0.3, 0.6, -0.5, -1.6),
+    (0.0, -0.4, -0.4, -0.3, 0.8, 0.8),
+    (0.0, 0.0, 0.5, -0.8, 0.0, 2.4),
+]
+
+
+@pytest.mark.parametrize("sensor", ["torque", "force"])
+def test_a_hidden_load_is_found_and_written(
+    arm: Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sensor: str
+) -> None:
+    monkeypatch.setattr("aioduco.cli.payload._EVERY", 0.0)
+    file = WaypointFile.new()
+    for number, turn in enumerate(TURNS):
+        file.add(f"p{number}", np.add(HOME, turn))
+    file.save(tmp_path / "around.toml")
+    tool, hidden = Load(0.8, 0.0, 0.0, 0.06), Load(1.5, 0.02, -0.01, 0.15)
+    arm.load(*_mounted(tool.with_load(hidden)))
+    with mover(arm) as robot:
+        robot.frames.set_tool_data("grip", (0.0, 0.0, 0.12, np.pi, 0.0, 0.0), tool)
+        words = ("payload", at(arm), "--poses", str(tmp_path / "around.toml"), "--sensor", sensor)
+        ended = invoke(*words, "--held", confirm="y\ny\n")
+        assert ended.exit_code == 0, ended.output
+        assert "2.300 kg" in ended.stdout
+        # the drives know the load now: they see no more of it
+        assert np.abs(robot.state.get_ext_torque()).max() < 0.05
+        ended = invoke(*words, "--tool", "both", "--yes", *_set(sensor, hidden))
+        assert ended.exit_code == 0, ended.output
+        assert np.allclose(robot.frames.get_tool_load(), tool.with_load(hidden), atol=2e-3)
+
+
+def _mounted(load: Load) -> tuple[float, tuple[float, ...]]:
+    return load.mass, load[1:]
+
+
+def _set(sensor: str, held: Load) -> tuple[str, ...]:
+    """What a person says of the load that the controller knows already."""
+    if sensor == "force":
+        return ()
+    there = held.in_tool((0.0, 0.0, 0.12, np.pi, 0.0, 0.0))
+    return ("--set-load", *map(str, there))
+
+
+def test_a_load_is_not_made_up(arm: Simulator, typed: Any) -> None:
+    typed([*[lambda: ""] * 12, lambda: "q"])
+    ended = invoke("payload", at(arm), "--yes")
+    assert ended.exit_code == 1
+    assert "the poses differ too little" in ended.stderr
+    assert not arm.moving
+    ended = invoke("payload", at(arm), "--tool", "a", "--held")
+    assert ended.exit_code == 2
