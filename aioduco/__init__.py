@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.options import ServoGains, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.supervision import events
+    from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.command import HeldMotion, MotionCommand
     from aioduco.supervision.heartbeat import HeartbeatState
     from aioduco.supervision.motion_path import MotionPath
@@ -128,6 +129,7 @@ __all__ = [  # noqa: RUF022  # grouped by purpose
     "ProgramState",
     "RobotState",
     "RobotStates",
+    "RecoverReport",
     "RobotStatus",
     "SafetyState",
     "Snapshot",
@@ -174,6 +176,7 @@ _HOMES = {
     "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
     "aioduco.streaming.report": ("StreamStatistics",),
     "aioduco.streaming.options": ("ServoGains", "WorkerOptions"),
+    "aioduco.supervision.bringup": ("RecoverReport",),
     "aioduco.supervision.command": ("HeldMotion", "MotionCommand"),
     "aioduco.supervision.motion_path": ("MotionPath",),
     "aioduco.supervision.state_feed": ("Snapshot",),

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
+    from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.events import Events
     from aioduco.supervision.heartbeat import HeartbeatStatistics
     from aioduco.supervision.settings import ClosingSteps, GuardKind
@@ -510,21 +511,21 @@ class Robot(Uncopied, ManualNames):
         with self._traced("bring_up"):
             return await bring_up(self._supervisor, timeout)
 
-    async def recover(self, *, timeout: float = 30.0) -> RobotStates:
+    async def recover(self, *, timeout: float = 30.0) -> RecoverReport:
         """Bring the arm out of a stop: clear, power off and on if needed, enable.
 
         It works as `bring_up`. In addition, it ends a motion or a program that is paused or runs
         in the controller, and restarts a heartbeat that was withheld. It moves nothing.
 
         A controller that enables its arm tares the force sensor. If the arm touches something
-        then, as after a collision, it measures that force as zero: lead the arm away, then tare by
-        `robot.force.fc_force_set_value`.
+        then, as after a collision, it measures that force as zero: the report's `advice` says so.
 
         Args:
             timeout: seconds in which the arm must be ready.
 
         Returns:
-            The states: enabled, with no program running.
+            The states, enabled and with no program running, and what to do before forces are
+            measured.
 
         Raises:
             PersonNeeded: a person has to do something first: the message says what.
@@ -534,9 +535,9 @@ class Robot(Uncopied, ManualNames):
         from aioduco.supervision.bringup import recover  # noqa: PLC0415  # loaded with Thrift
 
         with self._traced("recover"):
-            states = await recover(self._supervisor, timeout)
+            report = await recover(self._supervisor, timeout)
             await self.rearm_heartbeat()
-        return states
+        return report
 
     @contextmanager
     def _traced(self, name: str) -> Iterator[None]:

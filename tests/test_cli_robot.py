@@ -230,7 +230,9 @@ def test_an_arm_is_brought_up_and_recovered_once_that_is_confirmed() -> None:
         pressed = run("recover", at(sim), "--yes")
         assert (pressed.exit_code, "emergency stop" in pressed.stderr) == (5, True)
         sim.release_emergency_stop()
-        assert run("recover", at(sim), typed="y\n").exit_code == 0
+        recovered = run("recover", at(sim), typed="y\n")
+        assert recovered.exit_code == 0
+        assert "tare again with nothing touched" in recovered.stderr
         assert sim.view.robot.name == "ENABLE"
 
 

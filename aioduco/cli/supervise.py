@@ -70,7 +70,14 @@ def recover(
         f"off and on where that is needed: its brakes close and open.\n{SAFE}"
     )
     ask(what, "Recover it?", yes=yes)
-    _done(address, lambda robot: robot.recover(timeout=timeout), "ready", json)
+    with observing_session(address) as robot:
+        report = robot.recover(timeout=timeout)
+    if json:
+        print_json(_named(report.states) | {"advice": report.advice})
+    else:
+        say(f"{address}: ready; {report.states}")
+    if report.advice:
+        say(report.advice, error=True)
 
 
 def stop(host: Host = None, port: Port = None, json: Json = False) -> None:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
@@ -54,6 +55,41 @@ class BringUpStep(Enum):
     ENABLE = auto()
 
 
+@dataclass(frozen=True, slots=True)
+class RecoverReport:
+    """How the robot was brought out of a stop.
+
+    Attributes:
+        states: the states afterwards: enabled, with no program running.
+        collision: whether a collision was reset.
+        sensor_tared: whether the arm was powered off or enabled: a controller with a force sensor
+            then tares it (manual 1.3.10).
+    """
+
+    states: RobotStates
+    collision: bool = False
+    sensor_tared: bool = False
+
+    @property
+    def advice(self) -> str:
+        """What to do before forces are measured again; empty if there is nothing to do."""
+        if not self.sensor_tared:
+            return ""
+        touching = (
+            "After the collision it may still touch something"
+            if self.collision
+            else "If it touches something"
+        )
+        return (
+            "the force sensor, if there is one, was tared with the arm where it stands. "
+            f"{touching}: then forces are measured without that one. Lead the arm away, and tare "
+            "again with nothing touched, by robot.force.fc_force_set_value"
+        )
+
+    def __str__(self) -> str:
+        return "; ".join(filter(None, (str(self.states), self.advice)))
+
+
 class BringUp:
     """Decides the next step from the states that were read.
 
@@ -69,6 +105,10 @@ class BringUp:
         self._asked: set[BringUpStep] = set()
         self._end_programs = end_programs
         self._call = call
+
+    def has_taken(self, *steps: BringUpStep) -> bool:
+        """Whether one of these steps was returned."""
+        return not self._asked.isdisjoint(steps)
 
     def next(self, states: RobotStates, *, emergency_stop: bool, collision: bool) -> BringUpStep:
         """Return the next step.
@@ -141,10 +181,16 @@ async def bring_up(supervisor: Supervisor, timeout: float) -> RobotStates:
     return await _go(supervisor, BringUp(), timeout)
 
 
-async def recover(supervisor: Supervisor, timeout: float) -> RobotStates:
+async def recover(supervisor: Supervisor, timeout: float) -> RecoverReport:
     """Bring the robot out of a stop; `Robot.recover` describes it."""
     supervisor.check_open("recover")
-    return await _go(supervisor, BringUp(end_programs=True, call="recover"), timeout)
+    decide = BringUp(end_programs=True, call="recover")
+    states = await _go(supervisor, decide, timeout)
+    return RecoverReport(
+        states,
+        collision=decide.has_taken(BringUpStep.RESET_COLLISION),
+        sensor_tared=decide.has_taken(BringUpStep.POWER_OFF, BringUpStep.ENABLE),
+    )
 
 
 async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotStates:

@@ -79,6 +79,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
+    from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.heartbeat import HeartbeatStatistics
     from aioduco.supervision.settings import ClosingSteps, GuardKind
     from aioduco.supervision.state_feed import Snapshot
@@ -6073,21 +6074,21 @@ class Robot(RobotLifecycle, ManualNames):
         """
         return self._call(self._made.bring_up(timeout=timeout))
 
-    def recover(self, *, timeout: float = 30.0) -> RobotStates:
+    def recover(self, *, timeout: float = 30.0) -> RecoverReport:
         """Bring the arm out of a stop: clear, power off and on if needed, enable.
 
         It works as `bring_up`. In addition, it ends a motion or a program that is paused or runs
         in the controller, and restarts a heartbeat that was withheld. It moves nothing.
 
         A controller that enables its arm tares the force sensor. If the arm touches something
-        then, as after a collision, it measures that force as zero: lead the arm away, then tare by
-        `robot.force.fc_force_set_value`.
+        then, as after a collision, it measures that force as zero: the report's `advice` says so.
 
         Args:
             timeout: seconds in which the arm must be ready.
 
         Returns:
-            The states: enabled, with no program running.
+            The states, enabled and with no program running, and what to do before forces are
+            measured.
 
         Raises:
             PersonNeeded: a person has to do something first: the message says what.

@@ -157,6 +157,25 @@ async def test_what_can_be_cleared_is_cleared(robot: aioduco.Robot, bench: Bench
     ]
 
 
+async def test_recover_says_when_the_force_sensor_was_tared(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    report = await robot.recover()
+    assert not report.sensor_tared
+    assert report.advice == ""
+    assert str(report) == str(report.states)
+    bench.collision = True
+    bench.states[:3] = [6, 3, 7]
+    report = await robot.recover()
+    assert report.collision
+    assert report.sensor_tared
+    assert "After the collision it may still touch something" in report.advice
+    assert "fc_force_set_value" in str(report)
+    bench.states[:3] = [6, 3, 7]
+    report = await robot.recover()
+    assert "If it touches something" in report.advice
+
+
 async def test_an_emergency_stop_is_for_a_person(robot: aioduco.Robot, bench: Bench) -> None:
     bench.emergency_stop = True
     bench.states[:3] = [4, 0, 9]

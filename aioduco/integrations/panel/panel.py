@@ -513,7 +513,7 @@ class Panel(Uncopied):
     async def _act(self, robot: Robot, verb: str) -> None:
         steps: dict[str, tuple[Callable[[], Awaitable[Any]], str]] = {
             "bring_up": (robot.bring_up, "brought up: the arm can move"),
-            "recover": (robot.recover, "recovered: the arm can move"),
+            "recover": (lambda: self._recover(robot), "recovered: the arm can move"),
             "pause": (robot.pause, "paused: the arm stands"),
             "resume": (robot.resume, "resumed"),
         }
@@ -522,6 +522,10 @@ class Panel(Uncopied):
         self._resumed = self._resumed or verb == "resume"
         if await self._carry_out(verb, step, said) and verb != "resume":
             self._resumed = False
+
+    async def _recover(self, robot: Robot) -> None:
+        if advice := (await robot.recover()).advice:
+            self._note(advice, "warning")
 
     async def _carry_out(self, name: str, step: Callable[[], Awaitable[Any]], said: str) -> bool:
         self._busy.append(name)
