@@ -167,7 +167,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         *("runtime", "forgiving"),
     },
     "simulator": {
-        *("assembly", "cabinet", "controller", "physics", "view"),
+        *("assembly", "cabinet", "controller", "physics", "server", "view"),
         *("runtime", "clock", "scene", "process", "forgiving"),
     },
     "console": {"simulator"},

@@ -9,8 +9,8 @@ import aioduco
 from aioduco import errors
 
 NAMES = {
-    "the robot": "__version__ connect stop_all freeze_support ClosingSteps Robot HeldMotion "
-    "MotionCommand MotionPath OnCancel Outcome Task",
+    "the robot": "__version__ connect stop_all freeze_support ClosingSteps RecoverReport Robot "
+    "HeldMotion MotionCommand MotionPath OnCancel Outcome Task",
     "values": "deg mm Joints JointsLike Pose PoseLike",
     "outputs": "bool_register event float_register output tool_output word_register Op PointOp",
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "
