@@ -71,7 +71,7 @@ NEWER = """
 
 What manual 4.3 has beyond 3.8. Only functions whose place on the wire is known can be called: the
 wire is numbered, and no public source has the numbers of the others. A function without arguments
-needs none.
+needs none; a controller that is older raises [`UnknownFunction`](reference/errors.md).
 
 | function | here | what it does |
 |---|---|---|"""
@@ -136,17 +136,11 @@ def newer() -> list[str]:
     """The rows of what manual 4.3 adds, and of what it changes."""
     data = _data("manual-4.3")
     rows = [
-        f"| `{one['name']}` | {ours(one['name']) or _by_compat(one)} | {one['meaning']} |"
+        f"| `{one['name']}` | {ours(one['name']) or 'not callable'} | {one['meaning']} |"
         for one in data["new"]
     ]
     changed = [f"| {one['item']} | {one['change'].replace('|', ',')} |" for one in data["changed"]]
     return [*rows, CHANGED, *changed]
-
-
-def _by_compat(one: dict[str, Any]) -> str:
-    """Where a function is that the robot does not have."""
-    sent = one["status"] == "without arguments"
-    return f"`DucoCobot.{one['name']}` of `aioduco.compat`" if sent else "not callable"
 
 
 def _older_wires() -> dict[str, Any]:

@@ -1,7 +1,9 @@
-"""Structs of manual 4.3 in answers: with more fields than those of 3.8, or with others.
+"""What the wire of manual 4.3 has beyond that of 3.8: structs in answers, calls without arguments.
 
-The numbers of these fields are inferred: the manual prints the structs in order. Nothing of this is
-sent. A controller of 3.8 never sends them, so its answers are read as structs of `rpc`.
+The numbers of these fields are inferred: the manual prints the structs in order. None of them is
+sent. A controller of 3.8 never sends them, so its answers are read as structs of `rpc`. A call
+without arguments is its name alone, so those of 4.3 can be sent; what they return follows from the
+manual, and is an assumption for the two of the newest headers.
 """
 
 # The names of fields are the manual's.
@@ -14,7 +16,34 @@ from typing import Final
 
 from aioduco._wire import rpc
 
-__all__ = ["ADDED", "INSTEAD", "EAxissInfo", "ReachabilityParam", "RobotStatus"]
+__all__ = [
+    "ADDED",
+    "CLEAR_ERROR_MESSAGE",
+    "DISABLE_LASER_TRACK",
+    "ENABLE_LASER_TRACK",
+    "GET_BASE",
+    "GET_HOME_POSE",
+    "GET_INSTALLATION",
+    "GET_SIMULATION_STATE",
+    "GET_TCP_POSE_COMMAND",
+    "GET_TCP_SPEED_COMMAND",
+    "INSTEAD",
+    "RESET_LASER_TRACK",
+    "EAxissInfo",
+    "ReachabilityParam",
+    "RobotStatus",
+]
+
+GET_BASE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_base", ())
+GET_HOME_POSE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_home_pose", ())
+GET_INSTALLATION: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_installation", ())
+GET_TCP_POSE_COMMAND: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_tcp_pose_command", ())
+GET_TCP_SPEED_COMMAND: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_tcp_speed_command", ())
+GET_SIMULATION_STATE: Final[rpc.WireCall[bool]] = rpc.WireCall("get_simulation_state", ())
+CLEAR_ERROR_MESSAGE: Final[rpc.WireCall[None]] = rpc.WireCall("clear_error_message", ())
+ENABLE_LASER_TRACK: Final[rpc.WireCall[int]] = rpc.WireCall("enable_laser_track", ())
+DISABLE_LASER_TRACK: Final[rpc.WireCall[int]] = rpc.WireCall("disable_laser_track", ())
+RESET_LASER_TRACK: Final[rpc.WireCall[int]] = rpc.WireCall("reset_laser_track", ())
 
 
 @dataclass(slots=True)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.points import listed
-from aioduco.api.section import Section
+from aioduco.api.section import Section, checked_task_id
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
 
@@ -107,6 +108,45 @@ class Compound(Section):
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
         await self._finish(calls.disable_combine_motion())
+
+    async def enable_laser_track(self) -> int:
+        """Let the motions that follow track a seam by a laser sensor (激光跟踪).
+
+        Its parameters are set at the pendant: where the wire has them is not known.
+
+        Returns:
+            The id that the controller gives; no task is followed.
+
+        Raises:
+            Refused: it was not switched on.
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        answer = await self._rpc.send(newer.ENABLE_LASER_TRACK)
+        return checked_task_id("enable_laser_track", answer)
+
+    async def disable_laser_track(self) -> None:
+        """End the tracking of a seam.
+
+        Raises:
+            TaskError: it was not switched off.
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        await self._accept(newer.DISABLE_LASER_TRACK)
+
+    async def reset_laser_track(self) -> None:
+        """Forget the offsets that the laser sensor found.
+
+        Raises:
+            TaskError: it was not done.
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        await self._accept(newer.RESET_LASER_TRACK)
 
 
 def _ops(ops: Sequence[Op]) -> list[rpc.Op]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.errors import StaleState
@@ -140,3 +141,13 @@ class Frames(Section):
         Manual section 1.3.7.
         """
         return pose(await self._rpc.get_wobj())
+
+    async def get_base(self) -> Pose:
+        """Read the pose of the arm's base (基坐标系) [m, rad].
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return pose(await self._rpc.send(newer.GET_BASE))

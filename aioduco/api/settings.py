@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
+from aioduco.models.samples import joints
 
 if TYPE_CHECKING:
+    from aioduco.models.pose import Joints
     from aioduco.models.rules import Real, Whole
 
 __all__ = ["Settings"]
@@ -116,6 +119,39 @@ class Settings(Section):
         sim_ = ranges.FLAG("sim", sim)
         await self._check_standstill("simulation")
         await self._perform(calls.simulation(sim_, False), _LIMIT)
+
+    async def get_simulation_state(self) -> bool:
+        """Tell whether the controller simulates the arm (仿真状态).
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return await self._rpc.send(newer.GET_SIMULATION_STATE)
+
+    async def get_home_pose(self) -> Joints:
+        """Read the joints of the home position (原点) [rad].
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return joints(await self._rpc.send(newer.GET_HOME_POSE))
+
+    async def get_installation(self) -> tuple[float, ...]:
+        """Read the angles at which the arm is mounted (安装角度).
+
+        Returns:
+            What the controller sends: ry and rz. The manual prints no unit.
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return tuple(await self._rpc.send(newer.GET_INSTALLATION))
 
     async def set_teach_pendant(self, enable: bool) -> None:
         """Turn the keys of the pendant on or off (示教器的物理按键).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -55,6 +56,16 @@ class State(Section):
         Manual section 1.3.8.
         """
         return tuple(await self._rpc.get_last_error())
+
+    async def clear_error_message(self) -> None:
+        """Empty the controller's list of errors (清除错误列表).
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        await self._rpc.send(newer.CLEAR_ERROR_MESSAGE)
 
     async def get_noneblock_taskstate(self, task_id: int) -> TaskState:
         """Read the state of a task by its id (任务状态).
@@ -134,6 +145,28 @@ class State(Section):
     async def get_tcp_acceleration(self) -> Vector:
         """Read the acceleration of the tool (末端加速度) [m/s², rad/s²]. Manual section 1.3.7."""
         return vector(await self._rpc.get_tcp_acceleration())
+
+    async def get_tcp_pose_command(self) -> Pose:
+        """Read the commanded pose of the tool (末端指令位姿) [m, rad].
+
+        Raises:
+            UnknownFunction: the controller is older than the function.
+
+        Not in manual 3.8, nor described in manual 4.3: the vendor's newest headers have it. That
+        the pose is in the base frame, as `get_tcp_pose` has it, is an assumption.
+        """
+        return pose(await self._rpc.send(newer.GET_TCP_POSE_COMMAND))
+
+    async def get_tcp_speed_command(self) -> Vector:
+        """Read the commanded speed of the tool (末端指令速度) [m/s, rad/s].
+
+        Raises:
+            UnknownFunction: the controller is older than the function.
+
+        Not in manual 3.8, nor described in manual 4.3: the vendor's newest headers have it. That
+        the speed is in the base frame, as `get_tcp_speed` has it, is an assumption.
+        """
+        return vector(await self._rpc.send(newer.GET_TCP_SPEED_COMMAND))
 
     async def get_tcp_force(self) -> Vector:
         """Read force and torque at the tool (末端力) [N, N·m]; needs a force sensor.

@@ -22,7 +22,7 @@ def _functions(incomplete: str) -> list[str]:
     from aioduco._wire import idl  # noqa: PLC0415
     from aioduco.models.names import BY_ITSELF, SPELLINGS  # noqa: PLC0415
 
-    names = {*SPELLINGS, *idl.functions()} - BY_ITSELF.keys()
+    names = {*SPELLINGS, *idl.functions(), *idl.NEWER} - BY_ITSELF.keys()
     return sorted(name for name in names if name.startswith(incomplete))
 
 

@@ -1,9 +1,8 @@
 """What the vendor's newer class has: functions of manual 4.3 without arguments, and a spelling.
 
-A call without arguments is its name alone, so these can be sent. A controller that does not know
-one answers "unknown function": `UnknownFunction`. What they return follows from the manual, and is
-an assumption for the two of the newest headers. Of the other functions that manual 4.3 adds, the
-numbers of the fields are not known.
+A call without arguments is its name alone, so these can be sent (`aioduco._wire.newer`). A
+controller that does not know one answers "unknown function": `UnknownFunction`. Of the other
+functions that manual 4.3 adds, the numbers of the fields are not known.
 """
 
 from __future__ import annotations

@@ -29,7 +29,8 @@ PLACES: Final = {
         trackEnqueue trackClearQueue getQueueSize trackJointMotion trackCartMotion trackEnqueueOp
     """,
     "compound": """
-        combine_motion_config enable_combine_motion disable_combine_motion
+        combine_motion_config enable_combine_motion disable_combine_motion enable_laser_track
+        disable_laser_track reset_laser_track
     """,
     "external_axes": """
         enable_eaxis_scheme disable_eaxis_scheme move_eaxis move_jog_eaxis movej2_eaxis
@@ -47,7 +48,7 @@ PLACES: Final = {
         get_target_joints_acceleration get_actual_joints_torque get_target_joints_torque
         get_flange_pose get_flange_speed get_flange_acceleration get_robot_state getRobotStatus
         getRobotIOStatus read_encoder_count get_ext_torque get_last_error get_noneblock_taskstate
-        robotmoving
+        robotmoving get_tcp_pose_command get_tcp_speed_command clear_error_message
     """,
     "io": """
         set_digital_output_mode set_standard_digital_out get_standard_digital_out
@@ -72,13 +73,15 @@ PLACES: Final = {
     """,
     "frames": """
         set_wobj_offset set_wobj set_tool_data get_tcp_offset get_tool_load get_wobj set_load_data
+        get_base
     """,
     "kinematics": """
         cal_ikine cal_fkine reach_check get_origin_DH get_calib_DH
     """,
     "settings": """
         simulation speed collision_detect collision_detection_reset set_teach_pendant
-        set_teach_speed get_teach_speed get_global_speed
+        set_teach_speed get_teach_speed get_global_speed get_home_pose get_installation
+        get_simulation_state
     """,
     "optimization": """
         enable_speed_optimization disable_speed_optimization enable_acc_optimization

@@ -3267,6 +3267,44 @@ class Compound(_Section):
         """
         self._call(self._made.disable_combine_motion())
 
+    def enable_laser_track(self) -> int:
+        """Let the motions that follow track a seam by a laser sensor (激光跟踪).
+
+        Its parameters are set at the pendant: where the wire has them is not known.
+
+        Returns:
+            The id that the controller gives; no task is followed.
+
+        Raises:
+            Refused: it was not switched on.
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return self._call(self._made.enable_laser_track())
+
+    def disable_laser_track(self) -> None:
+        """End the tracking of a seam.
+
+        Raises:
+            TaskError: it was not switched off.
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        self._call(self._made.disable_laser_track())
+
+    def reset_laser_track(self) -> None:
+        """Forget the offsets that the laser sensor found.
+
+        Raises:
+            TaskError: it was not done.
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        self._call(self._made.reset_laser_track())
+
 
 class ExternalAxes(_Section):
     """External axes (外部轴, manual 1.3.14): turntables, rails, in schemes of up to three values.
@@ -3884,6 +3922,16 @@ class State(_Section):
         """
         return self._call(self._made.get_last_error())
 
+    def clear_error_message(self) -> None:
+        """Empty the controller's list of errors (清除错误列表).
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        self._call(self._made.clear_error_message())
+
     def get_noneblock_taskstate(self, task_id: int) -> TaskState:
         """Read the state of a task by its id (任务状态).
 
@@ -3959,6 +4007,28 @@ class State(_Section):
     def get_tcp_acceleration(self) -> Vector:
         """Read the acceleration of the tool (末端加速度) [m/s², rad/s²]. Manual section 1.3.7."""
         return self._call(self._made.get_tcp_acceleration())
+
+    def get_tcp_pose_command(self) -> Pose:
+        """Read the commanded pose of the tool (末端指令位姿) [m, rad].
+
+        Raises:
+            UnknownFunction: the controller is older than the function.
+
+        Not in manual 3.8, nor described in manual 4.3: the vendor's newest headers have it. That
+        the pose is in the base frame, as `get_tcp_pose` has it, is an assumption.
+        """
+        return self._call(self._made.get_tcp_pose_command())
+
+    def get_tcp_speed_command(self) -> Vector:
+        """Read the commanded speed of the tool (末端指令速度) [m/s, rad/s].
+
+        Raises:
+            UnknownFunction: the controller is older than the function.
+
+        Not in manual 3.8, nor described in manual 4.3: the vendor's newest headers have it. That
+        the speed is in the base frame, as `get_tcp_speed` has it, is an assumption.
+        """
+        return self._call(self._made.get_tcp_speed_command())
 
     def get_tcp_force(self) -> Vector:
         """Read force and torque at the tool (末端力) [N, N·m]; needs a force sensor.
@@ -4840,6 +4910,16 @@ class Frames(_Section):
         """
         return self._call(self._made.get_wobj())
 
+    def get_base(self) -> Pose:
+        """Read the pose of the arm's base (基坐标系) [m, rad].
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return self._call(self._made.get_base())
+
 
 class Kinematics(_Section):
     """Kinematics, as the controller computes it (manual 1.3.7).
@@ -5054,6 +5134,39 @@ class Settings(_Section):
         Manual section 1.3.7.
         """
         self._call(self._made.simulation(sim))
+
+    def get_simulation_state(self) -> bool:
+        """Tell whether the controller simulates the arm (仿真状态).
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return self._call(self._made.get_simulation_state())
+
+    def get_home_pose(self) -> Joints:
+        """Read the joints of the home position (原点) [rad].
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return self._call(self._made.get_home_pose())
+
+    def get_installation(self) -> tuple[float, ...]:
+        """Read the angles at which the arm is mounted (安装角度).
+
+        Returns:
+            What the controller sends: ry and rz. The manual prints no unit.
+
+        Raises:
+            UnknownFunction: the controller is older than manual 4.3, which adds the function.
+
+        Not in manual 3.8; manual 4.3 describes it.
+        """
+        return self._call(self._made.get_installation())
 
     def set_teach_pendant(self, enable: bool) -> None:
         """Turn the keys of the pendant on or off (示教器的物理按键).

@@ -114,6 +114,43 @@ async def test_the_rates_of_external_axes(desk: Desk, vel: float) -> None:
         assert math.isnan(scheme.vel)
 
 
+async def test_functions_without_arguments(desk: Desk) -> None:
+    desk.answer("get_base", POSE)
+    desk.answer("get_home_pose", HOME)
+    desk.answer("get_installation", [0.5, 0.25])
+    desk.answer("get_tcp_pose_command", POSE)
+    desk.answer("get_tcp_speed_command", TOOL)
+    desk.answer("get_simulation_state", True)
+    desk.answer("clear_error_message", None)
+    desk.answer("enable_laser_track", 1001)
+    desk.answer("disable_laser_track", 4)
+    desk.answer("reset_laser_track", 0)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        assert await robot.frames.get_base() == aioduco.Pose(*POSE)
+        assert await robot.settings.get_home_pose() == aioduco.Joints(*HOME)
+        assert await robot.settings.get_installation() == (0.5, 0.25)
+        assert await robot.state.get_tcp_pose_command() == aioduco.Pose(*POSE)
+        assert (await robot.state.get_tcp_speed_command()).tolist() == TOOL
+        assert await robot.settings.get_simulation_state() is True
+        await robot.state.clear_error_message()
+        assert await robot.compound.enable_laser_track() == 1001
+        await robot.compound.disable_laser_track()
+        await robot.compound.reset_laser_track()
+    for name in idl.NEWER:
+        (call,) = desk.received(name)
+        assert call.args == ()
+
+
+async def test_a_laser_that_is_not_there(desk: Desk) -> None:
+    desk.answer("enable_laser_track", -1)
+    desk.answer("disable_laser_track", 7)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        with pytest.raises(aioduco.Refused):
+            await robot.compound.enable_laser_track()
+        with pytest.raises(aioduco.TaskIllegal):
+            await robot.compound.disable_laser_track()
+
+
 def test_a_field_of_another_type_is_passed_over() -> None:
     """In a struct; an answer of another type as a whole is none."""
     spec = {1: (TType.STRING, "scheme_name", False), 2: (TType.STRING, "status", False)}

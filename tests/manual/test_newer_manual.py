@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from aioduco._wire import idl
+from aioduco.models.names import place
 
 DATA = json.loads((Path(__file__).parents[1] / "data" / "manual-4.3.json").read_text("utf-8"))
 
@@ -16,6 +17,12 @@ def test_additions_say_whether_they_are_on_the_wire() -> None:
     assert known == {entry["name"] for entry in DATA["new"]} & set(wire)
     assert known == {"abort", "get_eaxis_info", "get_system_value_lists"}
     assert {entry["status"] for entry in DATA["new"]} == set(DATA["statuses"])
+
+
+def test_additions_without_arguments_are_functions_of_the_robot() -> None:
+    sent = {entry["name"] for entry in DATA["new"] if entry["status"] == "without arguments"}
+    assert sent == set(idl.NEWER)
+    assert all(place(name) for name in sent)
 
 
 def test_additions_are_not_in_the_older_manual() -> None:

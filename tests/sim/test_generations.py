@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco import Jog, JogDirections, ParameterError, UnknownFunction
+from aioduco import ControllerError, Jog, JogDirections, ParameterError, UnknownFunction
 from aioduco.compat import DucoCobot
 from aioduco.sim import Simulator
 from aioduco.sim.server.generations import GENERATIONS
@@ -104,6 +104,21 @@ def test_a_scheme_of_external_axes_says_how_fast_it_is() -> None:
     assert speeds.max() == pytest.approx(0.5, abs=1e-3)
     assert changes.max() == pytest.approx(2.0, rel=0.1)
     assert (scheme.pos, scheme.vel) == (pytest.approx(1.0), 0.0)
+
+
+@at("3.8", "4.3")
+async def test_functions_of_4_3(robot: tuple[Robot, Simulator]) -> None:
+    connected, sim = robot
+    if sim.generation == "3.8":
+        with pytest.raises(UnknownFunction):
+            await connected.frames.get_base()
+        return
+    assert await connected.frames.get_base() == sim.mounting
+    assert await connected.settings.get_simulation_state() is False
+    assert await connected.state.get_tcp_pose_command() == await connected.state.get_tcp_pose()
+    await connected.state.clear_error_message()
+    with pytest.raises(ControllerError, match="no laser sensor"):
+        await connected.compound.enable_laser_track()
 
 
 def test_installation_of_a_wall() -> None:

@@ -78,7 +78,7 @@ class Wire:
         args: by function, the fields of its arguments where they are other ones.
         structs: by struct, its class where it has other fields.
         recognizes: whether calls of other generations are recognized by their fields.
-        newer: whether it has what manual 4.3 adds.
+        newer: whether its answers have what manual 4.3 adds.
     """
 
     def __init__(
@@ -105,10 +105,8 @@ class Wire:
         return served
 
     def has(self, name: str) -> bool:
-        """Whether the controller has a function."""
-        if name in idl.functions():
-            return name not in self._lacks
-        return self._newer and name in idl.NEWER
+        """Whether the controller has a function; of those of manual 4.3, its handlers decide."""
+        return name in idl.NEWER or (name in idl.functions() and name not in self._lacks)
 
     def _made(self, name: str) -> Served:
         function = idl.functions()[name]
