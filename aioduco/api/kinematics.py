@@ -106,7 +106,9 @@ class Kinematics(Section):
             q_near: joint angles, -2π to 2π [rad], near which a solution is looked for; None for
                 the arm's present ones. Shape (6,).
             tool: pose of the tool in the flange's frame [m, rad]; None for the one in use.
-            wobj: pose of the work object in the base frame [m, rad]; None for the one in use.
+            wobj: pose of the work object [m, rad]; None for the one in use. It is in the world
+                frame, as the manual says here, while `cal_fkine` has it in the base frame: on an
+                arm that is mounted at a wall or a ceiling they differ.
 
         Returns:
             The joints [rad].
@@ -126,6 +128,8 @@ class Kinematics(Section):
         if len(found) < 6 or not all(map(math.isfinite, found)):
             raise Unreachable(f"the controller found no joints for {target}; nothing was moved")
         led = pose_of(await self._rpc.cal_fkine(found, tool_, wobj_))
+        if wobj_ and not led.almost_equal(target, position=_POSITION, rotation=_ROTATION):
+            led = await self._in_world(led, Pose(*wobj_))
         if not led.almost_equal(target, position=_POSITION, rotation=_ROTATION):
             apart, turned = led.distance(target)
             raise Unreachable(
@@ -133,6 +137,13 @@ class Kinematics(Section):
                 f"{apart:.3g} m and {turned:.3g} rad away from it; nothing was moved"
             )
         return Joints(*found[:6])
+
+    async def _in_world(self, pose: Pose, wobj: Pose) -> Pose:
+        """Convert a pose in a work object of the base frame into one of the world frame."""
+        tip = pose_of(await self._rpc.get_tcp_pose())
+        status = await self._rpc.getRobotStatus()
+        base = pose_of(status.cartActualPosition) @ tip.inverse()
+        return wobj.inverse() @ base @ wobj @ pose
 
     async def reach_check(
         self,

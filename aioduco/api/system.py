@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from aioduco._wire.rpc import calls
-from aioduco.api.section import Section, checked_task_id
+from aioduco.api.section import Section, check_finished, checked_task_id
+from aioduco.errors import ConnectError, ConnectionLost, RobotStateError
 from aioduco.models import ranges
+from aioduco.models.enums import RobotState, TaskState
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from aioduco.models.enums import OperationMode
 
 __all__ = ["System"]
+
+#: how often a controller that starts anew is asked [s]
+_LOOK_EVERY: Final = 0.1
 
 
 class System(Section):
@@ -87,16 +93,47 @@ class System(Section):
         """
         checked_task_id("shutdown", await self._rpc.shutdown(False))
 
-    async def restart(self) -> None:
-        """Start the controller anew (机器人重启). Every connection ends soon after.
+    async def restart(self, *, timeout: float = 120.0) -> None:
+        """Start the controller anew (机器人重启), and wait until it has started.
+
+        Every connection ends meanwhile; this robot connects again. The arm has no power then.
+
+        Args:
+            timeout: seconds within which the controller must have started.
 
         Raises:
+            ParameterError: the time is out of range; nothing was sent.
             Refused: the controller refuses in its present state.
+            TaskError: it was not restarted.
             OutcomeUnknown: the connection ended before the answer came.
+            RobotStateError: it has not started within `timeout`.
 
         Manual section 1.3.2.
         """
-        checked_task_id("restart", await self._rpc.restart(False))
+        ticker = every(_LOOK_EVERY)
+        until = ticker.due + ranges.TIMEOUT("timeout", timeout)
+        id_ = checked_task_id("restart", await self._rpc.restart(False))
+        rpc = self._supervisor.calls.rpc  # not retried: a lost connection says that it has begun
+        begun = False
+        async for due in ticker:
+            if due >= until:
+                break
+            try:
+                # an end state in place of an id is one of a controller that waited
+                state = id_ if TaskState(id_).ended else await rpc.get_noneblock_taskstate(id_)
+                robot = (await rpc.get_robot_state())[0]
+            except (ConnectError, ConnectionLost):
+                begun = True
+                continue
+            if not begun and TaskState(state).ended:
+                check_finished("restart", state)
+                begun = True
+            if begun and robot not in (RobotState.START, RobotState.INITIALIZE):
+                return
+        raise RobotStateError(
+            f"the controller was told to start anew, and has not started after {timeout:g} s; look "
+            "at the pendant"
+        )
 
     async def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).

@@ -167,16 +167,24 @@ class System(_Section):
         """
         self._call(self._made.shutdown())
 
-    def restart(self) -> None:
-        """Start the controller anew (机器人重启). Every connection ends soon after.
+    def restart(self, *, timeout: float = 120.0) -> None:
+        """Start the controller anew (机器人重启), and wait until it has started.
+
+        Every connection ends meanwhile; this robot connects again. The arm has no power then.
+
+        Args:
+            timeout: seconds within which the controller must have started.
 
         Raises:
+            ParameterError: the time is out of range; nothing was sent.
             Refused: the controller refuses in its present state.
+            TaskError: it was not restarted.
             OutcomeUnknown: the connection ended before the answer came.
+            RobotStateError: it has not started within `timeout`.
 
         Manual section 1.3.2.
         """
-        self._call(self._made.restart())
+        self._call(self._made.restart(timeout=timeout))
 
     def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).
@@ -982,9 +990,10 @@ class Motion(_Section):
             velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
                 Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None: the motion
-                runs until the block is left or `speed_stop` is called. Then only the heartbeat
-                stops the arm if the program hangs.
+            time: seconds after which the controller stops the arm, from 0.001. The default is this
+                package's choice; the manual's, -1, is None here: the motion runs until the block
+                is left or `speed_stop` is called. Then only the heartbeat stops the arm if the
+                program hangs.
 
         Returns:
             How it ended: finished or blended. It ends when the arm stands.
@@ -1020,9 +1029,10 @@ class Motion(_Section):
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None: the motion
-                runs until the block is left or `speed_stop` is called. Then only the heartbeat
-                stops the arm if the program hangs.
+            time: seconds after which the controller stops the arm, from 0.001. The default is this
+                package's choice; the manual's, -1, is None here: the motion runs until the block
+                is left or `speed_stop` is called. Then only the heartbeat stops the arm if the
+                program hangs.
             frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
@@ -4970,7 +4980,9 @@ class Kinematics(_Section):
             q_near: joint angles, -2π to 2π [rad], near which a solution is looked for; None for
                 the arm's present ones. Shape (6,).
             tool: pose of the tool in the flange's frame [m, rad]; None for the one in use.
-            wobj: pose of the work object in the base frame [m, rad]; None for the one in use.
+            wobj: pose of the work object [m, rad]; None for the one in use. It is in the world
+                frame, as the manual says here, while `cal_fkine` has it in the base frame: on an
+                arm that is mounted at a wall or a ceiling they differ.
 
         Returns:
             The joints [rad].

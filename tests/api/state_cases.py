@@ -115,7 +115,8 @@ POWER = [
         carried_out("system", name, {"timeout": 5.0}, False)
         for name in ("power_on", "power_off", "enable", "disable")
     ],
-    *[call("system", name, {}, False, answer=1000) for name in ("shutdown", "restart")],
+    call("system", "shutdown", {}, False, answer=1000),
+    call("system", "restart", {"timeout": 5.0}, False, answer=4),
     call("system", "switch_mode", {"mode": OperationMode.AUTO}, 1),
 ]
 ENDINGS = [

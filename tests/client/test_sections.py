@@ -175,6 +175,9 @@ async def test_the_mode_and_the_end(robot: aioduco.Robot, bench: Bench) -> None:
     assert bench.received("switch_mode")[0].args == (0,)
     await robot.system.shutdown()
     await robot.system.restart()
+    bench.answer("restart", 7)
+    with pytest.raises(aioduco.TaskIllegal):
+        await robot.system.restart()
     bench.answer("shutdown", -1)
     with pytest.raises(aioduco.Refused, match=r"refused shutdown \(answer -1\)"):
         await robot.system.shutdown()

@@ -10,6 +10,7 @@ import numpy as np
 import psutil
 import pytest
 
+import aioduco
 from aioduco._wire.rpc import Op
 from aioduco.errors import ConnectionLost, ControllerError, ParameterError
 from aioduco.models.enums import RobotState, TaskState
@@ -475,6 +476,18 @@ def test_restart_comes_back_on_the_same_port(connect: Callable[..., Program]) ->
         with pytest.raises(ConnectionLost):
             robot.get_robot_state()
         assert connect(sim).get_robot_state() == [4, 0, 4, 1]
+
+
+async def test_a_restart_is_awaited_to_its_end() -> None:
+    async with Simulator(speed=10.0) as sim, aioduco.connect(sim.host, sim.port) as robot:
+        await robot.bring_up()
+        before = sim.time
+        await robot.system.restart(timeout=60.0)
+        assert sim.view.robot == RobotState.POWER_OFF
+        assert sim.time > before + 1.0
+        assert (await robot.bring_up()).robot is RobotState.ENABLE
+        with pytest.raises(aioduco.RobotStateError, match="has not started after"):
+            await robot.system.restart(timeout=0.001)
 
 
 def test_who_sees_a_controller_started_again_can_connect(connect: Callable[..., Program]) -> None:

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import aioduco
 from aioduco._wire.rpc import IOStatus, Op, RobotStatus
 from aioduco.kinematics import arm, models
 from aioduco.kinematics.forward import bias_acceleration, fkine, jacobian
@@ -207,6 +208,20 @@ def test_kinematics_of_the_controller(sim: Simulator, robot: Program) -> None:
     here = Pose.of(robot.cal_fkine(list(sim.joints), [], []))
     assert here.almost_equal(Pose.of(robot.get_tcp_pose()), position=1e-5, rotation=1e-5)
     assert robot.cal_ikine(here, [], [], []) == pytest.approx(list(sim.joints), abs=1e-5)
+
+
+async def test_the_work_object_of_cal_ikine_is_in_the_world_frame() -> None:
+    """That of cal_fkine is in the base frame: at a wall the two differ."""
+    q = [0.3, -0.2, 1.4, 0.1, -1.3, 0.2]
+    near_q, nothing, wobj = [each + 0.05 for each in q], [0.0] * 6, Pose(0.5, 0.1, 0.4, 0, 0, 0.3)
+    with Simulator(mounting="wall", speed=math.inf) as sim:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            tip = await robot.kinematics.cal_fkine(q, tool=nothing, wobj=nothing)
+            pose = wobj.inverse() @ sim.mounting @ tip
+            cal_ikine = partial(robot.kinematics.cal_ikine, q_near=near_q, tool=nothing, wobj=wobj)
+            assert await cal_ikine(pose) == pytest.approx(q, abs=1e-5)
+            with pytest.raises(aioduco.Unreachable):
+                await cal_ikine(wobj.inverse() @ tip)
 
 
 def test_an_unreachable_pose_gives_the_reference_joints_back(robot: Program) -> None:

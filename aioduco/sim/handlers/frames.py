@@ -101,12 +101,17 @@ class FrameHandlers(HandlerSection):
         tool: Sequence[float],
         wobj: Sequence[float],
     ) -> list[float]:
-        """Joints for a pose of a tool in a work object; `q_near` itself when there are none."""
+        """Joints for a pose of a tool in a work object; `q_near` itself when there are none.
+
+        Unlike cal_fkine, it takes the work object in the world frame.
+        """
         try:
             target = pose("p", p)
             near = joints("q_near", q_near) if q_near else tuple(self._runtime.snapshot.q.tolist())
             _, flange = self._tool(tool)
             base, _ = self._wobj(wobj)
+            if wobj:
+                base = self._context.mounting.inverse().matrix @ base
         except Rejected as exc:
             return self._invalid_arguments("cal_ikine", exc, [])
         try:
