@@ -36,8 +36,8 @@ PICTURE = Path(__file__).resolve().parent / "images" / "rviz.png"
 SIZE = (1200, 800)
 #: s within which whatever is waited for has come
 PATIENT = 120.0
-#: of the arm's blue parts, of which at least so many points are seen
-FEWEST = 2000
+#: of the arm's dark caps, of which at least so many points are seen
+FEWEST = 800
 
 
 def screen(folder: Path) -> NDArray[np.uint8]:
@@ -50,10 +50,10 @@ def screen(folder: Path) -> NDArray[np.uint8]:
     return np.ascontiguousarray(points[:, :, 2::-1])
 
 
-def blue(shown: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Where the blue parts of the arm are, in the picture of the scene."""
+def caps(shown: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Where the caps of the arm's joints are, in the picture of the scene: dark and bluish."""
     r, g, b = (shown[:, :, i].astype(int) for i in range(3))
-    found: NDArray[np.bool_] = (b > 1.5 * g) & (b > 2 * r) & (b > 60)
+    found: NDArray[np.bool_] = (b > 1.15 * g) & (b > 1.4 * r) & (b > 30)
     found[:, : SIZE[0] // 3] = False
     found[:60] = False
     return found
@@ -103,13 +103,13 @@ def main() -> None:
         stack.callback(graph.end_launch, launch, PATIENT)
         graph.call("bring_up")
         graph.go_to_start()
-        eventually(lambda: blue(screen(folder)).sum() > FEWEST, PATIENT, what="RViz draws the arm")
-        before = blue(screen(folder))
+        eventually(lambda: caps(screen(folder)).sum() > FEWEST, PATIENT, what="RViz draws the arm")
+        before = caps(screen(folder))
         found = graph.last("goal", "200", "4.0", "0.8")
         assert (found["state"], found["code"]) == (3, 0), found
         eventually(lambda: _stands(folder), PATIENT, what="RViz shows a standing arm")
         shown = screen(folder)
-        after = blue(shown)
+        after = caps(shown)
         changed = int((before ^ after).sum())
         assert changed > FEWEST, f"{changed} points of the arm changed as it moved by 0.8 rad"
         assert after.sum() > FEWEST, after.sum()
@@ -119,9 +119,9 @@ def main() -> None:
 
 
 def _stands(folder: Path) -> bool:
-    one = blue(screen(folder))
+    one = caps(screen(folder))
     time.sleep(0.5)
-    return not (one ^ blue(screen(folder))).any()
+    return not (one ^ caps(screen(folder))).any()
 
 
 if __name__ == "__main__":

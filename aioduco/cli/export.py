@@ -62,10 +62,17 @@ def export(
     ] = None,
     meshes: Annotated[
         Path | None,
-        typer.Option(help="Folder of your meshes, named like the links: link_1.stl."),
+        typer.Option(
+            help="Folder of your meshes, named like the links: link_1.stl. Default: meshes made "
+            "from the arm's lengths."
+        ),
     ] = None,
     mesh_uri: Annotated[
-        str | None, typer.Option(help="Address of the meshes in the URDF: package://my_arm/meshes.")
+        str | None,
+        typer.Option(
+            help="Address of the meshes in the URDF: package://my_arm/meshes. Without --meshes, "
+            "they are written to the folder `meshes`; without both, the URDF has cylinders."
+        ),
     ] = None,
     tcp: Annotated[
         str | None, typer.Option(help="Tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad].")
@@ -94,6 +101,7 @@ def export(
         tool = _tool(tcp, tool_mass, tool_centre, tool_capsule or [])
         arms = _arms(model or ["gcr5_910"], prefix or [], mounting or [], tool)
         called = name or "_".join(arm.arm.name for arm in arms)
+        package = f"{called}_bringup"
         if kind is Format.URDF:
             text = descriptions.urdf(*arms, name=name, meshes=meshes, mesh_uri=mesh_uri)
             files = {f"{called}.urdf": text}
@@ -109,6 +117,8 @@ def export(
                 launch_package,
             )
 
+            if meshes is None and mesh_uri is None:
+                mesh_uri = f"package://{package}/meshes"
             own = shutil.which("aioduco", path=sysconfig.get_path("scripts")) or "aioduco"
             files = launch_package(
                 *arms, name=called, command=own, meshes=meshes, mesh_uri=mesh_uri
@@ -125,6 +135,12 @@ def export(
             if text.startswith("#!"):
                 target.chmod(0o755)
             say(target)
+        if kind in {Format.URDF, Format.MOVEIT, Format.ROS1} and mesh_uri and meshes is None:
+            folder = output / (package if kind is Format.ROS1 else "") / "meshes"
+            folder.mkdir(parents=True, exist_ok=True)
+            for file, content in descriptions.mesh_files(*arms).items():
+                (folder / file).write_bytes(content)
+            say(folder)
     except (OSError, ParameterError) as error:
         say(str(error), error=True)
         raise typer.Exit(2) from None

@@ -1,19 +1,27 @@
-"""The user's own meshes, found by the names of links."""
+"""Files of meshes: the user's own, found by the names of links, and those of the arms' looks."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from aioduco.errors import ParameterError
+from aioduco.kinematics.looks import merged
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Sequence
 
     from aioduco.descriptions.tree import ArmTree
+    from aioduco.kinematics.looks import Faces
+    from aioduco.models.rotation import Array
 
-__all__ = ["find_meshes"]
+__all__ = ["find_meshes", "own_meshes", "stl"]
+
+#: a triangle of a binary STL
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def find_meshes(
@@ -51,3 +59,28 @@ def find_meshes(
         wanted = f"a folder with base_link, link_1, … as one of {', '.join(kinds)}"
         raise ParameterError("meshes", str(folder), wanted)
     return found
+
+
+def own_meshes(trees: Iterable[ArmTree]) -> dict[str, dict[str, str]]:
+    """Return the names of the files of the arms' looks: by link, by colour."""
+    return {
+        link.name: {colour: f"{link.name}_{colour}.stl" for colour in merged(link.looks)}
+        for tree in trees
+        for link in tree.links
+        if link.looks
+    }
+
+
+def stl(points: Array, faces: Faces) -> bytes:
+    """Return a mesh as binary STL.
+
+    Args:
+        points: points [m]. Shape (n, 3).
+        faces: triangles as indices of points. Shape (m, 3).
+    """
+    corners = points[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    triangles = np.zeros(len(faces), _TRIANGLE)
+    triangles["corners"] = corners
+    triangles["normal"] = across / np.linalg.norm(across, axis=1, keepdims=True)
+    return bytes(80) + len(faces).to_bytes(4, "little") + bytes(triangles.tobytes())

@@ -13,8 +13,9 @@ import numpy as np
 
 from aioduco.descriptions.collisions import disabled_pairs
 from aioduco.descriptions.tree import STATES, WORLD
-from aioduco.descriptions.xml_text import COLOURS, bounds, numbers, pretty
+from aioduco.descriptions.xml_text import bounds, numbers, pretty, rgba
 from aioduco.kinematics.bodies import ROTOR
+from aioduco.kinematics.looks import COLOURS, merged
 from aioduco.models.rotation import quaternion_from_matrix
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
+    from aioduco.kinematics.looks import Look
     from aioduco.models.rotation import Array
 
 __all__ = ["mjcf_scene", "mjcf_text"]
@@ -37,7 +39,7 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
     Args:
         name: name of the model.
         trees: the arms.
-        meshes: by link, the file of a mesh to show instead of the link's own shape.
+        meshes: by link, the file of a mesh to show instead of the link's own surfaces.
     """
     root = ET.Element("mujoco", model=name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -49,8 +51,15 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
     actuator = ET.SubElement(root, "actuator")
     for tree in trees:
         _classes(classes, tree)
-        for colour, rgba in COLOURS.items():
-            ET.SubElement(asset, "material", name=tree.arm.prefix + colour, rgba=rgba)
+        for colour, value in COLOURS.items():
+            ET.SubElement(asset, "material", name=tree.arm.prefix + colour, rgba=rgba(value))
+        for link in tree.links:
+            for colour, (points, faces) in merged(_drawn(link, meshes)).items():
+                ET.SubElement(
+                    asset, "mesh", name=f"{link.name}_{colour}",
+                    vertex=" ".join(f"{value:.5g}" for value in points.ravel().round(5)),
+                    face=" ".join(map(str, faces.ravel())),
+                )  # fmt: skip
         _bodies(world, tree, meshes)
         for pair in disabled_pairs(tree):
             if pair.reason != "Never":
@@ -66,8 +75,8 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
         ET.SubElement(keys, "key", name=state, qpos=values, ctrl=values)
     return pretty(
         root,
-        "Shapes are simple ones. Masses are the vendor's; inertias are those of solid cylinders; "
-        "rotors and gains are assumptions.",
+        "Shapes are turned and lofted from lengths; capsules collide. Masses are the vendor's; "
+        "inertias are those of solid cylinders; rotors and gains are assumptions.",
     )
 
 
@@ -82,7 +91,7 @@ def mjcf_scene(name: str, file: str) -> str:
     ET.SubElement(root, "include", file=file)
     visual = ET.SubElement(root, "visual")
     ET.SubElement(
-        visual, "headlight", diffuse="0.6 0.6 0.6", ambient="0.3 0.3 0.3", specular="0 0 0"
+        visual, "headlight", diffuse="0.4 0.4 0.4", ambient="0.3 0.3 0.3", specular="0 0 0"
     )
     ET.SubElement(visual, "global", azimuth="130", elevation="-20")
     asset = ET.SubElement(root, "asset")
@@ -98,7 +107,9 @@ def mjcf_scene(name: str, file: str) -> str:
         asset, "material", name="floor", texture="floor", texrepeat="8 8", texuniform="true"
     )
     world = ET.SubElement(root, "worldbody")
-    ET.SubElement(world, "light", pos="0 0 3", dir="0 0 -1", directional="true")
+    ET.SubElement(
+        world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.4 0.4 0.4", directional="true"
+    )
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 0.05", material="floor")
     return pretty(root, "The model on a floor.")
 
@@ -117,7 +128,7 @@ def _classes(root: ET.Element, tree: ArmTree) -> None:
     visual = ET.SubElement(top, "default", {"class": prefix + "visual"})
     ET.SubElement(
         visual, "geom", type="capsule", contype="0", conaffinity="0", group="2", mass="0",
-        material=prefix + "light",
+        material=prefix + "body",
     )  # fmt: skip
     collision = ET.SubElement(top, "default", {"class": prefix + "collision"})
     ET.SubElement(collision, "geom", type="capsule", group="3", mass="0")
@@ -181,17 +192,24 @@ def _body(
             range=" ".join(bounds(*joint.limits[:2])),
         )
     if link.name in meshes:
-        mesh = meshes[link.name].stem
-        ET.SubElement(body, "geom", {"class": prefix + "visual", "type": "mesh", "mesh": mesh})
+        mesh = {"type": "mesh", "mesh": meshes[link.name].stem}
+        ET.SubElement(body, "geom", {"class": prefix + "visual", **mesh})
+    for colour in merged(_drawn(link, meshes)):
+        mesh = {"type": "mesh", "mesh": f"{link.name}_{colour}", "material": prefix + colour}
+        ET.SubElement(body, "geom", {"class": prefix + "visual", **mesh})
     for part in link.parts:
         shape = {"size": numbers([part.radius]), "fromto": numbers([*part.start, *part.end])}
         if part.start == part.end:
             shape = {"type": "sphere", "size": shape["size"], "pos": numbers(part.start)}
-        if link.name not in meshes:
-            colour = {"material": prefix + "blue"} if part.joint else {}
-            ET.SubElement(body, "geom", {"class": prefix + "visual", **colour, **shape})
+        if link.name not in meshes and not link.looks:
+            ET.SubElement(body, "geom", {"class": prefix + "visual", **shape})
         ET.SubElement(body, "geom", {"class": prefix + "collision", **shape})
     return body
+
+
+def _drawn(link: LinkDescription, meshes: Mapping[str, Path]) -> tuple[Look, ...]:
+    """Return a link's own surfaces, if no other mesh is shown."""
+    return () if link.name in meshes else link.looks
 
 
 def _placed(place: Array) -> dict[str, str]:

@@ -44,7 +44,10 @@ _SEGMENT = 0.005  # fraction of the joint space's extent that is checked as one 
 
 
 def moveit_files(
-    name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str], distro: RosDistro
+    name: str,
+    trees: Sequence[ArmTree],
+    meshes: Mapping[str, Mapping[str, str]],
+    distro: RosDistro,
 ) -> dict[str, str]:
     """Return the texts of the files by their names.
 

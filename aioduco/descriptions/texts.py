@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.descriptions.meshes import find_meshes
+from aioduco.descriptions.meshes import find_meshes, own_meshes, stl
 from aioduco.descriptions.mjcf_text import mjcf_text
 from aioduco.descriptions.moveit_files import moveit_files
 from aioduco.descriptions.srdf_text import srdf_text
@@ -12,6 +12,7 @@ from aioduco.descriptions.tree import WORD, ArmDescription
 from aioduco.descriptions.urdf_text import urdf_text
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
+from aioduco.kinematics.looks import merged
 
 if TYPE_CHECKING:
     import os
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.descriptions.moveit_files import RosDistro
     from aioduco.descriptions.tree import ArmTree
 
-__all__ = ["ArmLike", "mjcf", "moveit", "srdf", "urdf"]
+__all__ = ["ArmLike", "mesh_files", "mjcf", "moveit", "srdf", "urdf"]
 
 ArmLike: TypeAlias = str | Arm | ArmDescription
 """A model, such as "gcr5_910", an arm with numbers of its own, or one with prefix and tool."""
@@ -47,7 +48,8 @@ def urdf(
         meshes: folder of your own meshes in metres, named like the links: `link_1.dae`, `.stl` or
             `.obj`. They replace the visual shapes; the collision shapes stay.
         mesh_uri: URI of the meshes in the file, such as "package://my_arm/meshes"; by default
-            `file://` and the folder.
+            `file://` and the folder. Without `meshes`, those of `mesh_files` are meant. Without
+            both, the visual shapes are cylinders.
 
     Raises:
         ParameterError: there is no such model or mounting; two arms have the same prefix; the name
@@ -74,6 +76,31 @@ def srdf(*arms: ArmLike, name: str | None = None) -> str:
     return srdf_text(*_take(arms, name))
 
 
+def mesh_files(*arms: ArmLike) -> dict[str, bytes]:
+    """Return the looks of an arm, or of several, as meshes for `urdf(..., mesh_uri=...)`.
+
+    They are turned and lofted from the arms' lengths: housings, caps with marks, tubes, a flange.
+
+    Args:
+        arms: as for `urdf`.
+
+    Returns:
+        Binary STL files in metres and in the frames of the links, one for each link and colour, by
+        their names, such as `link_1_cap.stl`.
+
+    Raises:
+        ParameterError: as for `urdf`.
+    """
+    _, trees = _take(arms, "arms")
+    names = own_meshes(trees)
+    return {
+        names[link.name][colour]: stl(points, faces)
+        for tree in trees
+        for link in tree.links
+        for colour, (points, faces) in merged(link.looks).items()
+    }
+
+
 def mjcf(
     *arms: ArmLike,
     name: str | None = None,
@@ -82,8 +109,8 @@ def mjcf(
     """Return the MJCF of an arm, or of several in one world.
 
     It follows the conventions of MuJoCo Menagerie. Bodies, joints and frames have the names of the
-    URDF, position servos those of their joints. It has the keyframes `home`, `ahead` and `up`, but
-    no floor and no light.
+    URDF, position servos those of their joints. Its meshes are in the text. It has the keyframes
+    `home`, `ahead` and `up`, but no floor and no light.
 
     Args:
         arms: as for `urdf`.
@@ -143,9 +170,17 @@ def _take(arms: tuple[ArmLike, ...], name: str | None) -> tuple[str, list[ArmTre
 
 def _addresses(
     trees: list[ArmTree], meshes: str | os.PathLike[str] | None, uri: str | None
-) -> dict[str, str]:
+) -> dict[str, dict[str, str]]:
+    """Return the URIs of meshes: by link, by colour; "" for colours of their own."""
+    if meshes is None:
+        if uri is None:
+            return {}
+        return {
+            link: {colour: f"{uri.rstrip('/')}/{file}" for colour, file in files.items()}
+            for link, files in own_meshes(trees).items()
+        }
     found = find_meshes(meshes, trees, _URDF_KINDS)
     return {
-        link: path.as_uri() if uri is None else f"{uri.rstrip('/')}/{path.name}"
+        link: {"": path.as_uri() if uri is None else f"{uri.rstrip('/')}/{path.name}"}
         for link, path in found.items()
     }

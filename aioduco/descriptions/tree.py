@@ -13,6 +13,7 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.bodies import bodies, cylinder_inertia
+from aioduco.kinematics.looks import looks
 from aioduco.kinematics.mounting import base_in_world
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from aioduco.kinematics.bodies import Capsule
+    from aioduco.kinematics.looks import Look
     from aioduco.kinematics.mounting import MountingLike
     from aioduco.models.rotation import Array
 
@@ -135,8 +137,8 @@ class ArmDescription:
         solids = bodies(arm)
         chain = [name("base_link"), *(name(f"link_{i}") for i in range(1, 7))]
         links = [
-            LinkDescription(link, body.parts, body.mass, body.centre, body.inertia)
-            for link, body in zip(chain, solids, strict=True)
+            LinkDescription(link, body.parts, body.mass, body.centre, body.inertia, shown)
+            for link, body, shown in zip(chain, solids, looks(arm), strict=True)
         ]
         joints = []
         if self.mounting is not None:
@@ -188,10 +190,11 @@ class LinkDescription(NamedTuple):
 
     Attributes:
         name: name, with the prefix.
-        parts: capsules of its shape, in its frame.
+        parts: capsules that collide, in its frame.
         mass: mass [kg].
         centre: centre of mass in its frame [m]. Shape (3,).
         inertia: inertia about the centre of mass, along its frame's axes [kg m²]. Shape (3, 3).
+        looks: surfaces that are drawn, in its frame; empty to draw the capsules.
     """
 
     name: str
@@ -199,6 +202,7 @@ class LinkDescription(NamedTuple):
     mass: float = 0.0
     centre: Array = np.zeros(3)
     inertia: Array = np.zeros((3, 3))
+    looks: tuple[Look, ...] = ()
 
 
 class JointLimits(NamedTuple):

@@ -1,6 +1,7 @@
 """URDF: links with inertias and shapes, joints with limits.
 
-URDF has no capsule, so each capsule becomes a cylinder with a sphere at both ends, as usual.
+URDF has no capsule, so each capsule becomes a cylinder with a sphere at both ends, as usual. It
+has no meshes in its text either: without files of meshes, each surface becomes a cylinder.
 """
 
 from __future__ import annotations
@@ -12,45 +13,50 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from aioduco.descriptions.tree import WORLD
-from aioduco.descriptions.xml_text import COLOURS, bounds, numbers, pretty
+from aioduco.descriptions.xml_text import bounds, numbers, pretty, rgba
+from aioduco.kinematics.bodies import Capsule
+from aioduco.kinematics.looks import COLOURS
 from aioduco.models.rotation import rpy_from_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
-    from aioduco.kinematics.bodies import Capsule
     from aioduco.models.rotation import Array
 
 __all__ = ["urdf_text"]
 
 
-def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str]) -> str:
+def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Mapping[str, str]]) -> str:
     """Return the URDF of some arms in one world.
 
     Args:
         name: name of the robot.
         trees: the arms.
-        meshes: by link, the URI of a mesh to show instead of the link's own shape.
+        meshes: by link, the URIs of meshes to show, by the name of their colour; "" for meshes
+            with colours of their own.
     """
     robot = ET.Element("robot", name=name)
-    for colour, rgba in COLOURS.items():
-        ET.SubElement(ET.SubElement(robot, "material", name=f"duco_{colour}"), "color", rgba=rgba)
+    for colour, value in COLOURS.items():
+        material = ET.SubElement(robot, "material", name=f"duco_{colour}")
+        ET.SubElement(material, "color", rgba=rgba(value))
     if any(joint.parent == WORLD for tree in trees for joint in tree.joints):
         ET.SubElement(robot, "link", name=WORLD)
     for tree in trees:
         for link in tree.links:
-            _link(robot, link, meshes.get(link.name), flat=link is tree.links[0])
+            _link(robot, link, meshes.get(link.name, {}), flat=link is tree.links[0])
         for joint in tree.joints:
             _joint(robot, joint)
     return pretty(
         robot,
-        "Shapes are simple ones, for collisions and pictures. Masses are the vendor's, inertias "
+        "Shapes are made from lengths, capsules for collisions. Masses are the vendor's, inertias "
         "those of solid cylinders.",
     )
 
 
-def _link(robot: ET.Element, link: LinkDescription, mesh: str | None, *, flat: bool) -> None:
+def _link(
+    robot: ET.Element, link: LinkDescription, meshes: Mapping[str, str], *, flat: bool
+) -> None:
     element = ET.SubElement(robot, "link", name=link.name)
     if link.mass > 0.0:
         inertial = ET.SubElement(element, "inertial")
@@ -64,21 +70,34 @@ def _link(robot: ET.Element, link: LinkDescription, mesh: str | None, *, flat: b
                 for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
             },
         )
-    for kind in ("visual", "collision"):
-        if kind == "visual" and mesh is not None:
-            visual = ET.SubElement(element, kind)
-            ET.SubElement(visual, "origin", xyz="0 0 0", rpy="0 0 0")
-            ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=mesh)
-            continue
-        for number, part in enumerate(link.parts):
-            # The base must not touch the surface on which it stands.
-            for shape, size, xyz, rpy in _shapes(part, flat=flat and number == 0):
-                solid = ET.SubElement(element, kind)
-                ET.SubElement(solid, "origin", xyz=numbers(xyz), rpy=numbers(rpy))
-                ET.SubElement(ET.SubElement(solid, "geometry"), shape, size)
-                if kind == "visual":
-                    colour = "duco_blue" if part.joint else "duco_light"
-                    ET.SubElement(solid, "material", name=colour)
+    for colour, uri in meshes.items():
+        visual = _solid(element, "visual", np.zeros(3), np.zeros(3), "mesh", {"filename": uri})
+        _paint(visual, colour)
+    if not meshes:
+        for look in link.looks:
+            cylinder = Capsule(tuple(look.start), tuple(look.end), look.radius)
+            kind, size, xyz, rpy = next(_shapes(cylinder, flat=True))
+            _paint(_solid(element, "visual", xyz, rpy, kind, size), look.colour)
+    for number, part in enumerate(link.parts):
+        # The base must not touch the surface on which it stands.
+        for kind, size, xyz, rpy in _shapes(part, flat=flat and number == 0):
+            if not meshes and not link.looks:
+                _paint(_solid(element, "visual", xyz, rpy, kind, size), "body")
+            _solid(element, "collision", xyz, rpy, kind, size)
+
+
+def _solid(
+    link: ET.Element, purpose: str, xyz: Array, rpy: Array, kind: str, size: dict[str, str]
+) -> ET.Element:
+    solid = ET.SubElement(link, purpose)
+    ET.SubElement(solid, "origin", xyz=numbers(xyz), rpy=numbers(rpy))
+    ET.SubElement(ET.SubElement(solid, "geometry"), kind, size)
+    return solid
+
+
+def _paint(visual: ET.Element, colour: str) -> None:
+    if colour:
+        ET.SubElement(visual, "material", name=f"duco_{colour}")
 
 
 def _shapes(part: Capsule, *, flat: bool) -> Iterator[tuple[str, dict[str, str], Array, Array]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 from aioduco.models.bounds import shown
@@ -10,15 +10,17 @@ from aioduco.models.bounds import shown
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["COLOURS", "bounds", "numbers", "pretty"]
-
-COLOURS: Final = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
-"""Colours of the arm by name, as RGBA."""
+__all__ = ["bounds", "numbers", "pretty", "rgba"]
 
 
 def numbers(values: Iterable[float]) -> str:
     """Return numbers with twelve digits; a rounding error of zero becomes zero."""
     return " ".join(f"{round(float(value), 14) + 0.0:.12g}" for value in values)
+
+
+def rgba(colour: Iterable[float]) -> str:
+    """Return an opaque colour as red, green, blue and 1."""
+    return f"{numbers(colour)} 1"
 
 
 def bounds(low: float, high: float) -> tuple[str, str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco.models.rotation import quaternion_from_matrix
 from aioduco.planning.clearance import FURTHEST, Clearance
-from aioduco.sim.physics.model import assemble, compiled, mjcf, part
+from aioduco.sim.physics.model import assemble, mjcf, part
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["CollisionChecker", "build"]
+__all__ = ["CollisionChecker", "specification"]
 
 _PREFIXES = ("scene/", "tool/")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
@@ -34,7 +34,7 @@ _BESIDE = 0.01  # from an end, up to which no more is kept than there [m of the 
 _ROUNDING = 1e-7  # by which a distance at an end may be exceeded all the same [m]
 
 
-def build(
+def specification(
     arm: Arm,
     mounting: Pose,
     *,
@@ -45,7 +45,7 @@ def build(
     attached: Mapping[str, NDArray[np.float64]],
     allowed: Iterable[tuple[str, str]],
 ) -> Any:
-    """Compile an arm with its scene.
+    """Build MuJoCo's specification of an arm with its scene.
 
     Args:
         arm: the arm.
@@ -78,7 +78,7 @@ def build(
         spec.add_exclude(bodyname1="tool", bodyname2="link6")
     for one, other in allowed:
         spec.add_exclude(bodyname1=_body(spec, one), bodyname2=_body(spec, other))
-    return compiled(spec)
+    return spec
 
 
 def _body(spec: Any, name: str) -> str:
@@ -91,7 +91,7 @@ class CollisionChecker:
     """Tells whether an arm in a configuration touches its scene or itself. For use in one thread.
 
     Args:
-        model: MuJoCo model, as `build` gives it; it is modified.
+        model: MuJoCo model of a `specification`; it is modified.
         padding: distance below which bodies count as touching [m].
         positions: positions of the loose things in the scene; None for where they were put.
 

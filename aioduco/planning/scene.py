@@ -315,11 +315,14 @@ class Scene:
         camera: Camera | None = None,
     ) -> Iterator[NDArray[np.uint8]]:
         """Draw several configurations, one after another, by one process: see `picture`."""
-        from aioduco.sim.view.camera import towards  # noqa: PLC0415 - for pictures alone
+        spec = self._specification()
+        from aioduco.sim.physics.model import dressed  # noqa: PLC0415 - for pictures alone
+        from aioduco.sim.view.camera import towards  # noqa: PLC0415
         from aioduco.sim.view.render import PictureProcess  # noqa: PLC0415
 
         seen = towards(self.arm, self.mounting) if camera is None else camera
-        studio = PictureProcess(self.compiled())
+        model = dressed(spec, self.arm)
+        studio = PictureProcess(lambda: model)
         try:
             for joints in configurations:
                 positions = np.concatenate([Joints.of(joints).array, self.loose])
@@ -331,24 +334,31 @@ class Scene:
 
     def compiled(self) -> Any:
         """MuJoCo's model of the arm in its scene. Callers must not change it."""
+        with self._lock:
+            if self._model is None:
+                spec = self._specification()
+                from aioduco.sim.physics.model import compiled  # noqa: PLC0415
+
+                self._model = compiled(spec)
+            return self._model
+
+    def _specification(self) -> Any:
         try:
-            from aioduco.planning.collision import build  # noqa: PLC0415 - needs an extra
+            from aioduco.planning.collision import specification  # noqa: PLC0415 - needs an extra
         except ModuleNotFoundError as error:
             raise MissingExtra("a planning scene", "mujoco", "plan") from error
 
         with self._lock:
-            if self._model is None:
-                self._model = build(
-                    self.arm,
-                    self.mounting,
-                    pedestal=self._pedestal,
-                    around=self._around,
-                    tool=self._tool,
-                    things=self._mjcf(),
-                    attached=self._attached,
-                    allowed=sorted(self._allowed),
-                )
-            return self._model
+            return specification(
+                self.arm,
+                self.mounting,
+                pedestal=self._pedestal,
+                around=self._around,
+                tool=self._tool,
+                things=self._mjcf(),
+                attached=self._attached,
+                allowed=sorted(self._allowed),
+            )
 
     def checker(self) -> CollisionChecker:
         """Make a new collision checker of the scene as it is now, for one thread."""

@@ -144,7 +144,7 @@ class SimulatorAssembly:
             except OSError:
                 self.server.close()
                 raise
-        self.pictures: PictureProcess = PictureProcess(self.world.model)
+        self.pictures: PictureProcess = PictureProcess(self.world.drawn)
 
     def _connect_gripper(self, hand: Hand, settings: SimulatorSettings) -> None:
         slave = slave_of(hand)

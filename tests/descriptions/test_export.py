@@ -18,14 +18,18 @@ from aioduco.descriptions import (
     ArmDescription,
     Capsule,
     ToolDescription,
+    mesh_files,
     mjcf,
     mjcf_scene,
     moveit,
     srdf,
     urdf,
 )
+from aioduco.descriptions.meshes import stl
 from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.ros1.launch_package import launch_package
+from aioduco.kinematics import arm
+from aioduco.kinematics.looks import looks, merged
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -64,6 +68,35 @@ def test_files_are_written(
     assert done.stdout.split() == [str(folder / name) for name in files]
 
 
+def test_meshes_of_the_arms_lengths_are_written_beside_their_addresses(tmp_path: Path) -> None:
+    done = run("urdf", "--mesh-uri", "package://mine/meshes/", "-o", str(tmp_path))
+    assert done.exit_code == 0, done.output
+    files = {path.name: path.read_bytes() for path in (tmp_path / "meshes").iterdir()}
+    assert files == mesh_files("gcr5_910")
+    described = ET.parse(tmp_path / "gcr5_910.urdf").findall("link/visual")
+    shown = {
+        visual.find("geometry/mesh").get("filename"): visual.find("material").get("name")  # type: ignore[union-attr]
+        for visual in described
+    }
+    assert shown == {
+        f"package://mine/meshes/{name}": f"duco_{Path(name).stem.rpartition('_')[2]}"
+        for name in files
+    }
+    assert done.stdout.split() == [str(tmp_path / "gcr5_910.urdf"), str(tmp_path / "meshes")]
+
+
+def test_meshes_are_read_by_others(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    for link in looks(arm("gcr3_618")):
+        for points, faces in merged(link).values():
+            (tmp_path / "part.stl").write_bytes(stl(points, faces))
+            read = trimesh.load_mesh(tmp_path / "part.stl")
+            assert read.is_watertight
+            assert read.volume == pytest.approx(
+                trimesh.Trimesh(points, faces, process=False).volume, rel=1e-3
+            )
+
+
 def test_a_package_of_ros_1_starts_each_arm_of_its_urdf(tmp_path: Path) -> None:
     models = ["--model", "gcr5_910", "--prefix", "left_", "--mounting", "0,0.4,0,0,0,0"]
     models += ["--model", "gcr3_618", "--prefix", "right_", "--mounting", "wall"]
@@ -89,6 +122,11 @@ def test_a_package_of_ros_1_starts_each_arm_of_its_urdf(tmp_path: Path) -> None:
     own = [node.get("type") for node in launch.findall(f"node[@pkg='{package.name}']")]
     assert set(own) == {path.name for path in (package / "scripts").iterdir()}
     assert all(path.stat().st_mode & 0o111 for path in (package / "scripts").iterdir())
+    meshes = {
+        mesh.get("filename", "").removeprefix("package://cell_bringup/meshes/")
+        for mesh in tree.findall("link/visual/geometry/mesh")
+    }
+    assert meshes == {path.name for path in (package / "meshes").iterdir()}
     shown = yaml.safe_load((package / "rviz" / "arm.rviz").read_text("utf-8"))
     assert shown["Visualization Manager"]["Global Options"]["Fixed Frame"] in links
 

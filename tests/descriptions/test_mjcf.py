@@ -12,6 +12,7 @@ import pytest
 from aioduco.descriptions import STATES, ArmDescription, mjcf, mjcf_scene
 from aioduco.kinematics import arm, models
 from aioduco.kinematics.bodies import ROTOR, bodies
+from aioduco.kinematics.looks import COLOURS, looks, merged
 
 from .test_urdf import GRIPPER, LEFT, RIGHT, configurations
 
@@ -73,7 +74,9 @@ def test_it_follows_the_conventions_of_menagerie() -> None:
     loaded = mujoco.MjModel.from_xml_string(mjcf("gcr5_910"))
     seen, touched = loaded.geom_group == 2, loaded.geom_group == 3
     assert (seen | touched).all()
-    assert seen.sum() == touched.sum() == sum(len(b.parts) for b in bodies(arm("gcr5_910")))
+    known = arm("gcr5_910")
+    assert touched.sum() == sum(len(body.parts) for body in bodies(known))
+    assert seen.sum() == sum(len(merged(link)) for link in looks(known))
     assert not loaded.geom_contype[seen].any()
     assert not loaded.geom_conaffinity[seen].any()
     assert loaded.geom_contype[touched].all()
@@ -116,7 +119,31 @@ def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
     (tmp_path / "link_3.obj").write_text(text, encoding="utf-8")
     plain = mujoco.MjModel.from_xml_string(mjcf("gcr5_910"))
     loaded = mujoco.MjModel.from_xml_string(mjcf("gcr5_910", meshes=tmp_path))
-    assert loaded.nmesh == 1
-    assert loaded.mesh(0).name == "link_3"
+    names = [loaded.mesh(i).name for i in range(loaded.nmesh)]
+    assert [name for name in names if name.startswith("link_3")] == ["link_3"]
     assert np.allclose(loaded.body_mass, plain.body_mass)
     assert (loaded.geom_group == 3).sum() == (plain.geom_group == 3).sum()
+
+
+@pytest.mark.parametrize("model", models())
+def test_the_looks_are_in_the_frames_of_the_links(model: str) -> None:
+    """MuJoCo turns each mesh to its own axes; where its points are then must be where they were."""
+    loaded, known = mujoco.MjModel.from_xml_string(mjcf(model)), arm(model)
+    for number, parts in enumerate(looks(known)):
+        body = loaded.body(f"link_{number}" if number else "base_link").id
+        for colour, (points, _) in merged(parts).items():
+            (geom,) = (
+                geom
+                for geom in range(loaded.ngeom)
+                if loaded.geom_bodyid[geom] == body
+                and (loaded.geom_group[geom] == 2)
+                and loaded.mat(loaded.geom_matid[geom]).name == colour
+            )
+            mesh = loaded.geom_dataid[geom]
+            first, count = loaded.mesh_vertadr[mesh], loaded.mesh_vertnum[mesh]
+            turn = np.zeros(9)
+            mujoco.mju_quat2Mat(turn, loaded.geom_quat[geom])
+            found = loaded.mesh_vert[first : first + count] @ turn.reshape(3, 3).T
+            found += loaded.geom_pos[geom]
+            assert np.abs(found - points).max() < 1e-5
+            assert loaded.mat(colour).rgba == pytest.approx([*COLOURS[colour], 1.0], abs=1e-6)

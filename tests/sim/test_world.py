@@ -283,3 +283,19 @@ def test_reset_stands_elsewhere_at_once() -> None:
     np.testing.assert_array_equal(world.q, np.zeros(6))
     np.testing.assert_array_equal(world.qd, np.zeros(6))
     np.testing.assert_allclose(world.flange(), FIVE.fkine(np.zeros(6)), atol=1e-12)
+
+
+def test_what_is_drawn_differs_only_in_what_is_seen(any_arm: Arm) -> None:
+    """Looks instead of the bodies that collide: they touch nothing, and all is where it was."""
+    world = World(any_arm, scene="<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>")
+    drawn = world.drawn()
+    for size in ("nq", "nv", "nbody", "nsite", "nu"):
+        assert getattr(drawn, size) == getattr(world.model, size)
+    np.testing.assert_array_equal(drawn.body_mass, world.model.body_mass)
+    touching = drawn.geom_contype | drawn.geom_conaffinity
+    assert np.count_nonzero(touching) == world.model.ngeom
+    for geom in range(drawn.ngeom):
+        of_arm = drawn.body(drawn.geom_bodyid[geom]).name.startswith(("base", "link", "flange"))
+        hidden = drawn.geom_group[geom] > 2  # MuJoCo draws the groups 0 to 2
+        assert hidden == bool(of_arm and touching[geom])
+    assert not (world.model.geom_type == mujoco.mjtGeom.mjGEOM_MESH).any()

@@ -111,7 +111,7 @@ class PhysicsArm:
         self._tuning = ServoTuning(_V, _A, _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC)
         self._follower = ServoFollower(arm, home, task.cycle)
         self._drive = JointSetPoint.at_rest(home)
-        self._pictures = PictureProcess(self._world.model)
+        self._pictures = PictureProcess(self._world.drawn)
 
     def restart(self, things: Mapping[str, tuple[float, ...]]) -> None:
         """Begin an episode."""

@@ -1,7 +1,6 @@
 """The arm and its surroundings in 3D, drawn by viser for pages of the panel's own port.
 
-Pages only view it: it has no controls, and no message of a page reaches it. The shapes are
-those of `aioduco.kinematics`: lengths of the arm, thickness from photographs, no vendor's meshes.
+Pages only view it: it has no controls, and no message of a page reaches it.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from viser import transforms
 from aioduco.envelope import Zone
 from aioduco.integrations.panel.picture_door import portless
 from aioduco.kinematics.bodies import bodies
+from aioduco.kinematics.looks import COLOURS, looks, merged
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,16 +35,12 @@ if TYPE_CHECKING:
 
 __all__ = ["ArmScene"]
 
-_TUBE: Final = (214, 219, 226)
-_HOUSING: Final = (57, 110, 165)
 _TOLD: Final = (255, 170, 40)
 _AIM: Final = (60, 190, 120)
 _KEEP_OUT: Final = (215, 60, 60)
 _KEEP_IN: Final = (70, 150, 230)
 #: difference of joints below which two arms are drawn as one [rad]
 _SAME: Final = 0.01
-#: number of edges of a round shape
-_ROUND: Final = 24
 
 
 class _SilentViser(viser.ViserServer):
@@ -148,11 +144,12 @@ class ArmScene:
     def _add_arm(
         self, arm: Arm, which: str, colour: Colour | None, opacity: float | None
     ) -> tuple[Any, list[Any]]:
-        """Add a frame for each link in that of the previous link, and the link's parts in it."""
+        """Add a frame for each link in that of the previous link, and the link's looks in it."""
         draw = self._server.scene
         path = f"/base/{which}"
         root = draw.add_frame(path, show_axes=False, visible=colour is None)
         links = []
+        shown = looks(arm)
         for number, body in enumerate(bodies(arm)):
             if number:
                 path = f"{path}/{number}"
@@ -164,11 +161,9 @@ class ArmScene:
                         wxyz=_quaternion(np.asarray(body.rotation)),
                     )
                 )
-            for part, capsule in enumerate(body.parts):
-                vertices, faces = _capsule(capsule.start, capsule.end, capsule.radius)
+            for name, (points, faces) in merged(shown[number]).items():
                 draw.add_mesh_simple(
-                    f"{path}/part{part}", vertices, faces, opacity=opacity,
-                    color=colour or (_HOUSING if capsule.joint else _TUBE),
+                    f"{path}/{name}", points, faces, opacity=opacity, color=colour or COLOURS[name],
                     cast_shadow=colour is None, receive_shadow=False,
                 )  # fmt: skip
         return root, links
@@ -242,32 +237,3 @@ def _towards(axis: Array) -> Array:
     x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
-
-
-def _capsule(
-    start: Sequence[float], end: Sequence[float], radius: float
-) -> tuple[Array, NDArray[np.uint32]]:
-    """A cylinder with round ends as vertices and triangles: rings along its axis."""
-    along = np.subtract(end, start)
-    length = float(np.linalg.norm(along))
-    frame = _towards(along) if length else np.eye(3)
-    bend = np.linspace(-math.pi / 2, math.pi / 2, _ROUND // 2 + 2)
-    middle = len(bend) // 2
-    heights = radius * np.sin(bend) + np.where(np.arange(len(bend)) >= middle, length, 0.0)
-    around = np.linspace(0.0, 2 * math.pi, _ROUND, endpoint=False)
-    wide = radius * np.cos(bend)[:, None]
-    rings = np.stack(
-        [
-            wide * np.cos(around),
-            wide * np.sin(around),
-            np.broadcast_to(heights[:, None], (len(bend), _ROUND)),
-        ],
-        axis=-1,
-    )
-    vertices = rings.reshape(-1, 3) @ frame.T + np.asarray(start)
-    faces = []
-    for ring in range(len(bend) - 1):
-        for edge in range(_ROUND):
-            a, b = ring * _ROUND + edge, ring * _ROUND + (edge + 1) % _ROUND
-            faces += [(a, b, b + _ROUND), (a, b + _ROUND, a + _ROUND)]
-    return vertices, np.array(faces, dtype=np.uint32)

@@ -11,6 +11,7 @@ import numpy as np
 
 from aioduco.errors import SceneError
 from aioduco.kinematics.bodies import ROTOR, Body, bodies
+from aioduco.kinematics.looks import COLOURS, looks, merged
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import quaternion_from_matrix
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["FREQUENCY", "SERVOS", "assemble", "compiled", "compose", "mjcf", "part"]
+__all__ = ["FREQUENCY", "SERVOS", "assemble", "compiled", "compose", "dressed", "mjcf", "part"]
 
 FREQUENCY = 2 * math.pi * 25
 """Natural frequency of the position servos with the arm at its lightest [rad/s]."""
@@ -31,6 +32,7 @@ FREQUENCY = 2 * math.pi * 25
 SERVOS = 5
 """Group of the servos, which lose their power together; a scene's drives are in others."""
 
+_HIDDEN = 3  # group of geoms that are not drawn
 # MuJoCo's friction yields a little under load: these are its stiffest parameters.
 _FIRM = "0.9999 0.9999 0.001 0.5 2"
 _GAP = 0.01  # between the base and what it stands on, so that a link may come close to it [m]
@@ -213,6 +215,34 @@ def assemble(arm: str, scene: str | None, tool: str | None) -> Any:
             spec.delete(spec.geom("floor"))
         spec.attach(around, prefix="scene/", frame=spec.worldbody.add_frame())
     return spec
+
+
+def dressed(spec: Any, arm: Arm) -> Any:
+    """Compile a specification for pictures: the arm shows its looks, not the bodies that collide.
+
+    Only what is drawn differs: positions and bodies are those of the model that moves, which has no
+    meshes, since it is compiled more often than it is drawn.
+
+    Args:
+        spec: specification, as `assemble` gives it; it is not changed.
+        arm: its arm.
+    """
+    shown = spec.copy()
+    for number, parts in enumerate(looks(arm)):
+        name = f"link{number}" if number else "base"
+        body = shown.body(name)
+        for geom in body.geoms:
+            if geom.name.startswith(f"{name}_"):
+                geom.group = _HIDDEN
+        for colour, (points, faces) in merged(parts).items():
+            mesh = f"{name}_{colour}"
+            shown.add_mesh(name=mesh, uservert=points.ravel(), userface=faces.ravel())
+            body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh, rgba=(*COLOURS[colour], 1.0),
+                contype=0, conaffinity=0, mass=0.0,
+            )  # fmt: skip
+    shown.geom("flange_0").group = _HIDDEN
+    return compiled(shown)
 
 
 def compiled(spec: Any) -> Any:

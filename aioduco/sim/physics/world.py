@@ -12,7 +12,7 @@ from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matr
 from aioduco.sim.cycle import PlantReading
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
 from aioduco.sim.physics.gripper import Hand, gripper_mjcf
-from aioduco.sim.physics.model import SERVOS, compose, mjcf
+from aioduco.sim.physics.model import SERVOS, assemble, compiled, compose, dressed, mjcf
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -106,7 +106,8 @@ class World:
         if gripper is not None:
             tool = gripper_mjcf(gripper)
         bare = mjcf(arm, timestep, self.mounting, pedestal=pedestal)
-        self.model: Any = compose(bare, scene, tool)
+        self._spec = assemble(bare, scene, tool)
+        self.model: Any = compiled(self._spec)
         self.data: Any = mujoco.MjData(self.model)
         #: the gripper, if there is one
         self.hand: Hand | None = None
@@ -303,6 +304,10 @@ class World:
     def time(self) -> float:
         """Simulated time since the last reset [s]."""
         return float(self.data.time)
+
+    def drawn(self) -> Any:
+        """Compile the model for pictures, with the looks of the arm."""
+        return dressed(self._spec, self.arm)
 
     @property
     def positions(self) -> Array:

@@ -6,7 +6,6 @@ drivers may crash. Neither may disturb a controller with a cycle of a millisecon
 
 from __future__ import annotations
 
-import copy
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ from aioduco.sim.view.camera import Camera
 from aioduco.sim.view.drawing import ADVICE, PictureRequest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -36,16 +35,23 @@ class PictureProcess:
     """Draws pictures of one model in a separate process.
 
     Args:
-        model: MuJoCo model; it is copied.
-
-    Attributes:
-        model: the copy, which is never changed.
+        compiled: returns the MuJoCo model; called when it is first needed.
     """
 
-    def __init__(self, model: Any) -> None:
-        self.model: Any = copy.copy(model)
+    def __init__(self, compiled: Callable[[], Any]) -> None:
+        self._compiled = compiled
+        self._model: Any = None
+        self._compiling = threading.Lock()
         self._lock = threading.Lock()
         self._process: LinkedProcess | None = None
+
+    @property
+    def model(self) -> Any:
+        """The MuJoCo model. Callers must not change it."""
+        with self._compiling:
+            if self._model is None:
+                self._model = self._compiled()
+            return self._model
 
     def picture(
         self,

@@ -230,7 +230,7 @@ def _pictures(report: PreflightReport) -> str:
     arm = arm_of(cell["model"])
     mounting = mounting_of(cell.get("mounting") or "floor", arm, cell.get("pedestal") or 0.0)
     camera = towards(arm, mounting)
-    studio = PictureProcess(world.model)
+    studio = PictureProcess(world.drawn)
     try:
         figures = [
             f'<figure><img width="{_SIZE[0] - 20}" alt="the arm" src="data:image/png;base64,'
