@@ -42,9 +42,16 @@ def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Mapping[
         ET.SubElement(material, "color", rgba=rgba(value))
     if any(joint.parent == WORLD for tree in trees for joint in tree.joints):
         ET.SubElement(robot, "link", name=WORLD)
+    carried = {joint.child for tree in trees for joint in tree.joints}
     for tree in trees:
         for link in tree.links:
-            _link(robot, link, meshes.get(link.name, {}), flat=link is tree.links[0])
+            _link(
+                robot,
+                link,
+                meshes.get(link.name, {}),
+                flat=link is tree.links[0],
+                carried=link.name in carried,
+            )
         for joint in tree.joints:
             _joint(robot, joint)
     return pretty(
@@ -54,22 +61,34 @@ def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Mapping[
     )
 
 
+def _inertial(link: LinkDescription) -> ET.Element:
+    inertial = ET.Element("inertial")
+    ET.SubElement(inertial, "origin", xyz=numbers(link.centre), rpy="0 0 0")
+    ET.SubElement(inertial, "mass", value=numbers([link.mass]))
+    ET.SubElement(
+        inertial,
+        "inertia",
+        {
+            f"i{a}{b}": numbers([link.inertia["xyz".index(a), "xyz".index(b)]])
+            for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
+        },
+    )
+    return inertial
+
+
 def _link(
-    robot: ET.Element, link: LinkDescription, meshes: Mapping[str, str], *, flat: bool
+    robot: ET.Element,
+    link: LinkDescription,
+    meshes: Mapping[str, str],
+    *,
+    flat: bool,
+    carried: bool,
 ) -> None:
     element = ET.SubElement(robot, "link", name=link.name)
-    if link.mass > 0.0:
-        inertial = ET.SubElement(element, "inertial")
-        ET.SubElement(inertial, "origin", xyz=numbers(link.centre), rpy="0 0 0")
-        ET.SubElement(inertial, "mass", value=numbers([link.mass]))
-        ET.SubElement(
-            inertial,
-            "inertia",
-            {
-                f"i{a}{b}": numbers([link.inertia["xyz".index(a), "xyz".index(b)]])
-                for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
-            },
-        )
+    # A massless frame is said to be one: PyBullet gives a link without inertia 1 kg. KDL takes no
+    # inertia of the root.
+    if link.mass > 0.0 or carried:
+        element.append(_inertial(link))
     for colour, uri in meshes.items():
         visual = _solid(element, "visual", np.zeros(3), np.zeros(3), "mesh", {"filename": uri})
         _paint(visual, colour)

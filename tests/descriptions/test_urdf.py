@@ -159,6 +159,21 @@ def test_two_arms_stand_where_they_are_mounted() -> None:
         assert np.abs(tip.xmat.reshape(3, 3) - expected[:3, :3]).max() < 1e-9
 
 
+@pytest.mark.parametrize("mounting", ["floor", None])
+def test_a_frame_is_said_to_have_no_mass_for_readers_that_assume_one(mounting: Any) -> None:
+    """PyBullet gives 1 kg to a link without inertia; KDL takes none of the root."""
+    robot = ET.fromstring(urdf(ArmDescription("gcr5_910", mounting=mounting)))
+    carried = {each.attrib["link"] for each in robot.iter("child")}
+    told = {
+        link.attrib["name"]: float(mass.attrib["value"])
+        for link in robot.iter("link")
+        if (mass := link.find("inertial/mass")) is not None
+    }
+    assert set(told) == carried
+    assert told["flange"] == told["tool0"] == 0.0
+    assert sum(told.values()) == pytest.approx(sum(arm("gcr5_910").masses))
+
+
 def test_a_tool_has_its_mass_where_it_is() -> None:
     loaded = read_by_mujoco(urdf(ArmDescription("gcr5_910", tool=GRIPPER)))
     tool = loaded.body("tool")
