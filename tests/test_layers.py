@@ -168,8 +168,9 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     },
     "simulator": {
         *("assembly", "cabinet", "controller", "physics", "server", "view"),
-        *("runtime", "clock", "scene", "process", "forgiving"),
+        *("runtime", "clock", "scene", "process", "forgiving", "part_faults"),
     },
+    "part_faults": {"assembly", "physics"},
     "console": {"simulator"},
     "spawned": {"simulator"},
     "__main__": {"spawned"},

@@ -62,7 +62,9 @@ def preflight(
     quiet: Annotated[
         bool, typer.Option("--quiet", help="Do not show the program's output.")
     ] = False,
-    vary: Annotated[str, typer.Option(help="What to vary: start,latency,faults,payload.")] = "",
+    vary: Annotated[
+        str, typer.Option(help="What to vary: start,latency,faults,payload,parts.")
+    ] = "",
     seed: Annotated[
         int, typer.Option(min=0, help="Seed of the variation; with --runs the first one.")
     ] = 0,

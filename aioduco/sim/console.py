@@ -149,6 +149,57 @@ def _load(sim: Simulator, words: list[str]) -> None:
     sim.load(mass, centre or (0.0, 0.0, 0.0))
 
 
+def _where(sim: Simulator, words: list[str]) -> str:
+    if len(words) != 1:
+        raise _Misuse("which part?")
+    found = sim.where(words[0])
+    numbers = " ".join(f"{number:.4f}" for number in found.pose)
+    doing = "held" if found.held else "not held"
+    return f"at {numbers} m, rad; {doing}; touches {', '.join(found.touches) or 'nothing'}"
+
+
+def _parts(sim: Simulator, words: list[str]) -> str:
+    _nothing(words)
+    return " ".join(sim.parts) or "there is none"
+
+
+def _drop_part(sim: Simulator, words: list[str]) -> None:
+    sim.drop_part(*_numbers(words, 0, 1))
+
+
+def _remove(sim: Simulator, words: list[str]) -> None:
+    if len(words) != 1:
+        raise _Misuse("which part?")
+    sim.remove_part(words[0])
+
+
+def _put(sim: Simulator, words: list[str]) -> None:
+    if not words:
+        raise _Misuse("which part?")
+    numbers = _numbers(words[1:], 3, 6)
+    sim.put_part(words[0], numbers + [0.0] * (6 - len(numbers)))
+
+
+def _stick(sim: Simulator, words: list[str]) -> None:
+    if len(words) not in (2, 3):
+        raise _Misuse("which two parts?")
+    sim.stick_parts(*words[:2], stuck=len(words) == 2 or _switch(words[2:]))
+
+
+def _grip(sim: Simulator, words: list[str]) -> None:
+    sim.set_grip(*_numbers(words, 1))
+
+
+def _mass(sim: Simulator, words: list[str]) -> None:
+    if not words:
+        raise _Misuse("which part?")
+    sim.set_part_mass(words[0], *_numbers(words[1:], 1))
+
+
+def _wear(sim: Simulator, words: list[str]) -> None:
+    sim.wear_tool(*_numbers(words, 1))
+
+
 def _mode(sim: Simulator, words: list[str]) -> None:
     modes = {mode.name.lower(): mode for mode in OperationMode}
     if len(words) != 1 or words[0] not in modes:
@@ -197,6 +248,15 @@ COMMANDS: dict[str, _Command] = {
         _Command("push [FX FY FZ [TX TY TZ]]", "push at the flange; alone: end the push", _push),
         _Command("collide JOINT", "let a joint detect a collision", _collide),
         _Command("load KG [X Y Z]", "hang a load on the flange", _load),
+        _Command("parts", "name the loose things of the scene", _parts),
+        _Command("where PART", "tell where a part is, and what it touches", _where),
+        _Command("drop-part [SECONDS]", "let the gripper lose what it holds", _drop_part),
+        _Command("remove PART", "take a part away", _remove),
+        _Command("put PART X Y Z [RX RY RZ]", "put a part there", _put),
+        _Command("stick PART PART [off]", "have two parts stick together", _stick),
+        _Command("grip SHARE", "grip worse, 0 to 1; 1: as usual", _grip),
+        _Command("mass PART KG", "give a part another mass", _mass),
+        _Command("wear METRES", "shorten the tool", _wear),
         _Command("mode manual|auto|remote", "turn the mode switch", _mode),
         _Command("drop", "cut every connection, as a pulled cable does", _drop),
         _Command("speed FACTOR", "go faster or slower than the wall clock", _speed),

@@ -19,6 +19,7 @@ import logging
 import math
 import threading
 import time
+from collections import deque
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
@@ -164,6 +165,7 @@ class SimulationRuntime:
         self._misplaced: Exception | None = None
         self._busy: bool = False
         self._braked: bool | None = None
+        self._changes: deque[Callable[[], object]] = deque()
         #: whether one of the following values was changed
         self._plant_dirty: bool = False
         self._push: Sequence[float] = _NO_PUSH
@@ -331,6 +333,16 @@ class SimulationRuntime:
 
     def _newer(self, seen: SimulationSnapshot) -> bool:
         return self._snapshot is not seen or self._closing
+
+    def change_world(self, change: Callable[[], object]) -> None:
+        """Change the physics before the next cycle, on the thread that computes it.
+
+        Args:
+            change: must not raise an error, which would end the simulation.
+        """
+        self._changes.append(change)
+        self._plant_dirty = True
+        self._wake.set()
 
     def push(self, wrench: Sequence[float]) -> None:
         """Push at the flange from now on [N, N m], in the base frame."""
@@ -553,6 +565,8 @@ class SimulationRuntime:
         self._plant_dirty = (
             False  # first: a change that comes meanwhile is passed in the next cycle
         )
+        while self._changes:
+            self._changes.popleft()()
         if self._braked is not self._drive.brake:
             self._braked = self._drive.brake
             self._plant.brake(self._braked)
@@ -702,7 +716,7 @@ class SimulationRuntime:
 
     def _is_idle(self, cycles: int) -> bool:
         """Whether the arm has stood still for so long that the physics would change nothing."""
-        changing = self._busy or self._braked is not self._drive.brake
+        changing = self._busy or self._braked is not self._drive.brake or bool(self._changes)
         changing = changing or self._pushed is not self._push or any(self._pushed)
         changing = changing or self._loaded is not self._load
         changing = changing or self._carried is not self._carry or not self._plant.still

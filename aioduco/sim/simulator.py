@@ -26,7 +26,9 @@ from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
 from aioduco.sim.forgiving import Forgiving
-from aioduco.sim.physics.world import camera_of, pose_of
+from aioduco.sim.part_faults import PartFaults
+from aioduco.sim.physics.parts import pose_of
+from aioduco.sim.physics.world import camera_of
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS
@@ -66,7 +68,7 @@ _LARGEST_PUSH, _HEAVIEST, _FARTHEST = 1e4, 1000.0, 10.0
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
 
-class Simulator(Uncopied):
+class Simulator(PartFaults, Uncopied):
     """A simulated controller with its arm, on a TCP port of this computer.
 
     It runs in threads of this process, from entering its context to leaving it:
@@ -615,7 +617,7 @@ class Simulator(Uncopied):
         Raises:
             ParameterError: there is no such thing.
         """
-        return self._running().world.place(name)
+        return self._running().world.parts.place(name)
 
     @property
     def positions(self) -> NDArray[np.float64]:

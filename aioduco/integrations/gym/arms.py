@@ -107,7 +107,7 @@ class PhysicsArm:
             gripper=gripper_model(task.gripper) if task.gripper else None,
         )
         self._closed = False
-        self._thing = self._world.place(task.moved) if task.moved else slice(0)
+        self._thing = self._world.parts.place(task.moved) if task.moved else slice(0)
         self._tuning = ServoTuning(_V, _A, _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC)
         self._follower = ServoFollower(arm, home, task.cycle)
         self._drive = JointSetPoint.at_rest(home)

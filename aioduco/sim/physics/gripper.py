@@ -10,6 +10,8 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -33,6 +35,7 @@ _LEAD = 0.003
 #: time until a vacuum has built up, and until it is gone without blowing off [s]; assumptions
 _BUILD_UP, _FADING = 0.1, 0.2
 _CUP = 0.02  # radius of a cup [m]
+_SLIPPERY = 1e-5  # MuJoCo's smallest friction
 #: cosine of the largest angle at which a contact is one of a finger's inner face, or a cup's lip
 _FACING = 0.7
 
@@ -170,6 +173,10 @@ class Hand:
         self.reading: GripperReading = self._control.reading(gripper.stroke)
         self._suction_time = 0.0
         self._fading = 0.0
+        #: share of its usual grip, and seconds of holding after which it drops what it holds
+        self._grip, self._drop_after = 1.0, math.inf
+        self._dropped = -1  # number of the order whose part is being dropped
+        self._held_for = 0.0
         if gripper.stroke:
             self._at = [int(model.joint(f"tool/{side}").qposadr[0]) for side in ("left", "right")]
             self._by = [int(model.joint(f"tool/{side}").dofadr[0]) for side in ("left", "right")]
@@ -177,6 +184,44 @@ class Hand:
             self._pads = {model.geom("tool/left").id: -1.0, model.geom("tool/right").id: 1.0}
         else:
             self._cup: int = model.geom("tool/cup").id
+        self._friction = model.geom_friction[self.pads].copy()
+        self._gain = float(model.actuator_gainprm[self._actuator, 0])
+
+    @property
+    def pads(self) -> list[int]:
+        """Geoms by which it grips: the fingers, or the cup's lip."""
+        return list(self._pads) if self.gripper.stroke else [self._cup]
+
+    def is_pad(self, geom: int) -> bool:
+        """Whether it grips by this geom."""
+        return geom in self.pads
+
+    def drop(self, after: float) -> None:
+        """Lose what it holds, once, as soon as it has held it for some seconds."""
+        self._drop_after = after
+
+    def set_grip(self, share: float) -> None:
+        """Grip with a share of the usual friction or suction from now on, 0 to 1."""
+        self._grip = share
+        self._apply_grip()
+
+    def _apply_grip(self) -> None:
+        share = 0.0 if self._dropped == self._order.number else self._grip
+        if self.gripper.stroke:
+            self._model.geom_friction[self.pads] = np.maximum(share * self._friction, _SLIPPERY)
+        else:
+            self._model.actuator_gainprm[self._actuator, 0] = share * self._gain
+
+    def _lose(self, seconds: float) -> None:
+        """Drop what it holds when that is due, and grip as usual with the next order."""
+        held = self.reading.caught == 1
+        self._held_for = self._held_for + seconds if held else 0.0
+        if held and self._held_for >= self._drop_after:
+            self._drop_after, self._dropped = math.inf, self._order.number
+            self._apply_grip()
+        elif 0 <= self._dropped != self._order.number:
+            self._dropped = -1
+            self._apply_grip()
 
     def command(self, targets: Iterable[float], speed: float, force: float) -> int:
         """Give an order, from any thread; return its number."""
@@ -189,7 +234,7 @@ class Hand:
         self._order = GripperOrder(self._order.number, (), 0.0, 0.0)
         self._control = FingerControl(self.gripper.stroke)
         self.reading = self._control.reading(self.gripper.stroke)
-        self._suction_time = self._fading = 0.0
+        self._suction_time = self._fading = self._held_for = 0.0
 
     @property
     def still(self) -> bool:
@@ -229,6 +274,7 @@ class Hand:
 
     def step(self, seconds: float) -> None:
         """Drive the gripper for the world's next step [s]."""
+        self._lose(seconds)
         if self.gripper.stroke:
             self._drive(seconds)
         else:
@@ -252,7 +298,10 @@ class Hand:
         sucking = order.targets == (0.0,)
         if order.number != self.reading.number:
             self._fading = 0.0 if sucking or order.speed else _FADING
-        touching = bool((self._data.contact.geom == self._cup).any())
+        # A cup whose part is dropped has no vacuum until the next order.
+        touching = self._dropped != order.number and bool(
+            (self._data.contact.geom == self._cup).any()
+        )
         self._fading = max(0.0, self._fading - seconds)
         self._data.ctrl[self._actuator] = float(sucking or self._fading > 0.0)
         before = self._suction_time >= _BUILD_UP

@@ -8,11 +8,11 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matrix
 from aioduco.sim.cycle import PlantReading
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
 from aioduco.sim.physics.gripper import Hand, gripper_mjcf
 from aioduco.sim.physics.model import SERVOS, assemble, compiled, compose, dressed, mjcf
+from aioduco.sim.physics.parts import Parts, add_welds
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,18 +27,10 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["World", "camera_of", "pose_of"]
+__all__ = ["World", "camera_of"]
 
 _BRAKE = 0.5  # torque of a brake as a share of its drive's; an assumption
 _STILL = 1e-3  # speed below which a thing is at rest [m/s, rad/s]
-
-
-def pose_of(position: Array) -> Pose:
-    """Give the pose of a thing from its part of `World.positions`: see `World.place`."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = matrix_from_quaternion(position[3:])
-    matrix[:3, 3] = position[:3]
-    return Pose.from_matrix(matrix)
 
 
 def camera_of(model: Any, name: str, positions: Array) -> tuple[float, Array]:
@@ -107,12 +99,15 @@ class World:
             tool = gripper_mjcf(gripper)
         bare = mjcf(arm, timestep, self.mounting, pedestal=pedestal)
         self._spec = assemble(bare, scene, tool)
+        add_welds(self._spec)
         self.model: Any = compiled(self._spec)
         self.data: Any = mujoco.MjData(self.model)
         #: the gripper, if there is one
         self.hand: Hand | None = None
         if gripper is not None:
             self.hand = Hand(self.model, self.data, gripper)
+        #: the loose things of the scene
+        self.parts: Parts = Parts(self.model, self.data, self.hand, self.geom_label)
         # The servos' model: the arm with the tool and the load that was set, without the scene.
         self._known = InverseDynamics(compose(bare, None, tool))
         self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
@@ -172,29 +167,17 @@ class World:
         """
         self.reset(q)
         for name, pose in things.items():
-            at = Pose.of(pose)
-            self.data.qpos[self.place(name)] = [
-                *at[:3], *quaternion_from_matrix(at.matrix[:3, :3])
-            ]  # fmt: skip
+            self.parts.put(name, Pose.of(pose))
         mujoco.mj_forward(self.model, self.data)
 
-    def place(self, name: str) -> slice:
-        """Find a thing that may move on its own in `positions`: x, y, z [m], a quaternion.
+    def wear_tool(self, by: float) -> None:
+        """Move the tool or the gripper back into the flange, as if its tip were shorter by [m]."""
+        self.model.body_pos[self.tool_body, 2] = -by
 
-        Raises:
-            ParameterError: there is no such thing.
-        """
-        model = self.model
-        free = {
-            model.body(int(model.jnt_bodyid[i])).name.removeprefix("scene/"): int(
-                model.jnt_qposadr[i]
-            )
-            for i in range(model.njnt)
-            if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_FREE
-        }
-        if name not in free:
-            raise ParameterError("name", name, f"one of the things that may move: {sorted(free)}")
-        return slice(free[name], free[name] + 7)
+    @property
+    def tool_body(self) -> int:
+        """Number of the body of the tool or the gripper; -1 if there is none."""
+        return int(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, "tool"))
 
     def step(self, setpoint: JointSetPoint) -> None:
         """Advance by one time step, towards a set-point for its end.

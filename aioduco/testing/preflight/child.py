@@ -123,8 +123,7 @@ class _Child:
     def _attached(self, simulator: Simulator) -> None:
         self.clock.attach(simulator)
         self.recorder.attach(simulator)
-        if self.variation.payload:
-            simulator.load(self.variation.payload)
+        self.variation.apply(simulator)
 
     def _patch_simulators(self) -> None:
         """Make every simulator that the program starts the cell, however it is started."""

@@ -63,7 +63,8 @@ class PreflightSettings:
             are refused, since they could lead to an arm.
         patience: the program's time without a motion or a change after which it counts as hung [s].
         timeout: time of the wall clock after which the program is ended [s].
-        vary: quantities that a seed varies: "start", "latency", "faults", "payload".
+        vary: quantities that a seed varies: "start", "latency", "faults", "payload",
+            "parts".
         seed: seed of the variation.
 
     Raises:

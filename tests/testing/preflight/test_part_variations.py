@@ -1,0 +1,84 @@
+"""Faults of parts as a variation: they reach the cell, and find out a program that trusts it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box
+from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight.variation import Variation
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+PICKS = """
+import aioduco.sync
+from aioduco.devices.grippers import DigitalGripper
+from aioduco.kinematics import arm
+from aioduco.models.gripper_models import gripper_model
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, Table
+from aioduco.sim.simulator import READY
+
+frame = arm("gcr5_910").fkine(READY)
+at = (frame[:3, 3] + gripper_model("parallel").length * frame[:3, 2]).tolist()
+part = Box(at=at, size=(0.03, 0.03, 0.04), mass=0.3, name="part")
+tray = Table(at=(*at[:2], at[2] - 0.02), size=(0.4, 0.4))
+with Simulator(gripper="parallel", scene=[part, tray]) as sim:
+    with aioduco.sync.connect(sim.host, sim.port) as robot:
+        robot.bring_up()
+        with aioduco.sync.Gripper(
+            robot, DigitalGripper, 1, holds=1, opened=2, shut=3, travel_time=3.0, timeout=20.0
+        ) as gripper:
+            if not gripper.close().holding:
+                raise SystemExit("nothing there")
+"""
+
+
+CELL = [
+    Box(at=(0.5, 0.1, 0.03), size=(0.04, 0.04, 0.06), mass=0.3, name="near"),
+    Box(at=(0.5, 0.2, 0.03), size=(0.04, 0.04, 0.06), mass=0.3, name="far"),
+]
+
+
+def test_a_fault_of_a_part_is_applied_to_the_cell() -> None:
+    with Simulator(gripper="robotiq_2f85", scene=CELL, speed=math.inf) as sim:
+        world = sim._running().world
+        friction = world.model.geom_friction[world.hand.pads, 0].copy()
+
+        def wrong(kind: str) -> None:
+            Variation(parts=kind, part=0.7, extent=0.5).apply(sim)
+
+        wrong("slipping")
+        sim.wait_until(
+            lambda: np.allclose(world.model.geom_friction[world.hand.pads, 0], 0.5 * friction)
+        )
+        wrong("heavy")
+        sim.wait_until(lambda: sim.part_mass("far") == pytest.approx(1.3))
+        wrong("worn")
+        sim.wait_until(lambda: world.model.body_pos[world.tool_body, 2] == -0.0015)
+        wrong("stuck")
+        sim.wait_until(lambda: bool(world.data.eq_active.any()))
+        wrong("missing")
+        sim.wait_until(lambda: sim.where("far").pose.x > 900.0)
+        assert sim.part_mass("near") == pytest.approx(0.3)
+    for kind in ("slipping", "heavy", "worn", "stuck", "missing", "dropped"):
+        with Simulator() as bare:
+            Variation(parts=kind, part=0.7, extent=0.5).apply(bare)
+
+
+def test_a_program_that_trusts_its_part_is_found_out(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(PICKS)
+    seed = next(n for n in range(100) if Variation.of(("parts",), n).parts == "missing")
+    usual = preflight(str(program), (), PreflightSettings(timeout=110), quiet=True)
+    assert usual.ok, usual.findings
+    settings = PreflightSettings(vary=("parts",), seed=seed, timeout=110)
+    report = preflight(str(program), (), settings, quiet=True)
+    assert not report.ok
+    assert "nothing there" in report.findings[0].text
