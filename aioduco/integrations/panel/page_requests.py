@@ -19,6 +19,7 @@ __all__ = [
     "JointMotion",
     "LetGo",
     "LineMotion",
+    "MeasureStep",
     "PageAim",
     "PageBeat",
     "PageRequest",
@@ -28,6 +29,7 @@ __all__ = [
     "SetOutput",
     "SimulatorLine",
     "TakeControl",
+    "WriteMeasured",
     "page_request",
 ]
 
@@ -43,6 +45,9 @@ LONGEST: Final = 4096
 _AXES: Final = ("x", "y", "z", "rx", "ry", "rz")
 
 RobotVerb: TypeAlias = Literal["bring_up", "recover", "pause", "resume"]
+Step: TypeAlias = Literal["touch", "ahead", "beside", "pose", "drop_touch", "drop_pose", "clear"]
+Sensor: TypeAlias = Literal["torque", "force"]
+Written: TypeAlias = Literal["tip", "load", "held"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +194,32 @@ class SimulatorLine:
     line: str
 
 
+@dataclass(frozen=True, slots=True)
+class MeasureStep:
+    """Read what a step of a measurement needs, or forget something.
+
+    Attributes:
+        step: a touch, a position for the tool's axes, a pose of a load, or what to forget.
+        sensor: what is read of a load.
+    """
+
+    step: Step
+    sensor: Sensor
+
+
+@dataclass(frozen=True, slots=True)
+class WriteMeasured:
+    """Write a result of a measurement to the controller.
+
+    Attributes:
+        what: the tip of a tool, the load of a tool, or what the tool holds.
+        name: name of the tool, for the first two.
+    """
+
+    what: Written
+    name: str
+
+
 PageRequest: TypeAlias = (
     PageStop
     | TakeControl
@@ -200,6 +231,8 @@ PageRequest: TypeAlias = (
     | RobotAction
     | SetOutput
     | SimulatorLine
+    | MeasureStep
+    | WriteMeasured
 )
 
 
@@ -282,10 +315,7 @@ def _aim(data: dict[str, Any]) -> PageAim:
 
 
 def _action(data: dict[str, Any]) -> RobotAction:
-    verb: Any = data.get("verb")
-    if verb not in get_args(RobotVerb):
-        raise ParameterError("verb", verb, f"one of {', '.join(get_args(RobotVerb))}")
-    return RobotAction(verb)
+    return RobotAction(_one_of("verb", data.get("verb"), get_args(RobotVerb)))
 
 
 def _output(data: dict[str, Any]) -> SetOutput:
@@ -300,6 +330,21 @@ def _line(data: dict[str, Any]) -> SimulatorLine:
     return SimulatorLine(line)
 
 
+def _step(data: dict[str, Any]) -> MeasureStep:
+    step, sensor = (
+        _one_of(name, data.get(name), get_args(kind))
+        for name, kind in (("step", Step), ("sensor", Sensor))
+    )
+    return MeasureStep(step, sensor)
+
+
+def _written(data: dict[str, Any]) -> WriteMeasured:
+    what, name = _one_of("what", data.get("what"), get_args(Written)), data.get("name")
+    if not isinstance(name, str) or not name.isprintable() or len(name) > 32:
+        raise ParameterError("name", "…", "at most 32 printable characters")
+    return WriteMeasured(what, name)
+
+
 _REQUESTS: Final[dict[str, Callable[[dict[str, Any]], PageRequest]]] = {
     "stop": lambda _: PageStop(),
     "take": _token,
@@ -311,7 +356,15 @@ _REQUESTS: Final[dict[str, Callable[[dict[str, Any]], PageRequest]]] = {
     "do": _action,
     "output": _output,
     "simulator": _line,
+    "measure": _step,
+    "write": _written,
 }
+
+
+def _one_of(name: str, value: Any, allowed: tuple[Any, ...]) -> Any:
+    if not isinstance(value, str) or value not in allowed:
+        raise ParameterError(name, value, f"one of {', '.join(allowed)}")
+    return value
 
 
 def _number(name: str, value: Any, low: float, high: float) -> float:

@@ -33,6 +33,7 @@ from aioduco.integrations.panel.control_lease import (
     LeasePhase,
     RefusePage,
 )
+from aioduco.integrations.panel.measuring import Measurement, take_step, write
 from aioduco.integrations.panel.page_requests import (
     JOINT_ACCELERATION,
     LINE_ACCELERATION,
@@ -40,6 +41,7 @@ from aioduco.integrations.panel.page_requests import (
     JogMotion,
     JointMotion,
     LetGo,
+    MeasureStep,
     PageAim,
     PageBeat,
     PageStop,
@@ -48,6 +50,7 @@ from aioduco.integrations.panel.page_requests import (
     SetOutput,
     SimulatorLine,
     TakeControl,
+    WriteMeasured,
     page_request,
 )
 from aioduco.integrations.panel.page_server import PageServer
@@ -190,6 +193,7 @@ class Panel(Uncopied):
         self._commander: Robot | None = None
         self._scene: ArmScene | None = None
         self._arm = arm_of(model or _DRAWN_AS)
+        self._measured = Measurement(self._arm)
         self._all: TaskGroup | None = None
         self._work: TaskGroup | None = None
         self._lease_over = anyio.Event()
@@ -273,7 +277,7 @@ class Panel(Uncopied):
         self._seldom["arm"] = f"{arm} {version}".strip()
         found = None if self._model is not None else model_named(arm)
         if found is not None:
-            self._arm = found
+            self._arm = self._measured.arm = found
         elif self._model is None:
             self._note(
                 f"the controller tells no arm that is known: drawn as {_DRAWN_AS}", "warning"
@@ -313,6 +317,7 @@ class Panel(Uncopied):
             "history": list(self._history),
             "events": list(self._events),
             "seldom": self._seldom,
+            "measured": self._measured.as_json(),
         }
 
     def _take(self, page: int, message: str | bytes) -> None:
@@ -507,6 +512,9 @@ class Panel(Uncopied):
             put = io.set_tool_digital_out if request.tool else io.set_standard_digital_out
             said = f"{name} {'on' if request.on else 'off'}"
             work.start_soon(self._carry_out, name, lambda: put(request.num, request.on), said)
+        elif isinstance(request, MeasureStep | WriteMeasured):
+            if "measure" not in self._busy:
+                work.start_soon(self._measure, robot, request)
         elif isinstance(request, SimulatorLine) and self._simulator_port is not None:
             self._all.start_soon(self._simulate, request.line, self._simulator_port)
 
@@ -538,6 +546,19 @@ class Panel(Uncopied):
             self._busy.remove(name)
         self._note(said, "good")
         return True
+
+    async def _measure(self, robot: Robot, request: MeasureStep | WriteMeasured) -> None:
+        self._busy.append("measure")
+        try:
+            if isinstance(request, WriteMeasured):
+                self._note(await write(self._measured, robot, request), "good")
+            else:
+                await take_step(self._measured, robot, request)
+        except DucoError as error:
+            self._note(f"measurement: {error}", "alarm")
+        finally:
+            self._busy.remove("measure")
+        self._server.broadcast(self._measured.as_json())
 
     async def _simulate(self, line: str, port: int) -> None:
         try:

@@ -24,6 +24,8 @@ MESSAGES: list[dict[str, object]] = [
     {"ask": "do", "verb": "resume"},
     {"ask": "output", "num": 3, "on": False, "tool": True},
     {"ask": "simulator", "line": "push 0 0 40"},
+    {"ask": "measure", "step": "pose", "sensor": "force"},
+    {"ask": "write", "what": "tip", "name": "pen"},
     {"ask": "press", "seen": 7, "motion": JOG},
     {"ask": "press", "seen": 7, "motion": {"kind": "line", "to": SIX, "percent": 1}},
 ]

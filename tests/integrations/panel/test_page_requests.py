@@ -13,6 +13,7 @@ from aioduco.integrations.panel.page_requests import (
     JogMotion,
     JointMotion,
     LineMotion,
+    MeasureStep,
     PageAim,
     PageBeat,
     PageRequest,
@@ -22,6 +23,7 @@ from aioduco.integrations.panel.page_requests import (
     SetOutput,
     SimulatorLine,
     TakeControl,
+    WriteMeasured,
     page_request,
 )
 from aioduco.models.jog import Jog, JogFrame
@@ -41,6 +43,11 @@ JOG = {"kind": "jog", "axis": 2, "direction": -1, "percent": 10}
         ({"ask": "do", "verb": "resume"}, RobotAction("resume")),
         ({"ask": "output", "num": 3, "on": False, "tool": True}, SetOutput(3, False, True)),
         ({"ask": "simulator", "line": "push 0 0 40"}, SimulatorLine("push 0 0 40")),
+        (
+            {"ask": "measure", "step": "touch", "sensor": "torque"},
+            MeasureStep("touch", "torque"),
+        ),
+        ({"ask": "write", "what": "tip", "name": "pen"}, WriteMeasured("tip", "pen")),
         (
             {"ask": "press", "seen": 7, "motion": JOG},
             Press(JogMotion(Jog.joint(2, -1, 10.0)), 7),
@@ -81,6 +88,10 @@ def press(**motion: Any) -> dict[str, Any]:
         {"ask": "do", "verb": []},
         {"ask": "output", "num": True, "on": True, "tool": False},
         {"ask": "simulator", "line": "push\nestop"},
+        {"ask": "measure", "step": "fly", "sensor": "torque"},
+        {"ask": "measure", "step": "pose", "sensor": 3},
+        {"ask": "write", "what": "held"},
+        {"ask": "write", "what": "tip", "name": "x" * 33},
         {"ask": "simulator", "line": "x" * 201},
         {"ask": "press", "seen": 1},
         press(kind="fly"),

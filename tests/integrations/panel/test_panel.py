@@ -117,6 +117,8 @@ async def test_one_page_commands_and_the_others_watch(
             for ask, values in (
                 ("take", {"token": panel.token}),
                 ("do", {"verb": "bring_up"}),
+                ("measure", {"step": "touch", "sensor": "torque"}),
+                ("write", {"what": "held", "name": ""}),
                 ("output", {"num": 1, "on": True, "tool": False}),
             ):
                 seen = len(two.all("refused"))
@@ -223,6 +225,23 @@ async def test_a_jog_lasts_as_long_as_its_button_is_held(how: str) -> None:
             lines = [line["text"] for line in page.all("event")]
             assert any("silent or late" in line for line in lines) is (how == "silent"), lines
             assert page.state["holder"] == page.number, "the lease is kept"
+
+
+async def test_what_is_measured_is_told_to_every_page(bench: Bench) -> None:
+    bench.answer("get_flange_pose", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
+    async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as watcher:
+        async with page_of(panel) as page:
+            assert page.all("hello")[0]["measured"]["tool"].startswith("0 touches")
+            await page.command(panel.token)
+            await page.ask("measure", step="touch", sensor="torque")
+            await eventually_async(
+                lambda: [line["tool"][:9] for line in watcher.all("measured")] == ["1 touches"]
+            )
+            await page.ask("write", what="tip", name="pen")
+            await eventually_async(
+                lambda: any("touch the point" in line["text"] for line in watcher.all("event"))
+            )
+        assert bench.received("set_tool_data") == ()
 
 
 async def test_wrong_arguments_and_no_controller() -> None:

@@ -64,6 +64,7 @@ function take(message) {
   else if (message.tell === "hello") { begin(message); }
   else if (message.tell === "seldom") { seldom = message; showSeldom(); }
   else if (message.tell === "event") { showEvent(message); }
+  else if (message.tell === "measured") { showMeasured(message); }
   else if (message.tell === "refused") { notice(message.reason); release(); }
 }
 
@@ -242,6 +243,14 @@ document.querySelectorAll("[data-push]").forEach((button) => button.addEventList
   send({ask: "simulator", line: `push ${force.join(" ")}`});
 }));
 
+document.querySelectorAll("[data-step]").forEach((button) => button.addEventListener("click", () => send({ask: "measure", step: button.dataset.step, sensor: $("sensor").value})));
+document.querySelectorAll("[data-write]").forEach((button) => button.addEventListener("click", () => {
+  const what = button.dataset.write, name = $("tool-name").value.trim();
+  if (what !== "held" && !name) { notice("give the tool a name first"); return; }
+  const texts = {tip: `The controller will define the tool "${name}" with the measured tip and the load of the tool in use, and use it from now on.`, load: `The controller will define the tool "${name}" with the measured load and the tip of the tool in use, and use it from now on.`, held: "The controller will take what was measured beyond the tool's load for what the tool holds."};
+  question("Write it?", texts[what], false, () => send({ask: "write", what, name}));
+}));
+
 // -- what is shown ----------------------------------------------------------------------------------
 
 let noticeTimer = 0;
@@ -259,7 +268,7 @@ function begin(message) {
   $("events").replaceChildren();
   message.events.forEach(showEvent);
   seldom = message.seldom;
-  showSeldom(); showSpeeds();
+  showSeldom(); showSpeeds(); showMeasured(message.measured);
   if (message.scene_port !== null) {
     // By this computer's other name the picture is another site's to the browser, which draws it in
     // a process of its own: however long that takes, the stop does not wait for it.
@@ -287,7 +296,7 @@ function showState() {
   $("stop").classList.toggle("busy", state.busy.includes("stop"));
   $("doing").textContent = [...(state.motion ? [state.motion] : []), ...state.tasks, ...state.busy.map((name) => name.replace("_", " "))].join(", ") || (now && now.program !== "STOPPED" ? "another program's" : "none");
   $("link-state").textContent = state.age === null ? "no answer from the controller yet" : `the controller answered ${(state.age * 1000).toFixed(0)} ms ago · ${hello ? hello.rate : ""} states a second`;
-  document.querySelectorAll(".hold, [data-verb], [data-line], [data-push], .target input, #outputs button, #tool-outputs button").forEach((control) => {
+  document.querySelectorAll(".hold, [data-verb], [data-line], [data-step], [data-write], [data-push], .target input, #outputs button, #tool-outputs button").forEach((control) => {
     const off = !mine || (control.id === "move" && !aimed);
     if (control.disabled !== off && control !== held) control.disabled = off;
   });
@@ -317,6 +326,8 @@ function showSeldom() {
   $("speed").textContent = seldom.speed === null || seldom.speed === undefined ? "–" : `${fixed(seldom.speed, 0)} %`;
   $("watchers").textContent = seldom.pages === 1 ? "1 page is open" : `${seldom.pages || 0} pages are open`;
 }
+
+function showMeasured(message) { $("measured-tool").textContent = message.tool; $("measured-load").textContent = message.load; }
 
 function showEvent(line) {
   const list = $("events"), item = document.createElement("li"), at = document.createElement("time"), text = document.createElement("span");
