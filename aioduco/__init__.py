@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from aioduco.models.units import deg, mm
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
+    from aioduco.planning.cell import Cell
     from aioduco.robot import Robot, connect, stop_all
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
     from aioduco.streaming.options import ServoGains, WorkerOptions
@@ -73,6 +74,7 @@ __all__ = [  # noqa: RUF022  # grouped by purpose
     "freeze_support",
     "Robot",
     "stop_all",
+    "Cell",
     "HeldMotion",
     "MotionCommand",
     "MotionPath",
@@ -172,6 +174,7 @@ _HOMES = {
     "aioduco.models.units": ("deg", "mm"),
     "aioduco.models.version": ("ControllerVersion",),
     "aioduco.models.weave": ("WeavePlane", "WeaveShape"),
+    "aioduco.planning.cell": ("Cell",),
     "aioduco.robot": ("Robot", "connect", "stop_all"),
     "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
     "aioduco.streaming.report": ("StreamStatistics",),

@@ -15,6 +15,7 @@ __all__ = [
     "CalibrationError",
     "CallTimeout",
     "CameraError",
+    "CellFileError",
     "ConnectError",
     "ConnectTimeout",
     "ConnectionLost",
@@ -735,6 +736,13 @@ class PathRefused(DucoError):
 
 class WaypointFileError(DucoError, ValueError):
     """A file of waypoints cannot be read or written. The message has the line and the field.
+
+    Nothing was sent.
+    """
+
+
+class CellFileError(DucoError, ValueError):
+    """The file of a cell cannot be read or written. The message has the line and the field.
 
     Nothing was sent.
     """

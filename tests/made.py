@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 import aioduco
-from aioduco import Joints, JointTrajectory, TaughtPoints, kinematics, planning
+from aioduco import Cell, Joints, JointTrajectory, TaughtPoints, kinematics, planning
 from aioduco._process.copying import Frozen
 from aioduco.envelope import Envelope, JointMargin, ToolSpeed
 from aioduco.planning import Scene
@@ -36,6 +36,7 @@ _GIVEN: dict[str, dict[str, Any]] = {
     "ControllerVersion": {"text": "V2.8.1"},
     "ExternalAxis": {"position_limit": (0.0, 1.0)},
     "ExternalAxisScheme": {"axis_link": (1,), "base": (0.0,) * 6, "dh": ((0.0,) * 4,)},
+    "CellGripper": {"kind": "parallel"},
     "FleetSettings": {"name": "cell"},
     "Jog": {"axis": 1, "direction": 1, "vel": 10.0, "step": None},
     "PointCloud": {"points": ((0.1, 0.2, 0.3),)},
@@ -53,6 +54,7 @@ def _waypoints() -> WaypointFile:
 
 #: classes of which an argument is made in another way than from the types of their parameters
 _MADE: dict[type[Any], Any] = {
+    Cell: lambda: Cell('arm = "gcr5_910"\n[robots.left]\nhost = "192.0.2.1"\n'),
     kinematics.Arm: lambda: kinematics.arm("gcr5_910"),
     Chaos: lambda: Chaos(3, [Delay(0.1), Cut(Place.AFTER_REQUEST)], rate=0.5),
     Envelope: lambda: Envelope("gcr5_910", ToolSpeed(0.5), JointMargin(0.1)),

@@ -130,6 +130,7 @@ TO_STOP = FOR_ALL | {
     *(
         "aioduco.models.rotation",
         "aioduco.models.samples",
+        "aioduco.models.similar",
         "aioduco.models.toml_files",
         "aioduco.models.state",
     ),

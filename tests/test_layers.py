@@ -27,6 +27,7 @@ BASE = {
     "_wire.newer",
     "_process.scheduling",
     "models.trace",
+    "models.similar",
 }
 CLIENT = BASE | {
     *("models", "kinematics", "envelope", "_wire", "supervision", "api", "streaming"),
@@ -42,6 +43,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_process.spawn": {"_process.platform"},
     "_process.linked_process": {"_process.platform", "_process.spawn"},
     "models.controller_clock": set(),
+    "models.similar": set(),
     "errors": set(),
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
@@ -49,14 +51,14 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_process.scheduling": set(),
     "_process.reporting": {"_process.copying"},
     "models.trace": {"_process.reporting"},
-    "models": {"_process.copying", "errors", "_wire.rpc", "_wire.newer"},
+    "models": {"_process.copying", "errors", "_wire.rpc", "_wire.newer", "models.similar"},
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
     # limits and their check: pure, and without numpy where the worker of a stream imports it
     "envelope": {"errors", "models", "kinematics"},
     "_wire": {
         *("_process.platform", "errors", "_process.reporting", "models.trace"),
-        *("_wire.rpc", "_wire.newer"),
+        *("_wire.rpc", "_wire.newer", "models.similar"),
     },
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
@@ -75,7 +77,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.teleoperation": CLIENT | {"robot"},
     # the mains of all processes, each imported in its own process alone
     "_process.frozen": CLIENT | {"planning", "sim", "recording.tap"},
-    "__init__": CLIENT | {"robot", "_process.frozen", "recording"},
+    "__init__": CLIENT | {"robot", "_process.frozen", "recording", "planning.cell"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim", "kinematics", "recording"},
@@ -83,8 +85,11 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compat": BASE | {"_wire"},
     # knows arms, the simulator's physics and trajectories, and no robot
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
+    # the file of a cell: makes robots, simulators and scenes, each by its public interface
+    "planning.cell": CLIENT
+    | {"robot", "sim", "planning", "recording.playback", "devices.grippers"},
     "sync": CLIENT
-    | {"robot", "__init__", "recording", "recording.playback"}
+    | {"robot", "__init__", "recording", "recording.playback", "planning.cell"}
     | {"devices.grippers", "devices.teleoperation"},
     "testing.preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
@@ -114,7 +119,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     | {"robot", "__init__", "sim", "sync", "testing", "testing.preflight"},
     "cli": CLIENT
     | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "planning"}
-    | {"devices.grippers", "devices.teleoperation"}
+    | {"planning.cell", "devices.grippers", "devices.teleoperation"}
     | {"recording.playback", "recording.tap", "testing", "testing.preflight"}
     | {"integrations", "integrations.fleet", "integrations.panel"},
 }

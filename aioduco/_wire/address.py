@@ -2,20 +2,111 @@
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from typing import Any, Final
 
 from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import ParameterError
+from aioduco.models.similar import did_you_mean
 
-__all__ = ["PORT", "parse_address"]
+__all__ = ["CELL_KEYS", "PORT", "RobotAddress", "WrongAddress", "parse_address", "robots_of"]
 
 #: port of a controller
 PORT: Final = 7003
+#: what a robot has in the file of a cell besides host and port
+CELL_KEYS: Final = frozenset({"model", "mounting", "pedestal"})
 
 _EXPECTED: Final = (
     "an address: a host, host:port, or [IPv6 address]:port, where the host is "
     f"{HOST_RULE}, and the port a number from {{}} to 65535"
 )
+
+
+class WrongAddress(Exception):
+    """A file of robots, or an address in it, is not valid.
+
+    Attributes:
+        place: keys of the field in the table of robots.
+    """
+
+    def __init__(self, text: str, *place: str) -> None:
+        super().__init__(text)
+        self.place: tuple[str, ...] = place
+
+
+@dataclass(frozen=True, slots=True)
+class RobotAddress:
+    """Address of a controller.
+
+    Attributes:
+        host: host name or address.
+        port: TCP port.
+        name: name in a file of robots; empty without one.
+        cell: file of the cell that names it; empty if another file does, or none.
+    """
+
+    host: str
+    port: int
+    name: str = ""
+    cell: str = ""
+
+    def __str__(self) -> str:
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        where = f"{host}:{self.port}"
+        return f"{self.name} ({where})" if self.name else where
+
+
+def robots_of(table: dict[str, Any], *, also: frozenset[str] = frozenset()) -> tuple[
+    dict[str, RobotAddress], str
+]:  # fmt: skip
+    """The robots in a table: `default = "left"`, and tables with `host` and `port` by name.
+
+    Args:
+        table: the table, as read from TOML.
+        also: keys of a robot that are somebody else's.
+
+    Returns:
+        The robots by their names, and the name of the default; empty without one.
+
+    Raises:
+        WrongAddress: an entry is unknown, missing or wrong.
+    """
+    if not isinstance(table, dict):
+        raise WrongAddress("robots are tables: [NAME]")
+    default = table.get("default", "")
+    if not isinstance(default, str):
+        raise WrongAddress(
+            'default is the name of a robot, before the first [name]: default = "left"; a robot '
+            "cannot be called default",
+            "default",
+        )
+    entries = {name: entry for name, entry in table.items() if name != "default"}
+    robots = {name: _robot(name, entry, also) for name, entry in entries.items()}
+    if default and default not in robots:
+        raise WrongAddress(
+            f"there is no robot {default!r} to be the default; there are "
+            f"{', '.join(robots) or 'none'}{did_you_mean(default, robots)}",
+            "default",
+        )
+    return robots, default
+
+
+def _robot(name: str, entry: Any, also: frozenset[str]) -> RobotAddress:
+    known = {"host", "port", *also}
+    if isinstance(entry, dict) and (strange := sorted(entry.keys() - known)):
+        text = f"[{name}] has {strange[0]!r}; it may have {' and '.join(sorted(known))}"
+        raise WrongAddress(text + did_you_mean(strange[0], known), name, strange[0])
+    if not isinstance(entry, dict) or not isinstance(entry.get("host"), str):
+        raise WrongAddress(f'[{name}] needs a line such as host = "192.168.1.10"', name)
+    try:
+        host, told = parse_address(entry["host"])
+    except ParameterError as error:
+        text = f"host of [{name}] is {entry['host']!r}, but must be {error.expected}"
+        raise WrongAddress(text, name, "host") from None
+    port = entry.get("port", told or PORT)
+    if type(port) is not int or not 1 <= port <= 65535:
+        raise WrongAddress(f"[{name}] has port = {port!r}, not from 1 to 65535", name, "port")
+    return RobotAddress(host, port, name)
 
 
 def parse_address(

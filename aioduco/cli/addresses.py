@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Final, TypeAlias
 
 import typer
 
 from aioduco.cli.robots_file import ENVIRONMENT, RobotAddress, WrongAddress, find, names
 
-__all__ = ["Host", "HostOption", "Port", "RobotAddress", "robot_at"]
+__all__ = ["CellFile", "Host", "HostOption", "Port", "RobotAddress", "robot_at"]
 
 
-def robot_at(given: str | None, port: int | None = None) -> RobotAddress:
+def robot_at(given: str | None, port: int | None = None, cell: Path | None = None) -> RobotAddress:
     """Find the robot of a command; see `robots_file.find`.
 
     Raises:
         typer.BadParameter: the file cannot be read, or the address is not valid.
     """
     try:
-        return find(given, port)
+        return find(given, port, cell)
     except WrongAddress as error:
         raise typer.BadParameter(str(error)) from None
 
@@ -44,5 +45,12 @@ Port: TypeAlias = Annotated[
     typer.Option(
         min=1, max=65535, help="Its port, if it is not the one of the name or 7003.",
         show_default=False,
+    ),
+]  # fmt: skip
+CellFile: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--cell", exists=True, dir_okay=False, show_default=False,
+        help="File of a cell, cell.toml: its robots by name, its limits, and what stands in it.",
     ),
 ]  # fmt: skip

@@ -9,10 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
-from aioduco.cli.addresses import HostOption, Port, robot_at
+from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
+from aioduco.cli.sessions import limits_at
+from aioduco.models.similar import did_you_mean
 
 __all__ = ["call", "function_of"]
 
@@ -39,6 +41,7 @@ def call(
     ] = None,
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     describe: Annotated[
         bool, typer.Option("--describe", help="Show its parameters and purpose, and call nothing.")
     ] = False,
@@ -67,9 +70,10 @@ def call(
     where = place(name)
     if where is None:
         raise typer.BadParameter(
-            f"no function of the robot is called {name}; docs/functions.md lists all of them"
+            f"no function of the robot is called {name}{did_you_mean(name, _functions(''))}; "
+            "docs/functions.md lists all of them"
         )
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
     if describe:
         function = function_of(robot, where)
@@ -83,6 +87,8 @@ def call(
         ask(f"{where}({', '.join(shown)}) on {address}", "Go on?", yes=yes)
     try:
         with ended_by_errors("interrupted: what moved was stopped"), robot:
+            if (limits := limits_at(address)) is not None:
+                robot.envelope = limits
             result = function_of(robot, where)(*positional, **named)
     except TypeError as error:
         say(f"{name}: {error}", error=True)

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aioduco.cli.addresses import Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
+from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.number_lists import numbers
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 __all__ = ["check"]
 
@@ -21,10 +25,11 @@ def check(
         str,
         typer.Argument(
             help="Address of a controller or a name of your robots.toml; or a file of points, as "
-            "`TaughtPoints.save` writes it."
+            "`TaughtPoints.save` writes it; or the file of a cell, for its points."
         ),
     ],
     port: Port = None,
+    cell: CellFile = None,
     move: Annotated[
         bool, typer.Option("--move", help="Also run the checks that move the arm. Asks first.")
     ] = False,
@@ -62,7 +67,7 @@ def check(
     if target.endswith(".toml") or Path(target).is_file():
         _points(Path(target), model, start, tool, wobj)
     else:
-        _controller(robot_at(target, port), move=move, yes=yes, output=output)
+        _controller(robot_at(target, port, cell), move=move, yes=yes, output=output)
 
 
 def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | None) -> None:
@@ -99,14 +104,20 @@ def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: s
     from aioduco.models.points import TaughtPoints  # noqa: PLC0415
     from aioduco.models.pose import Joints  # noqa: PLC0415
 
+    tip: Sequence[float] | None = None if tool is None else numbers("tool", tool, 6)
     try:
-        points = TaughtPoints.load(file)
+        if is_cell(file):
+            kept = load_cell(file)
+            points = TaughtPoints(kept)
+            tip = kept.tool.tcp if tip is None else tip
+            model = kept.robot().model if kept.robots else kept.arm or model
+        else:
+            points = TaughtPoints.load(file)
         if start is not None:
             near = points.joints(start)
         else:
             taught = (point for point in points.values() if isinstance(point, Joints))
             near = next(taught, Joints.deg(30, -15, 105, 0, -90, 0))
-        tip = None if tool is None else numbers("tool", tool, 6)
         base = None if wobj is None else numbers("wobj", wobj, 6)
         report = look(points, arm=model, near=near, tool=tip, wobj=base)
     except (OSError, ParameterError) as error:

@@ -8,7 +8,7 @@ from typing import Annotated
 import anyio
 import typer
 
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 
 __all__ = ["doctor"]
@@ -17,6 +17,7 @@ __all__ = ["doctor"]
 def doctor(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     seconds: Annotated[
         float, typer.Option(min=0.1, max=600.0, help="Duration of each measurement [s].")
     ] = 3.0,
@@ -33,7 +34,7 @@ def doctor(
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.streaming.doctor import examine  # noqa: PLC0415
 
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
 
     async def run() -> None:
         found = await examine(address.host, address.port, seconds=seconds)

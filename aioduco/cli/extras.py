@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from aioduco.cli.output import say
+from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
@@ -51,6 +52,8 @@ def arm(model: str) -> Arm:
 
     if model not in models():
         raise typer.BadParameter(
-            f"no arm is named {model!r}; there are {', '.join(models())}", param_hint="--model"
+            f"no arm is named {model!r}{did_you_mean(model, models())}; there are "
+            f"{', '.join(models())}",
+            param_hint="--model",
         )
     return arm_of(model)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import observing_session
@@ -60,6 +60,7 @@ class Quantity(enum.StrEnum):
 def read(
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     json: Annotated[bool, typer.Option("--json", help="Print them as JSON.")] = False,
 ) -> None:
     """Read all inputs and outputs. In JSON, number 1 comes first.
@@ -70,7 +71,7 @@ def read(
 
     Exit codes: 0 read; 1 no controller; 2 wrong options.
     """
-    found = _looked(robot_at(host, port), lambda robot: robot.state.getRobotIOStatus())
+    found = _looked(robot_at(host, port, cell), lambda robot: robot.state.getRobotIOStatus())
     digital = {name: getattr(found, field) for name, field in _DIGITAL.items()}
     analog = {name: getattr(found, field) for name, (field, _) in _ANALOG.items()}
     if json:
@@ -92,6 +93,7 @@ def set_output(
     ] = False,
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     yes: Yes = False,
 ) -> None:
     """Switch a digital output. It asks first: a gripper may open.
@@ -102,7 +104,7 @@ def set_output(
 
     Exit codes: 0 set; 1 not set, or no controller; 2 wrong options; 3 not confirmed.
     """
-    address, high = robot_at(host, port), level is Level.ON
+    address, high = robot_at(host, port, cell), level is Level.ON
     which = f"{'tool output' if tool else 'output'} {number}"
     ask(f"{which} at {address} goes {level.value}.", "Switch it?", yes=yes)
 
@@ -121,6 +123,7 @@ def set_analog(
     value: Annotated[float, typer.Argument(help="0 to 10 V, or 4 to 20 mA.")],
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     yes: Yes = False,
 ) -> None:
     """Set an analogue output of the cabinet. It asks first.
@@ -129,7 +132,7 @@ def set_analog(
 
     Exit codes: as of `aioduco io set`.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     voltage = quantity is Quantity.VOLTAGE
     text = f"{quantity.value} output {number} at {address} goes to {value:g} "
     ask(text + ("V." if voltage else "mA."), "Set it?", yes=yes)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from aioduco.cli.addresses import HostOption, Port, robot_at
+from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.move import carry_out, ready_arm
 from aioduco.cli.questions import SAFE, ask
 
@@ -76,6 +76,7 @@ def jog(
     ] = None,
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
 ) -> None:
@@ -109,7 +110,7 @@ def jog(
     except ParameterError as error:
         raise typer.BadParameter(str(error)) from None
     directions = None if manual is None else manual.directions()
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     ready_arm(address)
     if length is None:
         far = f"for {seconds:g} s"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
@@ -47,6 +47,7 @@ def joints(
     ] = 0.5,
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     yes: Yes = False,
     json: Json = False,
 ) -> None:
@@ -59,7 +60,7 @@ def joints(
     Exit codes: 0 the arm is there; 1 it is not; 2 wrong options; 3 not confirmed; 4 it is not known
     that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     found = ready_arm(address)
     given = [math.radians(angle) for angle in angles] if deg else [*angles]
     now = found["joints"]
@@ -96,6 +97,7 @@ def pose(
     ] = 0.2,
     host: HostOption = None,
     port: Port = None,
+    cell: CellFile = None,
     yes: Yes = False,
     json: Json = False,
 ) -> None:
@@ -109,7 +111,7 @@ def pose(
     """
     from aioduco.models.pose import Pose  # noqa: PLC0415 - for commands with a robot alone
 
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     found = ready_arm(address, in_work_object=True)
     scale, turn = (1e-3 if mm else 1.0), (math.pi / 180 if deg else 1.0)
     given = Pose(*(part * scale for part in numbers[:3]), *(part * turn for part in numbers[3:]))

@@ -12,7 +12,8 @@ import anyio
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
+from aioduco.cli.cell_file import load_cell
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
 from aioduco.cli.jog import Manual  # noqa: TC001 - typer evaluates it
 from aioduco.cli.output import say
@@ -30,6 +31,7 @@ _SHORTEST = 12
 def panel(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     listen: Annotated[
         int,
         typer.Option(
@@ -88,9 +90,10 @@ def panel(
     motions of the panel were stopped.
     """
     extras.need("panel")
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     if model is not None:
         extras.arm(model)
+    made_of = load_cell(cell) if cell is not None else None
     token = "" if watch_only else os.environ.get(_TOKEN)
     if token is not None and not watch_only and len(token) < _SHORTEST:
         raise typer.BadParameter(f"{_TOKEN} has less than {_SHORTEST} characters")
@@ -111,6 +114,8 @@ def panel(
             token=token,
             name=address.name,
             model=model,
+            scene=None if made_of is None else made_of.scene(address.name),
+            envelope=None if made_of is None else made_of.envelope(address.name),
             simulator_port=control_port,
             rate=rate,
             hold_limit=hold_limit,

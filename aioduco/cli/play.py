@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
+from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
@@ -32,6 +33,7 @@ def play(
         typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
     ] = None,
     port: Port = None,
+    cell: CellFile = None,
     model: Annotated[
         str | None, typer.Option(help="The arm. Default: from the controller or the file.")
     ] = None,
@@ -82,7 +84,9 @@ def play(
 
     aioduco play run.mcap 192.168.1.10 --speed 0.5 --from 2 --to 8.5
 
-    aioduco play cell.toml 192.168.1.10 --envelope limits.toml
+    aioduco play points.toml 192.168.1.10 --envelope limits.toml
+
+    aioduco play run.mcap left --cell cell.toml
 
     Exit codes: 0 it was played; 1 it was not, or not to its end; 2 wrong options; 3 not confirmed;
     4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was brought to rest.
@@ -101,13 +105,22 @@ def play(
     with ended_by_errors():
         what: RecordedPath | WaypointFile
         if file.suffix == ".toml":
-            what = WaypointFile.read(file)
+            cell = file if cell is None and is_cell(file) else cell
+            what = load_cell(file).waypoints if is_cell(file) else WaypointFile.read(file)
         else:
             what = RecordedPath.of(read(file), begin=begin, end=end, speed=speed, bridge=bridge)
             for gap in what.gaps:
                 say(f"bridged: {gap}")
         told = model or _model_of(what)
-        limits = None if envelope is None else read_envelope(envelope, arm=told)
+        around = {} if scene is None else {"scene": str(scene.resolve())}
+        limits = None
+        if cell is not None:
+            found = load_cell(cell)
+            limits = found.envelope(host)
+            around = {**found.simulator_options(host), **around}
+            told = model or found.robot(host).model if found.robots else told
+        if envelope is not None:
+            limits = read_envelope(envelope, arm=told)
         if limits is not None:
             told = limits.arm.name
         task = _Playing(what, told, speed, outputs, record, limits)
@@ -115,9 +128,9 @@ def play(
             task.check(told)
             return
         if simulates:
-            task.simulate(scene, keep=host is None)
+            task.simulate(around, keep=host is None)
         if host is not None:
-            task.on_arm(robot_at(host, port), only_check=check, yes=yes)
+            task.on_arm(robot_at(host, port, cell), only_check=check, yes=yes)
 
 
 class _Playing:
@@ -155,7 +168,7 @@ class _Playing:
             found = check_waypoints(self._what, arm(model), envelope=limits)
         _report(found)
 
-    def simulate(self, scene: Path | None, *, keep: bool) -> None:
+    def simulate(self, around: dict[str, Any], *, keep: bool) -> None:
         """Play it on a simulated arm; errors there are raised."""
         import aioduco.sync  # noqa: PLC0415
         from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
@@ -163,11 +176,9 @@ class _Playing:
 
         say(f"on a simulated {self._model or 'gcr5_910'}: {self._what}")
         start = self._what.start if isinstance(self._what, RecordedPath) else None
-        options: dict[str, Any] = {"model": self._model or "gcr5_910"}
+        options = {**around, "model": self._model or "gcr5_910"}
         if start is not None:
             options["joints"] = list(start)
-        if scene is not None:
-            options["scene"] = str(scene.resolve())
         with (
             Simulator.spawn(**options) as sim,
             aioduco.sync.connect(

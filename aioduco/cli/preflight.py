@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco.cli import extras
+from aioduco.cli.addresses import CellFile  # noqa: TC001 - typer evaluates it
+from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import say
 
@@ -32,6 +34,8 @@ def preflight(
         bool,
         typer.Option("--vendor", help="Provide the vendor's class DucoCobot by aioduco.compat."),
     ] = False,
+    cell: CellFile = None,
+    robot: RobotName = None,
     model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
     scene: Annotated[
         Path | None,
@@ -89,13 +93,19 @@ def preflight(
     from aioduco.testing.preflight import preflight as run  # noqa: PLC0415
 
     console = SafeConsole()
+    parts = simulated_parts(
+        cell,
+        robot,
+        model=model,
+        scene=scene and str(scene.resolve()),
+        tool=tool and str(tool.resolve()),
+        mounting=mounting_option(mounting),
+        pedestal=pedestal,
+    )
+    parts.pop("gripper", None)
     try:
         settings = PreflightSettings(
-            model=model,
-            scene=scene and str(scene.resolve()),
-            tool=tool and str(tool.resolve()),
-            mounting=mounting_option(mounting),
-            pedestal=pedestal,
+            **parts,
             vendor=vendor,
             module=module,
             allowed=tuple(allow or ()),

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
@@ -26,6 +26,7 @@ def record(
         typer.Option("--output", "-o", help="File to write. An existing file is kept."),
     ] = Path("run.mcap"),
     port: Port = None,
+    cell: CellFile = None,
     rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples per second.")] = 125.0,
     seconds: Annotated[
         float | None, typer.Option(min=0.0, help="Duration [s]. Default: until Ctrl-C.")
@@ -42,7 +43,7 @@ def record(
     143 SIGTERM: the file is complete.
     """
     extras.need("record")
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     with observing_session(address, state_rate=rate) as robot:
         recording = robot.record(output, forces=forces)
         with recording:

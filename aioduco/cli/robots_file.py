@@ -15,12 +15,20 @@ It is `$XDG_CONFIG_HOME/aioduco/robots.toml`, by default `~/.config/aioduco/robo
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from aioduco._wire.address import PORT, parse_address
+from aioduco._wire.address import (
+    CELL_KEYS,
+    PORT,
+    RobotAddress,
+    WrongAddress,
+    parse_address,
+    robots_of,
+)
 from aioduco.errors import ParameterError
+from aioduco.models.similar import did_you_mean, unknown
 from aioduco.models.toml_files import read_toml
 
 __all__ = ["ENVIRONMENT", "RobotAddress", "WrongAddress", "find", "names", "robots_file"]
@@ -29,30 +37,6 @@ __all__ = ["ENVIRONMENT", "RobotAddress", "WrongAddress", "find", "names", "robo
 ENVIRONMENT: Final = "AIODUCO_HOST"
 #: address on which a simulator of this computer listens
 _LOOPBACK: Final = "127.0.0.1"
-
-
-class WrongAddress(Exception):
-    """The file cannot be read, or an address is not valid."""
-
-
-@dataclass(frozen=True, slots=True)
-class RobotAddress:
-    """Address of a controller.
-
-    Attributes:
-        host: host name or address.
-        port: TCP port.
-        name: name in the user's file of robots; empty without one.
-    """
-
-    host: str
-    port: int
-    name: str = ""
-
-    def __str__(self) -> str:
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        where = f"{host}:{self.port}"
-        return f"{self.name} ({where})" if self.name else where
 
 
 def robots_file() -> Path | None:
@@ -66,37 +50,55 @@ def robots_file() -> Path | None:
     return base / "aioduco" / "robots.toml"
 
 
-def find(given: str | None, port: int | None = None) -> RobotAddress:
+def find(given: str | None, port: int | None = None, cell: Path | None = None) -> RobotAddress:
     """Find the robot of a command.
 
     The first of these that is set is used: the argument on the command line, `AIODUCO_HOST`,
     `default` in the file of robots, a simulator on this computer. An empty text is set, and wrong:
-    where a variable of a script is empty, no other arm is meant.
+    where a variable of a script is empty, no other arm is meant. With the file of a cell, its
+    robots and its default are used, and nothing else.
 
     Args:
         given: a name of the file, or an address: `192.168.1.10`, `arm.lan:7003`, `[::1]:7003`.
         port: TCP port; it overrides any other.
+        cell: file of a cell; its section `[robots]` takes the place of the user's file.
 
     Raises:
         WrongAddress: the file cannot be read, or the address is not valid.
     """
     name, text = "the robot", given
-    if text is None:
+    if text is None and cell is None:
         name, text = ENVIRONMENT, os.environ.get(ENVIRONMENT)
     try:
-        robots, default = _read(robots_file())
+        robots, default = _read(robots_file()) if cell is None else _of_cell(cell)
     except WrongAddress:
         # an address needs no file; a name does
         if text is None or not _is_numeric(text):
             raise
         robots, default = {}, ""
+    if cell is not None and (default if text is None else text) not in robots:
+        listed = ", ".join(robots) or "none"
+        if text is None:
+            raise WrongAddress(f"{cell} names no default robot; there are {listed}")
+        raise WrongAddress(f"{cell}: robot {unknown(text, robots)}")
     if text is None:
         text = default or _LOOPBACK
     found = robots.get(text)
     if found is None:
+        if port is None:
+            _refuse_misspelt(text, robots)
         host, told = _parsed(name, text)
         found = RobotAddress(host, told or PORT)
-    return found if port is None else RobotAddress(found.host, port, found.name)
+    return found if port is None else replace(found, port=port)
+
+
+def _refuse_misspelt(text: str, robots: dict[str, RobotAddress]) -> None:
+    """Refuse what looks like a wrongly written name of a robot; it would be taken for a host."""
+    if "." in text or ":" in text or text == "localhost":
+        return
+    if near := did_you_mean(text, robots):
+        host = f"if it is the name of a host, give its port, too: {text}:{PORT}"
+        raise WrongAddress(f"no robot is called {text!r}{near} {host}")
 
 
 def names() -> list[str]:
@@ -105,6 +107,20 @@ def names() -> list[str]:
         return list(_read(robots_file())[0])
     except WrongAddress:
         return []
+
+
+def _of_cell(path: Path) -> tuple[dict[str, RobotAddress], str]:
+    """The robots of a cell, of which nothing else is read: a stop must not wait for the rest."""
+    try:
+        robots, default = robots_of(read_toml(path).get("robots", {}), also=CELL_KEYS)
+    except (OSError, ValueError) as error:
+        raise WrongAddress(f"{path} cannot be read: {error}") from None
+    except WrongAddress as error:
+        raise WrongAddress(f"{path}: {error}") from None
+    if not default and len(robots) == 1:
+        (default,) = robots
+    named = {name: replace(each, cell=str(path)) for name, each in robots.items()}
+    return named, default
 
 
 def _read(path: Path | None) -> tuple[dict[str, RobotAddress], str]:
@@ -117,31 +133,10 @@ def _read(path: Path | None) -> tuple[dict[str, RobotAddress], str]:
         return {}, ""
     except (OSError, ValueError) as error:
         raise WrongAddress(f"{path} cannot be read: {error}") from None
-    default = data.pop("default", "")
-    if not isinstance(default, str):
-        raise WrongAddress(
-            f"{path}: default is the name of a robot, before the first [name]: "
-            'default = "left"; a robot cannot be called default'
-        )
-    robots = {name: _robot(path, name, entry) for name, entry in data.items()}
-    if default and default not in robots:
-        raise WrongAddress(
-            f"{path}: there is no robot {default!r} to be the default; there are "
-            f"{', '.join(robots) or 'none'}"
-        )
-    return robots, default
-
-
-def _robot(path: Path, name: str, entry: Any) -> RobotAddress:
-    if not isinstance(entry, dict) or not isinstance(entry.get("host"), str):
-        raise WrongAddress(f'{path}: [{name}] needs a line such as host = "192.168.1.10"')
-    host, told = _parsed(f"{path}: host of [{name}]", entry["host"])
-    port = entry.get("port", told or PORT)
-    if type(port) is not int or not 1 <= port <= 65535:
-        raise WrongAddress(f"{path}: [{name}] has port = {port!r}, not from 1 to 65535")
-    if unknown := sorted(entry.keys() - {"host", "port"}):
-        raise WrongAddress(f"{path}: [{name}] has {unknown[0]!r}; it may have host and port")
-    return RobotAddress(host, port, name)
+    try:
+        return robots_of(data)
+    except WrongAddress as error:
+        raise WrongAddress(f"{path}: {error}") from None
 
 
 def _parsed(name: str, text: str) -> tuple[str, int | None]:

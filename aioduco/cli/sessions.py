@@ -13,9 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from aioduco.cli.addresses import RobotAddress
+    from aioduco.envelope import Envelope
     from aioduco.sync import Robot
 
-__all__ = ["control_session", "observing_session", "wait_until_ended"]
+__all__ = ["control_session", "limits_at", "observing_session", "wait_until_ended"]
 
 #: seconds between two checks whether the work has ended
 _LOOK: Final = 0.1
@@ -45,6 +46,8 @@ def observing_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
 def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
     """Connect with a heartbeat. However the command ends, the arm is stopped first.
 
+    A robot of a cell is kept within the cell's limits.
+
     Args:
         address: address of the controller.
         options: further options of `connect`.
@@ -52,11 +55,19 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
     import aioduco.sync  # noqa: PLC0415 - for commands with a robot alone
 
     options = {"lag_limit": None, **options}
-    with (
-        ended_by_errors("interrupted: the arm was stopped, and stands"),
-        aioduco.sync.connect(address.host, address.port, **options) as robot,
-    ):
-        yield robot
+    with ended_by_errors("interrupted: the arm was stopped, and stands"):
+        limits = limits_at(address)
+        with aioduco.sync.connect(address.host, address.port, **options) as robot:
+            if limits is not None:
+                robot.envelope = limits
+            yield robot
+
+
+def limits_at(address: RobotAddress) -> Envelope | None:
+    """The limits that a robot's cell has for it; None without a cell, or limits."""
+    import aioduco  # noqa: PLC0415
+
+    return aioduco.Cell.load(address.cell).envelope(address.name) if address.cell else None
 
 
 def wait_until_ended(

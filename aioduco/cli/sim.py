@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from aioduco.cli import extras, picture, watching
+from aioduco.cli.addresses import CellFile  # noqa: TC001 - typer evaluates it
+from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import say
 from aioduco.cli.sim_do import control_port_of
@@ -35,6 +37,8 @@ def sim(
             help="The controller that it plays: 3.8, 4.3, older, oldest or first; see the docs."
         ),
     ] = "3.8",
+    cell: CellFile = None,
+    robot: RobotName = None,
     host: Annotated[
         str, typer.Option(help="Address to listen on. 0.0.0.0: the whole network.")
     ] = "127.0.0.1",
@@ -96,6 +100,16 @@ def sim(
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
     extras.need("sim", *(("plot",) if render else ()))
     extras.arm(model)
+    parts = simulated_parts(
+        cell,
+        robot,
+        model=model,
+        scene=scene,
+        tool=tool,
+        gripper=gripper,
+        mounting=mounting_option(mounting),
+        pedestal=pedestal,
+    )
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
@@ -107,20 +121,15 @@ def sim(
     with _wakeup_socket() as (heard, ring):
         try:
             simulator = Simulator(
-                model,
                 generation=cast("Generation", generation),
+                **parts,
                 host=host,
                 port=port,
                 status_port=status_port,
                 speed=speed,
                 programs=programs,
-                scene=scene,
-                tool=tool,
-                gripper=gripper,
-                mounting=mounting_option(mounting),
                 strict=strict,
                 real_readings=real_readings,
-                pedestal=pedestal,
                 on_shutdown=ring,
             )
             simulator.start()
@@ -149,7 +158,7 @@ def sim(
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"
             where += f", commands on {lines.port}"
-            say(f"simulated {model} on {where}; Ctrl-C ends it")
+            say(f"simulated {parts['model']} on {where}; Ctrl-C ends it")
             watch.until(heard)
 
 

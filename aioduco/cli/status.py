@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import one_line, print_json, say
 from aioduco.cli.sessions import observing_session
@@ -23,6 +23,7 @@ __all__ = ["degrees", "joints_line", "look", "pose_line", "status"]
 def status(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     ready: Annotated[
         bool, typer.Option("--ready", help="End with 1 if a motion would not start now.")
     ] = False,
@@ -38,7 +39,7 @@ def status(
 
     Exit codes: 0 it was read; 1 no controller, or not ready; 2 wrong options.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     found = look(address)
     if json:
         print_json(found)

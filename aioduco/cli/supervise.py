@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
@@ -32,6 +32,7 @@ Timeout = Annotated[
 def bring_up(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     timeout: Timeout = 30.0,
     yes: Yes = False,
     json: Json = False,
@@ -45,7 +46,7 @@ def bring_up(
     Exit codes: 0 ready; 1 not ready in time, or no controller; 2 wrong options; 3 not confirmed;
     5 a person has to do something first.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     what = f"The arm at {address} will be powered on and enabled: its brakes open.\n{SAFE}"
     ask(what, "Bring it up?", yes=yes)
     _done(address, lambda robot: robot.bring_up(timeout=timeout), "ready", json)
@@ -54,6 +55,7 @@ def bring_up(
 def recover(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     timeout: Timeout = 30.0,
     yes: Yes = False,
     json: Json = False,
@@ -64,7 +66,7 @@ def recover(
 
     Exit codes: as of bring-up.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     what = (
         f"At {address} a collision is reset, a program that runs is ended, and the arm is powered "
         f"off and on where that is needed: its brakes close and open.\n{SAFE}"
@@ -80,7 +82,7 @@ def recover(
         say(report.advice, error=True)
 
 
-def stop(host: Host = None, port: Port = None, json: Json = False) -> None:
+def stop(host: Host = None, port: Port = None, cell: CellFile = None, json: Json = False) -> None:
     """Stop the arm, whichever program moves it, and wait until it stands. It does not ask.
 
     aioduco stop left
@@ -90,27 +92,33 @@ def stop(host: Host = None, port: Port = None, json: Json = False) -> None:
     """
     from aioduco.cli.stopping import stop_at  # noqa: PLC0415 - quick help
 
-    stop_at(robot_at(host, port), as_json=json)
+    stop_at(robot_at(host, port, cell), as_json=json)
 
 
-def pause(host: Host = None, port: Port = None, json: Json = False) -> None:
+def pause(host: Host = None, port: Port = None, cell: CellFile = None, json: Json = False) -> None:
     """Pause the arm's motion, and wait until it stands. It does not ask.
 
     aioduco pause left
 
     Exit codes: as of stop.
     """
-    _done(robot_at(host, port), lambda robot: robot.pause(), "paused: the arm stands", json)
+    _done(robot_at(host, port, cell), lambda robot: robot.pause(), "paused: the arm stands", json)
 
 
-def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = False) -> None:
+def resume(
+    host: Host = None,
+    port: Port = None,
+    cell: CellFile = None,
+    yes: Yes = False,
+    json: Json = False,
+) -> None:
     """Resume the paused motion. It asks first: the arm moves at once.
 
     aioduco resume left --yes
 
     Exit codes: 0 resumed; 1 not resumed, or no controller; 2 wrong options; 3 not confirmed.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     what = f"The arm at {address} goes on with what was paused, at the speed that it had.\n{SAFE}"
     ask(what, "Resume?", yes=yes)
     from aioduco import ClosingSteps  # noqa: PLC0415 - quick help

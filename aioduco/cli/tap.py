@@ -15,7 +15,7 @@ import typer
 from aioduco._process.platform import private
 from aioduco._wire.address import parse_address
 from aioduco.cli import extras
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.output import say
 from aioduco.errors import ParameterError
 
@@ -30,6 +30,7 @@ __all__ = ["tap"]
 def tap(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     listen: Annotated[
         str,
         typer.Option(help="Address and port for clients. Port 0: a free one."),
@@ -55,7 +56,7 @@ def tap(
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
     from aioduco.recording.tap import Tap, TapNote  # noqa: PLC0415
 
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     try:
         where, number = parse_address(listen, any_port=True)
     except ParameterError as error:

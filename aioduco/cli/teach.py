@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
+from aioduco.cli.cell_file import load_cell
 from aioduco.cli.output import say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import control_session, observing_session
+from aioduco.cli.status import degrees, pose_line
 
 if TYPE_CHECKING:
+    from aioduco import Cell
     from aioduco.recording.playback import WaypointFile
     from aioduco.sync import Robot
 
@@ -27,6 +30,7 @@ def teach(
         Path, typer.Option("--output", "-o", help="File; new waypoints are appended to it.")
     ] = Path("waypoints.toml"),
     port: Port = None,
+    cell: CellFile = None,
     guide: Annotated[
         bool, typer.Option(help="Guide the arm by hand, or move it in another way.")
     ] = True,
@@ -39,17 +43,22 @@ def teach(
     A line with a name stores a waypoint with that name, an empty line a numbered one; q ends. Each
     is written to the file at once. `aioduco play FILE.toml HOST` moves the arm through them.
 
-    aioduco teach 192.168.1.10 -o cell.toml
+    With --cell a line with a name stores a point of the cell; one that is there is taught again, as
+    the joints or the pose that it is. Comments and order of the file stay.
+
+    aioduco teach 192.168.1.10 -o points.toml
+
+    aioduco teach left --cell cell.toml
 
     Exit codes: 0 it ended; 1 it failed; 2 wrong options; 3 not confirmed; 4 it is not known that
     the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm stands.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     # No heartbeat: another program may lead the arm.
     with observing_session(address) as robot:
-        kept = _file(robot, output)
+        store = _file(robot, output) if cell is None else _CellPoints(load_cell(cell))
         if not guide:
-            _keep(robot, kept, output)
+            _keep(robot, store)
             return
     text = (
         f"The arm at {address} will give way to a hand. With a load or tool that its controller "
@@ -60,39 +69,83 @@ def teach(
     with control_session(address, hold_limit=None) as robot:
         robot.bring_up()
         with robot.motion.teach_mode.start():
-            _keep(robot, kept, output)
+            _keep(robot, store)
     say("hand guiding has ended, the arm stands")
 
 
-def _file(robot: Robot, path: Path) -> WaypointFile:
-    """The existing file, or a new one."""
+class _Waypoints:
+    """A file of waypoints, to which each taught one is appended."""
+
+    def __init__(self, kept: WaypointFile, path: Path) -> None:
+        self._kept = kept
+        self._path = path
+
+    @property
+    def asked(self) -> str:
+        return f"name of waypoint {len(self._kept.waypoints) + 1}, Enter"
+
+    @property
+    def usual(self) -> str:
+        return f"p{len(self._kept.waypoints) + 1}"
+
+    def store(self, name: str, robot: Robot) -> str:
+        """Write the place where the arm is; return it as text."""
+        found = self._kept.add(name, robot.state.get_actual_joints_position())
+        self._kept.save(self._path)
+        return ", ".join(degrees(found.joints))
+
+
+class _CellPoints:
+    """The file of a cell, whose named points are taught."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        say(f"{cell.path} has the points {', '.join(cell) or 'none'}")
+
+    asked = "name of a point"
+    usual = ""
+
+    def store(self, name: str, robot: Robot) -> str:
+        """Write the place where the arm is; return it as text."""
+        from aioduco.models.pose import Pose  # noqa: PLC0415
+
+        if isinstance(self._cell.get(name), Pose):
+            pose = robot.state.get_tcp_pose()
+            self._cell.teach(name, pose)
+            self._cell.save()
+            return pose_line(pose)
+        joints = robot.state.get_actual_joints_position()
+        self._cell.teach(name, joints)
+        self._cell.save()
+        return ", ".join(degrees(joints))
+
+
+def _file(robot: Robot, path: Path) -> _Waypoints:
+    """The existing file of waypoints, or a new one."""
     from aioduco.errors import PathRefused  # noqa: PLC0415
     from aioduco.recording.playback import WaypointFile  # noqa: PLC0415
-    from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
+    from aioduco.recording.playback.player import arm_named, same_arm  # noqa: PLC0415
 
     told = arm_named(robot.version.get_robot_type())
     if not path.exists():
-        return WaypointFile.new(arm=told, title=str(path))
+        return _Waypoints(WaypointFile.new(arm=told, title=str(path)), path)
     kept = WaypointFile.read(path)
-    if kept.arm and told and kept.arm != told:
+    if kept.arm and told and not same_arm(kept.arm, told):
         text = f"it is for a {kept.arm}, and this is a {told}"
         raise PathRefused(f"{path}: {text}; nothing was sent", (text,))
     say(f"{path} has {len(kept.waypoints)} waypoints; new ones follow them")
-    return kept
+    return _Waypoints(kept, path)
 
 
-def _keep(robot: Robot, kept: WaypointFile, path: Path) -> None:
-    """Store a waypoint for each typed line."""
+def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
+    """Store the place of the arm for each typed line."""
     while True:
         try:
-            line = input(f"name of waypoint {len(kept.waypoints) + 1}, Enter, or {_END}: ")
+            line = input(f"{store.asked}, or {_END}: ").strip()
         except EOFError:
             say()
             return
-        if line.strip() == _END:
+        if line == _END:
             return
-        name = line.strip() or f"p{len(kept.waypoints) + 1}"
-        found = kept.add(name, robot.state.get_actual_joints_position())
-        kept.save(path)
-        degrees = ", ".join(f"{angle:.2f}°" for angle in found.joints.degrees)
-        say(f"{name}: {degrees}")
+        if name := line or store.usual:
+            say(f"{name}: {store.store(name, robot)}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import Port, robot_at
+from aioduco.cli.addresses import CellFile, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
 from aioduco.cli.output import say
@@ -54,6 +54,7 @@ def teleop(
         typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
     ] = None,
     port: Port = None,
+    cell: CellFile = None,
     device: Annotated[
         DeviceName, typer.Option(help="Input device that moves the arm.")
     ] = DeviceName.KEYBOARD,
@@ -105,7 +106,7 @@ def teleop(
     if host is None:
         task.simulate()
         return
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     ready_arm(address)
     how = f"joints turn at up to {joint_speed:g} rad/s" if joints else (
         f"the tool moves at up to {speed:g} m/s and turns at up to {turn_speed:g} rad/s, "

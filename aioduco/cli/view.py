@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
@@ -18,6 +18,7 @@ __all__ = ["view"]
 def view(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     foxglove: Annotated[
         bool, typer.Option("--foxglove", help="As a WebSocket for Foxglove and Lichtblick.")
     ] = False,
@@ -45,7 +46,7 @@ def view(
     if not foxglove:
         raise typer.BadParameter("say what to view it with: --foxglove")
     extras.need("record")
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     with observing_session(address, state_rate=rate) as robot:
         publication = robot.publish(listen, host=bind, forces=forces)
         with publication:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, MutableMapping
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml, rewrite
 
 if TYPE_CHECKING:
     import os
 
-__all__ = ["Point", "TaughtPoints"]
+__all__ = ["Point", "TaughtPoints", "key_text", "point_of"]
 
 #: joint angles [rad], or a pose of the tool [m, rad]
 Point: TypeAlias = Joints | Pose
@@ -37,8 +39,9 @@ class TaughtPoints(MutableMapping[str, Point]):
         ["above the bin"]
         pose = [0.4, 0.1, 0.3, 3.1416, 0.0, 0.0]
 
-    A pose is that of a tool in a work object. The file does not contain these two: a program that
-    moves to the pose must use those with which it was taught.
+    A person may write joints_deg [°] or pose_mm_deg [mm, °] in their place. A pose is that of a
+    tool in a work object. The file does not contain these two: a program that moves to the pose
+    must use those with which it was taught.
 
     Args:
         points: initial points by name.
@@ -94,7 +97,8 @@ class TaughtPoints(MutableMapping[str, Point]):
 
     def _named(self, name: str) -> Point:
         if name not in self._points:
-            raise ParameterError("name", name, f"one of {', '.join(self._points) or 'none'}")
+            listed = ", ".join(self._points) or "none"
+            raise ParameterError("name", name, f"one of {listed}{did_you_mean(name, self._points)}")
         return self._points[name]
 
     @classmethod
@@ -113,7 +117,7 @@ class TaughtPoints(MutableMapping[str, Point]):
             tables = read_toml(path)
         except ValueError as exc:
             raise ParameterError("path", str(path), f"a TOML file: {exc}") from exc
-        return cls({name: _point(name, table) for name, table in tables.items()})
+        return cls({name: point_of(name, table) for name, table in tables.items()})
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a file completely or not at all. Comments of an existing file are lost.
@@ -128,18 +132,39 @@ class TaughtPoints(MutableMapping[str, Point]):
         rewrite(path, "\n".join(map(_table, self._points, self._points.values())))
 
 
-def _point(name: str, table: Any) -> Point:
-    kinds: dict[str, type[Joints] | type[Pose]] = {"joints": Joints, "pose": Pose}
-    expected = "a table with either joints or a pose, and nothing else"
+_DEGREES = (math.pi / 180,) * 6
+#: by the name of a field: the class of the point, and the factors from its numbers to SI units
+_KINDS: dict[str, tuple[type[Joints] | type[Pose], tuple[float, ...] | None]] = {
+    "joints": (Joints, None),
+    "pose": (Pose, None),
+    "joints_deg": (Joints, _DEGREES),
+    "pose_mm_deg": (Pose, (*(1e-3,) * 3, *_DEGREES[:3])),
+}
+
+
+def point_of(name: str, table: Any) -> Point:
+    """The point in a table of a file.
+
+    Args:
+        name: name of the point.
+        table: the table, with one field.
+
+    Raises:
+        ParameterError: it is not as `TaughtPoints` describes.
+    """
+    expected = "a table with joints, joints_deg, pose or pose_mm_deg, and nothing else"
     if not isinstance(table, dict) or len(table) != 1:
         raise ParameterError(name, table, expected)
     ((kind, values),) = table.items()
-    if kind not in kinds:
-        raise ParameterError(name, table, expected)
+    if kind not in _KINDS:
+        raise ParameterError(name, table, expected + did_you_mean(kind, _KINDS))
     if not isinstance(values, list) or any(type(value) not in (int, float) for value in values):
         raise ParameterError(name, values, "six numbers")
+    point, factors = _KINDS[kind]
     try:
-        return kinds[kind].of(values)
+        if factors is not None and len(values) == len(factors):
+            return point.of([each * factor for each, factor in zip(values, factors, strict=True)])
+        return point.of(values)
     except ParameterError as exc:
         raise ParameterError(name, values, "six finite numbers") from exc
 
@@ -147,11 +172,12 @@ def _point(name: str, table: Any) -> Point:
 def _table(name: str, point: Point) -> str:
     kind = "joints" if isinstance(point, Joints) else "pose"
     numbers = ", ".join(repr(float(value)) for value in point)
-    return f"[{_key(name)}]\n{kind} = [{numbers}]\n"
+    return f"[{key_text(name)}]\n{kind} = [{numbers}]\n"
 
 
-def _key(name: str) -> str:
-    if all(char.isascii() and (char.isalnum() or char in "-_") for char in name):
+def key_text(name: str) -> str:
+    """A key as TOML writes it: with quotes if it needs them."""
+    if name and all(char.isascii() and (char.isalnum() or char in "-_") for char in name):
         return name
     return f'"{"".join(map(_escaped, name))}"'
 

@@ -6,7 +6,6 @@ import copy
 import dataclasses
 import threading
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules import Number
 from aioduco.planning.clearance import TOUCHING
 from aioduco.planning.problem import WorkerScene
-from aioduco.planning.shapes import Mesh
 from aioduco.sim.scene import Thing, mjcf_of, mounting_of
 
 if TYPE_CHECKING:
@@ -355,7 +353,7 @@ class Scene:
                 pedestal=self._pedestal,
                 around=self._around,
                 tool=self._tool,
-                things=self._mjcf(),
+                things=mjcf_of([*self._things.values()], free=False),
                 attached=self._attached,
                 allowed=sorted(self._allowed),
             )
@@ -397,16 +395,6 @@ class Scene:
             return loose
         start = int(model.jnt_qposadr[first])
         return np.delete(loose, np.arange(start - 6, start + 1))
-
-    def _mjcf(self) -> str:
-        root = ET.Element("mujoco")
-        assets = ET.SubElement(root, "asset")
-        world = ET.SubElement(root, "worldbody")
-        for thing in self._things.values():
-            if isinstance(thing, Mesh):
-                assets.extend(thing.assets())
-            world.append(thing.mjcf(free=False))
-        return ET.tostring(root, encoding="unicode")
 
     def _known(self, name: str) -> Thing:
         if name not in self._things:

@@ -116,6 +116,10 @@ class Thing(ABC):
         self._shapes(body)
         return body
 
+    def assets(self) -> list[ET.Element]:
+        """The elements of MJCF for the object outside of the world."""
+        return []
+
     def _geom(self, body: ET.Element, kind: str, size: Iterable[float], **more: str) -> None:
         look = {"rgba": _text((*self.colour, 1.0)), "mass": _text((self.mass,))}
         shape = {"type": kind, "size": _text(size)}
@@ -339,6 +343,8 @@ def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
     for thing in scene:
         if not isinstance(thing, Thing):
             raise SceneError(f"{thing!r} is no thing: give things, or one file, or MJCF as text")
+        if assets := thing.assets():
+            ET.SubElement(root, "asset").extend(assets)
         world.append(thing.mjcf(free=free))
     return ET.tostring(root, encoding="unicode")
 

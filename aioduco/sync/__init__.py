@@ -12,6 +12,7 @@ The supervision is the same as in `aioduco`; it runs in an event loop on a threa
 
 from __future__ import annotations
 
+from aioduco.sync._cell import connect_cell
 from aioduco.sync._feeds import Subscription
 from aioduco.sync._generated import (
     Robot,
@@ -44,6 +45,7 @@ __all__ = [
     "check_path_on",
     "check_waypoints_on",
     "connect",
+    "connect_cell",
     "play",
     "run_waypoints",
     "stop_all",

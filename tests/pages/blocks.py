@@ -24,6 +24,8 @@ __all__ = ["ROOT", "Block", "Page", "pages"]
 ROOT = Path(__file__).resolve().parents[2]
 #: languages that are run, by the names after a fence
 PYTHON, SHELL = {"python", "pycon"}, {"sh", "console", "bash", "shell"}
+#: languages of files that a page has its reader save, under the title of the block
+FILES = {"toml", "yaml"}
 
 _FENCE = re.compile(
     r"^(?P<indent>[ ]*)```(?P<language>\w+)(?P<options>[^\n]*)\n(?P<code>.*?)^(?P=indent)```[ ]*$",
@@ -97,7 +99,8 @@ def page_of(path: str, text: str) -> Page:
     why = " ".join((whole["what"] or "").split()) if whole and whole["how"] == "not run" else ""
     blocks = []
     for number, fence in enumerate(_FENCE.finditer(text)):
-        if fence["language"] not in PYTHON | SHELL:
+        title = re.search(r'title="([^"]*)"', fence["options"])
+        if fence["language"] not in PYTHON | SHELL | (FILES if title else set()):
             continue
         before = _BEFORE.search(text, 0, fence.start())
         after, why_not = "", why
@@ -107,7 +110,6 @@ def page_of(path: str, text: str) -> Page:
             why_not = " ".join(before["what"].split())
         elif before is not None:
             after = before["what"]
-        title = re.search(r'title="([^"]*)"', fence["options"])
         code = textwrap.dedent(fence["code"])
         blocks.append(
             Block(path, number, fence["language"], title[1] if title else "", code, after, why_not)

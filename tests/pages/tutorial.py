@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pages.blocks import PYTHON, pages
+from pages.blocks import FILES, PYTHON, pages
 from pages.session import INSTALLS, CommandFailed, Session, commands
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def carry_out(page: Page, session: Session, *, install: bool) -> int:
     for block in page.blocks:
         if block.why_not:
             continue
-        if block.language in PYTHON:
+        if block.language in PYTHON | FILES:
             session.write(block.title, block.code)
             continue
         for command in commands(block.code, block.language):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import anyio
 import typer
 
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, USAGE, ended_by_errors
 from aioduco.cli.output import say
 
@@ -23,6 +23,7 @@ _ENDED = "the monitor was ended; nothing was stopped"
 def monitor(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     rate: Annotated[float, typer.Option(min=1, max=50, help="Samples per second.")] = 10.0,
     forces: Annotated[bool, typer.Option(help="Also show forces and external torques.")] = True,
 ) -> None:
@@ -36,7 +37,7 @@ def monitor(
     Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 130, 143 Ctrl-C or
     SIGTERM.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         say("this needs a terminal; `aioduco status --json` does not", error=True)
         raise typer.Exit(USAGE)

@@ -19,6 +19,7 @@ The fields are the arguments of `Zone.box`, `Zone.sphere`, `Zone.plane`, `ToolSp
 
 from __future__ import annotations
 
+import inspect
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.envelope import (
@@ -31,13 +32,14 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.errors import ParameterError
+from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-__all__ = ["read_envelope"]
+__all__ = ["limit_of", "read_envelope"]
 
 _KINDS: Final[dict[str, Callable[..., EnvelopeLimit]]] = {
     "box": Zone.box,
@@ -80,20 +82,37 @@ def read_envelope(path: str | os.PathLike[str], *, arm: str | None = None) -> En
         raise ParameterError("arm", told, f"{arm!r}, or left out of the file")
     if not isinstance(blocks, list) or not blocks:
         raise ParameterError("limit", blocks, "one block of [[limit]] or more")
-    return Envelope(model, *(_limit(number, block) for number, block in enumerate(blocks, 1)))
+    return Envelope(
+        model, *(limit_of(f"limit {number}", block) for number, block in enumerate(blocks, 1))
+    )
 
 
-def _limit(number: int, block: Any) -> EnvelopeLimit:
-    where = f"limit {number}"
+def limit_of(where: str, block: Any) -> EnvelopeLimit:
+    """The limit in a block of a file.
+
+    Args:
+        where: what the block is called in errors.
+        block: the block, as read from TOML.
+
+    Raises:
+        ParameterError: a field is wrong; the message names it.
+    """
     if not isinstance(block, dict):
         raise ParameterError(where, block, "a block of [[limit]]")
     fields = dict(block)
     kind = fields.pop("kind", None)
     if kind not in _KINDS:
-        raise ParameterError(f"kind of {where}", kind, f"one of {', '.join(_KINDS)}")
+        raise ParameterError(
+            f"kind of {where}", kind, f"one of {', '.join(_KINDS)}{did_you_mean(str(kind), _KINDS)}"
+        )
+    known = inspect.signature(_KINDS[kind]).parameters
+    for name, value in fields.items():
+        if name not in known:
+            expected = f"one of the fields {', '.join(known)}{did_you_mean(name, known)}"
+            raise ParameterError(f"{name} of {where}", value, expected)
     try:
         return _KINDS[kind](**fields)
-    except TypeError as exc:  # an unknown field, or a missing one
+    except TypeError as exc:  # a missing field
         raise ParameterError(f"{where}, {kind}", fields, f"what it takes: {exc}") from exc
     except ParameterError as exc:
         raise ParameterError(f"{exc.parameter} of {where}", exc.value, exc.expected) from exc

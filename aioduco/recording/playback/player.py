@@ -182,9 +182,17 @@ def arm_named(told: RobotType) -> str:
 
 def model_named(name: str) -> Arm | None:
     """The model with the name that a controller reports; None if it is not known."""
-    bare = re.sub(r"[^a-z0-9]", "", name.lower())
-    fitting = [model for model in models() if re.sub(r"[^a-z0-9]", "", model) == bare]
+    fitting = [model for model in models() if same_arm(model, name)]
     return arm_of(fitting[0]) if fitting else None
+
+
+def same_arm(one: str, other: str) -> bool:
+    """Whether two names are of one arm, such as "GCR5 910" of a controller and "gcr5_910"."""
+    return _bare(one) == _bare(other)
+
+
+def _bare(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
 def refused(name: str, found: Sequence[str]) -> PathRefused:
@@ -350,7 +358,7 @@ async def check_waypoints_on(
     """
     told, there = await reported_arm(robot)
     found = []
-    if told and waypoints.arm and told != waypoints.arm:
+    if told and waypoints.arm and not same_arm(told, waypoints.arm):
         found.append(f"the waypoints are those of a {waypoints.arm}, this is a {told}")
     kind = arm_of(arm) if isinstance(arm, str) else arm or there
     limits = envelope or robot.envelope

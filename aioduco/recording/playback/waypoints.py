@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
@@ -16,11 +15,13 @@ from aioduco.errors import ParameterError, WaypointFileError
 from aioduco.models import ranges
 from aioduco.models.bounds import least, most
 from aioduco.models.pose import Joints
+from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import parse_toml, read_text, rewrite
+from aioduco.models.toml_lines import line_of
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from aioduco.models.pose import JointsLike
 
@@ -39,6 +40,10 @@ _HEAD: Final = """\
 #   outputs     digital outputs of the cabinet that are set there, such as { 3 = true, 4 = false }
 # and the speeds below for the way to it. [defaults] holds where a waypoint says nothing.
 """
+
+
+#: what stands at the top of a file
+_SECTIONS: Final = ("arm", "defaults", "waypoint")
 
 
 class _WrongFieldError(Exception):
@@ -136,6 +141,8 @@ class WaypointFile:
     Args:
         text: the text of the file.
         title: name of the file in errors.
+        beside: names of the sections at the top of the text that are not of waypoints, and are
+            left to others, as in the file of a `Cell`.
 
     Attributes:
         title: name of the file in errors.
@@ -147,8 +154,11 @@ class WaypointFile:
         WaypointFileError: the text is no TOML, or a field is wrong; the message says where.
     """
 
-    def __init__(self, text: str, title: str = "the waypoints") -> None:
+    def __init__(
+        self, text: str, title: str = "the waypoints", *, beside: Collection[str] = ()
+    ) -> None:
         self.title: str = title
+        self._beside = frozenset(beside)
         self.text: str = text
         self.arm: str
         self.waypoints: tuple[Waypoint, ...]
@@ -239,9 +249,10 @@ class WaypointFile:
             read = parse_toml(text)
         except ValueError as exc:
             raise WaypointFileError(f"{self.title} is no TOML: {exc}") from exc
-        for key in read:
-            if key not in ("arm", "defaults", "waypoint"):
-                raise self._wrong(text, None, 0, key, "is not known: arm, defaults or waypoint")
+        for key in read.keys() - self._beside:
+            if key not in _SECTIONS:
+                what = f"is not known: arm, defaults or waypoint{did_you_mean(key, _SECTIONS)}"
+                raise self._wrong(text, None, 0, key, what)
         arm, defaults, blocks = (
             read.get("arm", ""), read.get("defaults", {}), read.get("waypoint", [])
         )  # fmt: skip
@@ -274,7 +285,8 @@ class WaypointFile:
     def _wrong(
         self, text: str, table: str | None, number: int, key: str, what: str
     ) -> WaypointFileError:
-        line = _line_of(text, table, number, key)
+        above = () if table is None else (table, number) if table == "waypoint" else (table,)
+        line = line_of(text, (*above, key))
         where = f"waypoint {number + 1}, " if table == "waypoint" else ""
         where += "[defaults], " if table == "defaults" else ""
         what = what if what.startswith(":") else f" {what}"
@@ -286,7 +298,8 @@ def _value(table: str, key: str, value: Any) -> tuple[str, Any]:
     own = {"name": ("name", _text), "joints_deg": ("joints", _joints)}
     known = {**(own if table == "waypoint" else {}), **_FIELDS}
     if key not in known:
-        raise _WrongFieldError(f"it is not known; there are {', '.join(known)}")
+        near = did_you_mean(key, known)
+        raise _WrongFieldError(f"it is not known; there are {', '.join(known)}{near}")
     name, check = known[key]
     return name, check(value)
 
@@ -302,23 +315,3 @@ def _joints(value: Any) -> Joints:
         raise _WrongFieldError("six angles are needed [°]")
     check = _number(-360.0, 360.0, "°", math.pi / 180)
     return Joints(*(check(each) for each in value))
-
-
-def _line_of(text: str, table: str | None, number: int, key: str) -> int:
-    """The line of a field; the line of its table's head if the field is not found."""
-    head = {"waypoint": r"\s*\[\[\s*waypoint\s*\]\]", "defaults": r"\s*\[\s*defaults\s*\]"}
-    lines = text.splitlines()
-    begin = 0
-    if table is not None:
-        heads = [at for at, line in enumerate(lines) if re.match(head[table], line)]
-        if number >= len(heads):
-            return 1
-        begin = heads[number]
-    name = re.escape(key)
-    field_ = re.compile(rf"\s*[\"']?{name}[\"']?\s*[=.]" + ("" if table else rf"|\s*\[+\s*{name}"))
-    for at in range(begin, len(lines)):
-        if field_.match(lines[at]):
-            return at + 1
-        if at > begin and table is not None and re.match(r"\s*\[(?!\s*[\d\"-])", lines[at]):
-            break
-    return begin + 1
