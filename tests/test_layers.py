@@ -69,6 +69,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
     "api.status_port": {"_process.copying", "errors", "models", "_wire"},
+    "api.force_stream": {"_process.copying", "errors", "models", "_wire"},
     "recording": CLIENT,
     "robot": CLIENT | {"recording"},
     # moves a robot by its public interface

@@ -51,6 +51,12 @@ def sim(
             min=0, max=65535, help="Also push status frames on this port. A controller: 2001."
         ),
     ] = None,
+    force_port: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, help="Also stream forces from this UDP port. A controller: 2011."
+        ),
+    ] = None,
     control_port: Annotated[
         int | None,
         typer.Option(min=0, max=65535, help="Port for `aioduco sim-do`. Default: port + 10000."),
@@ -126,6 +132,7 @@ def sim(
                 host=host,
                 port=port,
                 status_port=status_port,
+                force_port=force_port,
                 speed=speed,
                 programs=programs,
                 strict=strict,
@@ -137,7 +144,8 @@ def sim(
             say(str(error), error=True)
             raise typer.Exit(1) from None
         except OSError as error:
-            ports = f"{port}" if status_port is None else f"{port} and {status_port}"
+            given = (port, status_port, force_port)
+            ports = " or ".join(str(each) for each in given if each is not None)
             _say_taken(host, ports, error)
             raise typer.Exit(1) from None
         with contextlib.ExitStack() as stack:
@@ -157,6 +165,8 @@ def sim(
             where = f"{simulator.host}:{simulator.port}"
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"
+            if simulator.force_port is not None:
+                where += f", forces from UDP {simulator.force_port}"
             where += f", commands on {lines.port}"
             say(f"simulated {parts['model']} on {where}; Ctrl-C ends it")
             watch.until(heard)

@@ -21,6 +21,7 @@ from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server import Server
+from aioduco.sim.server.force_server import ForceServer, force_sample_of
 from aioduco.sim.server.generations import Generation, wire_of
 from aioduco.sim.server.status_server import StatusServer, frame_of
 from aioduco.sim.view.render import PictureProcess
@@ -72,6 +73,8 @@ class SimulatorSettings:
     port: int
     #: None for no status frames
     status_port: int | None
+    #: None for no force stream
+    force_port: int | None
     seed: int
     real_readings: bool
     #: [s]
@@ -138,12 +141,20 @@ class SimulatorAssembly:
         )
         self.server.start()
         self.status: StatusServer | None = None
-        if settings.status_port is not None:
-            try:
+        self.forces: ForceServer | None = None
+        try:
+            if settings.status_port is not None:
                 self.status = self._status(handlers, settings.host, settings.status_port)
-            except OSError:
-                self.server.close()
-                raise
+            if settings.force_port is not None:
+                self.forces = ForceServer(
+                    lambda: force_sample_of(handlers), host=settings.host, port=settings.force_port
+                )
+                self.forces.start()
+        except OSError:
+            if self.status is not None:
+                self.status.close()
+            self.server.close()
+            raise
         self.pictures: PictureProcess = PictureProcess(self.world.drawn)
 
     def _connect_gripper(self, hand: Hand, settings: SimulatorSettings) -> None:
@@ -173,12 +184,16 @@ class SimulatorAssembly:
         self.server.refuse(refused, last_answers=last_answers)
         if self.status is not None:
             self.status.refuse(refused)
+        if self.forces is not None:
+            self.forces.refuse(refused)
 
     def close(self) -> None:
         """Cut the connections, stop the simulation, and wait until its threads have ended."""
         self.runtime.release()
         if self.status is not None:
             self.status.close()
+        if self.forces is not None:
+            self.forces.close()
         try:
             self.server.close()
         finally:

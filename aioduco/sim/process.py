@@ -40,6 +40,7 @@ class SimulatorProcess(Uncopied):
         host: address on which the simulator listens.
         port: its TCP port.
         status_port: TCP port of status frames; None if there is none.
+        force_port: UDP port of the force stream; None if there is none.
         process: the process, for tests that kill it.
     """
 
@@ -52,6 +53,7 @@ class SimulatorProcess(Uncopied):
         self.host: str = ""
         self.port: int = 0
         self.status_port: int | None = None
+        self.force_port: int | None = None
 
     @property
     def pid(self) -> int:
@@ -111,6 +113,7 @@ class SimulatorProcess(Uncopied):
             raise
         self.host, self.port = ready["host"], ready["port"]
         self.status_port = ready["status_port"]
+        self.force_port = ready["force_port"]
         return self
 
     def close(self) -> None:

@@ -88,6 +88,8 @@ class Simulator(PartFaults, Uncopied):
         port: TCP port; 0 picks a free one, which the property `port` then gives.
         status_port: TCP port of status frames, 2001 on a real controller; 0 picks a free one, which
             the property `status_port` then gives; None for no such port.
+        force_port: UDP port of the force stream, 2011 on a real controller; 0 picks a free one,
+            which the property `force_port` then gives; None for no such port.
         speed: simulated seconds per real second; `math.inf` for as fast as possible.
         seed: determines the serial number, and with `real_readings` the errors of the force sensor.
         real_readings: whether readings are like those of a real controller: joints, poses, torques
@@ -140,6 +142,7 @@ class Simulator(PartFaults, Uncopied):
         host: str = "127.0.0.1",
         port: int = 0,
         status_port: int | None = None,
+        force_port: int | None = None,
         speed: float = 1.0,
         seed: int = 0,
         real_readings: bool = False,
@@ -191,6 +194,7 @@ class Simulator(PartFaults, Uncopied):
             host=host,
             port=port,
             status_port=status_port,
+            force_port=force_port,
             seed=seed,
             real_readings=real_readings,
             vibration_time=vibration_time,
@@ -303,6 +307,13 @@ class Simulator(PartFaults, Uncopied):
         if self._assembly is None or self._assembly.status is None:
             return self._settings.status_port
         return self._assembly.status.port
+
+    @property
+    def force_port(self) -> int | None:
+        """UDP port of the force stream; None if there is none."""
+        if self._assembly is None or self._assembly.forces is None:
+            return self._settings.force_port
+        return self._assembly.forces.port
 
     @property
     def scene(self) -> str | None:

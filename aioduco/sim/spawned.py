@@ -50,7 +50,11 @@ def serve(
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: None)
     with Simulator(**options, on_shutdown=lambda: others.send(b"x")) as sim:
-        ports = {"port": sim.port, "status_port": sim.status_port}
+        ports = {
+            "port": sim.port,
+            "status_port": sim.status_port,
+            "force_port": sim.force_port,
+        }
         announce({"host": sim.host, **ports, "pid": os.getpid()})
         with selectors.DefaultSelector() as selector:
             selector.register(owner_channel, selectors.EVENT_READ)

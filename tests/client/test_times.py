@@ -12,6 +12,7 @@ import pytest
 import aioduco
 import aioduco.sync
 from aioduco import ParameterError, Tolerances, WorkerOptions
+from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.compat import DucoCobot
 from aioduco.devices.bus import ModbusRtu, Port
@@ -89,6 +90,7 @@ ABOVE: dict[str, Callable[[Any, float], Any]] = {
     "vacuum": lambda r, x: VacuumGripper(r, 1, build_up=x),
     "the stream doctor": lambda _, x: examine("arm", seconds=x),
     "status port": lambda _, x: StatusPort("arm", timeout=x),
+    "force stream": lambda _, x: ForceStream("arm", timeout=x),
     "the vendor's class": lambda _, x: DucoCobot("arm", timeout=x),
     "end of a preflight": lambda _, x: PreflightSettings(timeout=x),
     "its patience": lambda _, x: PreflightSettings(patience=x),

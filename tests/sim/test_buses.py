@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import pytest
@@ -11,11 +12,10 @@ from hypothesis import strategies as st
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.modbus import Gripper, ModbusSlave, RtuSlave, crc16
 from aioduco.sim.cabinet.ports import CanPort, SerialPort
+from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from aioduco.sim.simulator import Simulator
 
     from .conftest import Program
 
@@ -194,6 +194,15 @@ def test_a_gripper_at_the_tool(sim: Simulator, program: Program) -> None:
     ask(1, 6, 1, 3, 3, 0xE8)
     assert gripper.registers[Gripper.ACTUAL] == 1000
     assert ask(1, 6, 2, 2, 0, 1) == rtu(bytes([1, 0x86, 2]))
+
+
+def test_the_error_register_of_a_dh_gripper() -> None:
+    with Simulator(gripper="dh_pge", speed=math.inf) as sim:
+        peer = sim.cabinet.tool_serial.peer
+        assert peer is not None
+        # written and read at once, as a program for a PGEA-50-26 does
+        assert peer.receive(rtu(bytes([1, 6, 1, 0, 0, 0xA5]))) == rtu(bytes([1, 6, 1, 0, 0, 0xA5]))
+        assert peer.receive(rtu(bytes([1, 3, 2, 5, 0, 1]))) == rtu(bytes([1, 3, 2, 0, 0]))
 
 
 # -- the controller's Modbus ---------------------------------------------------------------------

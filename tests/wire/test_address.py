@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from aioduco import ParameterError
 from aioduco._wire.address import parse_address
 from aioduco._wire.endpoint import is_host
+from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.recording.tap import Tap
 
@@ -77,8 +78,10 @@ def test_any_text_is_an_address_or_an_error(text: str) -> None:
     assert parse_address(f"[{host}]:1" if ":" in host else f"{host}:1") == (host, 1)
 
 
-@pytest.mark.parametrize("make", [StatusPort, Tap])
-def test_an_empty_host_is_no_host_of_this_computer(make: type[StatusPort | Tap]) -> None:
+@pytest.mark.parametrize("make", [StatusPort, ForceStream, Tap])
+def test_an_empty_host_is_no_host_of_this_computer(
+    make: type[StatusPort | ForceStream | Tap],
+) -> None:
     with pytest.raises(ParameterError, match="host"):
         make("")
 

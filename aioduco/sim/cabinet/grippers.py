@@ -162,7 +162,8 @@ class DhSlave(RtuSlave):
     def __init__(self, fingers: Fingers, unit: int = 1) -> None:
         self._settable = fingers.gripper.speed is not None
         names = [0x0100, 0x0101, 0x0103, *([0x0104] if self._settable else [])]
-        zero = dict.fromkeys((*names, 0x0200, 0x0201, 0x0202), 0)
+        # 0x0205, the error, is not in the short manuals: a program for a PGEA-50-26 reads it
+        zero = dict.fromkeys((*names, 0x0200, 0x0201, 0x0202, 0x0205), 0)
         super().__init__(unit, registers=zero | {0x0101: 100, 0x0103: 1000})
         if self._settable:
             self.registers[0x0104] = 100

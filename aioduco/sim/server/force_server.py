@@ -1,0 +1,133 @@
+"""The simulated controller's force stream: datagrams to each client that has asked for them."""
+
+from __future__ import annotations
+
+import contextlib
+import selectors
+import socket
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco.models.force_sample import FORCE_REQUEST, ForceSample
+from aioduco.models.pose import Pose
+from aioduco.sim.refusal import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco._wire import rpc
+
+__all__ = ["ForceServer", "force_sample_of"]
+
+#: between two datagrams, by the wall's clock [s]; its real value is not known
+_PERIOD: Final = 0.01
+#: the clients that asked last are served: a datagram's sender proves nothing
+_MOST_CLIENTS: Final = 8
+_RECEIVE: Final = 256
+
+
+def force_sample_of(robot: rpc.Functions) -> ForceSample:
+    """Make a sample of a controller's answers to calls."""
+    return ForceSample(tuple(robot.get_tcp_force()), Pose(*robot.get_tcp_pose()))
+
+
+class ForceServer:
+    """A UDP port that streams to those who ask.
+
+    Args:
+        sample: makes the sample of the present instant.
+        host: address to listen on.
+        port: UDP port; 0 picks a free one, which the attribute `port` then gives.
+    """
+
+    def __init__(
+        self, sample: Callable[[], ForceSample], *, host: str = "127.0.0.1", port: int = 0
+    ) -> None:
+        self.host = host
+        self.port: int = port
+        self._sample = sample
+        #: addresses of clients, in the order in which they asked
+        self._clients: dict[Any, None] = {}
+        self._refusing = False
+        self._socket: socket.socket | None = None
+        self._thread: threading.Thread | None = None
+        self._wake: tuple[socket.socket, socket.socket] | None = None
+
+    def start(self) -> None:
+        """Listen.
+
+        Raises:
+            OSError: The server cannot listen on the address, for instance if the port is in use.
+        """
+        family, kind, *_, address = socket.getaddrinfo(
+            self.host, self.port, type=socket.SOCK_DGRAM
+        )[0]
+        self._socket = socket.socket(family, kind)
+        try:
+            self._socket.bind(address)
+        except OSError:
+            self._socket.close()
+            raise
+        self._socket.setblocking(False)
+        self.port = self._socket.getsockname()[1]
+        self._wake = socket.socketpair()
+        self._thread = threading.Thread(
+            target=self._serve, args=(self._socket, self._wake[1]), name="sim-force", daemon=True
+        )
+        self._thread.start()
+
+    def refuse(self, refusing: bool) -> None:
+        """While `refusing` is set, forget clients and take no new ones."""
+        self._refusing = refusing
+
+    def close(self) -> None:
+        """End the streams, and wait until the thread has ended."""
+        if self._socket is None or self._thread is None or self._wake is None:
+            return
+        self._wake[0].send(b"x")
+        self._thread.join()
+        for end in (*self._wake, self._socket):
+            end.close()
+        self._socket = self._thread = self._wake = None
+
+    def _serve(self, opened: socket.socket, wake: socket.socket) -> None:
+        with selectors.DefaultSelector() as selector:
+            selector.register(wake, selectors.EVENT_READ)
+            selector.register(opened, selectors.EVENT_READ)
+            due = time.monotonic()
+            while True:
+                # Without clients it waits for one. The schedule is absolute.
+                wait = max(0.0, due - time.monotonic()) if self._clients else None
+                ready = {key.fileobj for key, _ in selector.select(wait)}
+                if wake in ready:
+                    return
+                if opened in ready:
+                    self._take(opened)
+                if time.monotonic() >= due:
+                    due += _PERIOD * (1.0 + (time.monotonic() - due) // _PERIOD)
+                    self._push(opened)
+
+    def _take(self, opened: socket.socket) -> None:
+        try:
+            asked, client = opened.recvfrom(_RECEIVE)
+        except OSError:
+            return  # an earlier datagram has found nobody
+        if asked.strip() == FORCE_REQUEST and not self._refusing:
+            self._clients.pop(client, None)
+            self._clients[client] = None
+            while len(self._clients) > _MOST_CLIENTS:
+                del self._clients[next(iter(self._clients))]
+
+    def _push(self, opened: socket.socket) -> None:
+        if self._refusing:
+            self._clients.clear()
+        if not self._clients:
+            return
+        try:
+            data = self._sample().encode()
+        except Refusal:
+            return  # the simulation has ended: there is nothing to send
+        for client in self._clients:
+            with contextlib.suppress(OSError):  # its buffer is full, or it has gone
+                opened.sendto(data, client)
