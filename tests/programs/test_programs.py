@@ -1,4 +1,4 @@
-"""Ten programs in the manner of public ones run as they do at an arm."""
+"""Sixteen programs in the manner of public ones run as they do at an arm."""
 
 from __future__ import annotations
 
@@ -12,12 +12,18 @@ from aioduco.sim import Simulator
 from . import (
     blocking_blends,
     force_search,
+    hand_485,
     heartbeat,
     http_handler,
+    jog_home,
     keyboard_jog,
+    laboratory,
     painting,
     servoj_250hz,
+    speedl_upon_speedl,
     status_parser,
+    two_reads,
+    wafer_cell,
     wrapper,
 )
 
@@ -117,6 +123,64 @@ def test_frames_of_the_status_port(make: Make, sim: Simulator) -> None:
     assert last["frames"] > 1
     assert (last["state"], last["error"]) == ((6,), (0,))
     assert last["tcp"] == pytest.approx(last["pose"], abs=2e-3)
+
+
+@pytest.mark.slow
+@simulator(status_port=0, speed=FAST)
+def test_a_wafer_cell_whose_sources_agree(make: Make, sim: Simulator) -> None:
+    assert sim.status_port is not None
+    seen = wafer_cell.main(make.cobot, sim.host, sim.port, sim.status_port)
+    assert list(seen) == ["cassette", "aligner", "chuck"]
+    assert [station.cup for station in seen.values()] == [True, True, False]
+    for station in seen.values():
+        # a joint may still swing by some hundredths of a milliradian
+        assert max(station[:3]) < 1e-3
+
+
+@simulator(speed=FAST)
+def test_a_laboratorys_command_line(make: Make, sim: Simulator) -> None:
+    lines = ["state", "wake", "state", "go rack 30", "where", "up 20", "where", "valve 2 on"]
+    lines += ["go home 200", "errors"]
+    asleep, woken, awake, went, low, up, high, valve, refused, errors = laboratory.main(
+        make.cobot, sim.host, sim.port, lines
+    )
+    assert (asleep[0], woken, awake) == (4, FINISHED, [6, 0, 5, 1])
+    assert (went, up, valve, refused) == (FINISHED, FINISHED, True, 8)
+    assert sum((a - b) ** 2 for a, b in zip(low, high, strict=True)) == pytest.approx(400, rel=0.02)
+    assert "must be" in errors[-1]
+
+
+def test_jogging_then_home(make: Make, sim: Simulator) -> None:
+    """What follows speed_stop waits for the stop, and is not refused."""
+    state, apart = jog_home.main(make.cobot, sim.host, sim.port)
+    assert state == FINISHED
+    assert apart < 1e-3
+
+
+def test_two_reads_and_a_set_point_at_250_hz(make: Make, sim: Simulator) -> None:
+    answers, goal, reached, fastest = two_reads.main(make.cobot, sim.host, sim.port)
+    assert min(answers) >= 1000
+    assert goal == pytest.approx(0.2)
+    assert reached == pytest.approx(goal, abs=0.01)
+    assert fastest > 0.05
+
+
+@simulator(speed=FAST, gripper="dh_pge")
+def test_a_hand_by_raw_rs_485(make: Make, sim: Simulator) -> None:
+    reached, state = hand_485.main(make.cobot, sim.host, sim.port)
+    assert reached == pytest.approx([0, 700], abs=30)
+    assert state == [1, 1, 0]
+
+
+def test_speedl_upon_speedl(make: Make, sim: Simulator) -> None:
+    stick = [0.5, 1.0, 1.0, 0.5, 0.2, 0.5, 1.0, 0.5]
+    (stopped, *states), tasks, lifted = speedl_upon_speedl.main(
+        make.cobot, sim.host, sim.port, stick
+    )
+    assert (stopped, states) == (FINISHED, [INTERRUPT] * 7 + [FINISHED])
+    assert tasks == sorted(set(tasks))
+    assert lifted > 1e-3
+    assert not sim.moving
 
 
 @pytest.mark.interop
