@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import io
+import math
 import os
 import pty
 import select
@@ -27,7 +28,7 @@ import aioduco.sync
 from aioduco._wire import rpc
 from aioduco.cli.monitor.keyboard import Key, keys_of
 from aioduco.cli.monitor.onlooker import MonitorClient, event_line
-from aioduco.cli.monitor.screen import bar, screen
+from aioduco.cli.monitor.screen import bar, chart, screen
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
 from aioduco.models.enums import Outcome, SafetyState
 from aioduco.models.samples import Samples
@@ -110,6 +111,40 @@ def test_the_screen_fits_its_terminal(width: int, height: int) -> None:
     assert "quit" in lines[-1]
 
 
+def test_nothing_is_cut_off_in_80_columns_and_24_lines() -> None:
+    events = (EventLine("10:00:00", "word " * 30), EventLine("10:00:01", "the last one"))
+    state = MonitorState(
+        "left (192.168.1.10:7003)", arm="GCR5-910 3.8.1", sample=sample(), age=0.0, speed=100.0,
+        project="pick.jspf", errors=("E 7",), events=events,
+    )  # fmt: skip
+    lines = drawn(state, 80, 24)
+    assert len(lines) <= 24
+    assert not any("…" in line for line in lines if "° …" not in line)
+    assert " ".join(lines).count("word") == 30
+    for what in ("mode AUTO", "speed 100 %", "errors: E 7", "volts", "the last one", "N·m"):
+        assert what in "\n".join(lines), what
+
+
+def test_a_large_terminal_is_used() -> None:
+    history = [(100.0, 5.0, 0.1), (200.0, math.nan, 0.4)] * 100
+    state = MonitorState("left", sample=sample(), age=0.0, history=history)
+    lines = drawn(state, 200, 50)
+    bars = [line for line in lines if line.startswith(" J")]
+    assert all(len(line.rstrip()) > 180 for line in bars)
+    text = "\n".join(lines)
+    for what in ("told", "behind", "°C", "to 200.0 mm/s", "to 5.0 N", "to 0.4 °", "last minute"):
+        assert what in text, what
+    assert len(lines) <= 50
+    assert "last minute" not in "\n".join(drawn(state, 80, 24))
+
+
+def test_a_chart_shows_the_largest_value_of_each_column() -> None:
+    upper, lower = chart([0.0, 16.0, 8.0, 0.0, math.nan, 4.0], 3, 6)
+    assert (upper, lower) == ("█  ", "██▄")
+    assert chart([1.0], 4, 4) == ("   █", "   █")
+    assert chart([], 2, 4) == ("  ", "  ")
+
+
 @pytest.mark.parametrize(
     ("state", "said"),
     [
@@ -152,8 +187,10 @@ def test_a_bar_shows_a_joint_between_its_limits(value: float, shown: str, style:
 
 def test_an_event_is_a_line() -> None:
     changed = aioduco.events.SafetyStateChanged(1.0, SafetyState.RUN, SafetyState.STOP1)
-    line = EventLine("10:00:00", "safety state changed: before RUN, after STOP1", "warning")
+    line = EventLine("10:00:00", "safety state changed from RUN to STOP1", "warning")
     assert event_line("10:00:00", changed) == line
+    started = aioduco.events.SafetyStateChanged(1.0, SafetyState.POWER_OFF, SafetyState.RUN)
+    assert event_line("", started).severity == "info"
     hit = event_line("10:00:00", aioduco.events.CollisionDetected(1.0, 3))
     assert (hit.text, hit.severity) == ("collision detected: joint 3", "alarm")
 

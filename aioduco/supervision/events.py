@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
+from aioduco.models.enums import SafetyState
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.state_feed import Policy, Subscription
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
     from aioduco.envelope.limits import Crossing
-    from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+    from aioduco.models.enums import OperationMode, ProgramState, RobotState
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.heartbeat import HeartbeatState
     from aioduco.supervision.state_feed import Snapshot, StateFeed
@@ -39,8 +40,17 @@ __all__ = [
     "ProgramStateChanged",
     "RobotStateChanged",
     "SafetyStateChanged",
+    "Severity",
     "changes",
 ]
+
+Severity: TypeAlias = Literal["alarm", "warning", "info"]
+"""How serious an event is."""
+
+#: after which the safety controller has stopped the arm, or does not let it move
+_UNSAFE: Final = frozenset(
+    SafetyState[name] for name in ("STOP0", "STOP1", "STOP2", "FAIL", "RECOVERY", "MODEL", "UPDATE")
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,17 +63,25 @@ class Event:
 
     at: float
 
+    @property
+    def severity(self) -> Severity:
+        """How serious it is: "alarm", "warning", or "info" for what belongs to normal work."""
+        return "info"
+
     def line(self) -> str:
         """Format it as one line: its name in words, and its values."""
         name = "".join(
             f" {letter.lower()}" if letter.isupper() else letter for letter in type(self).__name__
         )
-        said = []
+        said = {}
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name != "at" and value not in ("", ()):
-                said.append(f"{field.name} {getattr(value, 'name', None) or value}")
-        return f"{name.strip()}{': ' if said else ''}{', '.join(said)}"
+                said[field.name] = str(getattr(value, "name", None) or value)
+        if said.keys() == {"before", "after"}:
+            return f"{name.strip()} from {said['before']} to {said['after']}"
+        values = ", ".join(f"{field} {value}" for field, value in said.items())
+        return f"{name.strip()}{': ' if said else ''}{values}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +93,11 @@ class ConnectionGone(Event):
     """
 
     reason: str
+
+    @property
+    def severity(self) -> Severity:
+        """An alarm."""
+        return "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +134,11 @@ class SafetyStateChanged(Event):
     before: SafetyState
     after: SafetyState
 
+    @property
+    def severity(self) -> Severity:
+        """A warning if the arm was stopped, or needs help to run; a start is normal work."""
+        return "warning" if self.after in _UNSAFE else "info"
+
 
 @dataclass(frozen=True, slots=True)
 class ModeChanged(Event):
@@ -132,6 +160,11 @@ class ErrorsChanged(Event):
     errors: tuple[str, ...]
     added: tuple[str, ...]
 
+    @property
+    def severity(self) -> Severity:
+        """A warning if there are new ones."""
+        return "warning" if self.added else "info"
+
 
 @dataclass(frozen=True, slots=True)
 class CollisionDetected(Event):
@@ -143,6 +176,11 @@ class CollisionDetected(Event):
 
     joint: int
 
+    @property
+    def severity(self) -> Severity:
+        """An alarm."""
+        return "alarm"
+
 
 @dataclass(frozen=True, slots=True)
 class CollisionReset(Event):
@@ -152,6 +190,11 @@ class CollisionReset(Event):
 @dataclass(frozen=True, slots=True)
 class EmergencyStopPressed(Event):
     """An emergency stop (急停) was pressed."""
+
+    @property
+    def severity(self) -> Severity:
+        """An alarm."""
+        return "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +212,11 @@ class EnvelopeLeft(Event):
 
     crossing: Crossing
 
+    @property
+    def severity(self) -> Severity:
+        """An alarm."""
+        return "alarm"
+
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatChanged(Event):
@@ -176,6 +224,11 @@ class HeartbeatChanged(Event):
 
     before: HeartbeatState
     after: HeartbeatState
+
+    @property
+    def severity(self) -> Severity:
+        """A warning if the controller has stopped the arm for want of beats."""
+        return "warning" if self.after.name in {"LOST", "STALLED"} else "info"
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +242,11 @@ class LoopBlocked(Event):
 
     seconds: float
     where: str
+
+    @property
+    def severity(self) -> Severity:
+        """A warning."""
+        return "warning"
 
 
 def changes(before: Snapshot, after: Snapshot) -> Iterator[Event]:

@@ -18,22 +18,16 @@ from typing import TYPE_CHECKING, Any, Final
 import anyio
 
 from aioduco.cli.monitor.keyboard import Key, wait_for_keys
-from aioduco.cli.monitor.view_state import EventLine, MonitorState
+from aioduco.cli.monitor.view_state import EventLine, MonitorState, history_point
 from aioduco.cli.signals import receive_signals
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
-from aioduco.supervision.events import (
-    CollisionDetected,
-    ConnectionGone,
-    EmergencyStopPressed,
-    Event,
-    SafetyStateChanged,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.robot import Robot
+    from aioduco.supervision.events import Event
 
 __all__ = ["MonitorClient", "event_line"]
 
@@ -41,7 +35,6 @@ __all__ = ["MonitorClient", "event_line"]
 _SELDOM: Final = 1.0
 #: number of events that are kept
 _KEPT: Final = 200
-_ALARMS: Final = (CollisionDetected, ConnectionGone, EmergencyStopPressed)
 
 
 class LogLines(logging.Handler):
@@ -78,6 +71,7 @@ class MonitorClient:
         self._draw = draw
         self._state = MonitorState(name, rate=robot.feed.rate)
         self._events: deque[EventLine] = deque(maxlen=_KEPT)
+        self._history: deque[tuple[float, float, float]] = deque(maxlen=self._state.history_length)
         self._lines = LogLines(self._events)
         self._doing: list[Key] = []
         self._told: signal.Signals | None = None
@@ -151,8 +145,10 @@ class MonitorClient:
     async def _samples(self) -> None:
         with self._robot.feed.subscribe("latest") as samples:
             async for sample in samples:
+                self._history.append(history_point(sample))
                 self._change(
                     sample=sample,
+                    history=tuple(self._history),
                     measured_rate=self._robot.feed.statistics().measured_rate,
                     answer_time=time.monotonic() - sample.received_at,
                 )
@@ -189,9 +185,7 @@ class MonitorClient:
 
 def event_line(at: str, event: Event) -> EventLine:
     """An event as one line: its name in words, and its text."""
-    alarm = isinstance(event, _ALARMS)
-    severity = "alarm" if alarm else "warning" if isinstance(event, SafetyStateChanged) else "info"
-    return EventLine(at, event.line(), severity)
+    return EventLine(at, event.line(), event.severity)
 
 
 async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+import textwrap
+from typing import TYPE_CHECKING, Any, Final
 
 from rich.console import Group
 from rich.table import Table
@@ -18,30 +19,47 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from aioduco.cli.monitor.view_state import EventLine, MonitorState
+    from aioduco.models.state import RobotStatus
     from aioduco.supervision.state_feed import Snapshot
 
-__all__ = ["bar", "screen"]
+__all__ = ["bar", "chart", "screen"]
 
 _STYLES: Final = {"info": "", "good": "green", "warning": "yellow", "alarm": "bold red"}
-#: number of lines besides the events
-_LINES: Final = 19
-#: number of columns besides the bars
-_COLUMNS: Final = 70
-_LEAST_BAR, _MOST_BAR = 8, 48
+#: columns from which a line holds all, and from which there are more columns of numbers
+_WHOLE: Final = 100
+_WIDE: Final = 150
+#: lines from which the last minute is drawn
+_TALL: Final = 36
+#: number of columns besides the bars, and with more columns of numbers
+_COLUMNS, _MORE_COLUMNS = 70, 88
+_LEAST_BAR: Final = 8
+_EVENT_INDENT: Final = " " * 10
+_BLOCKS: Final = " ▁▂▃▄▅▆▇█"
 #: part of a joint's range, at each end, that counts as near the limit
 _NEAR: Final = 0.05
 _POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
 _NO: Final = "–"
+_ONE_LINE: Final[dict[str, Any]] = {"no_wrap": True, "overflow": "ellipsis"}
+#: lines of the table of joints and pose
+_ARM_LINES: Final = 7
 
 
 def screen(state: MonitorState, width: int, height: int) -> RenderableType:
     """The whole screen, for a terminal of `width` columns and `height` lines."""
-    lines: list[RenderableType] = [_head(state, width), _states(state), _doing(state)]
+    lines: list[RenderableType] = [_head(state, width), _states(state, width), _doing(state)]
+    if state.errors:
+        lines.append(Text(f"errors: {one_line('; '.join(state.errors))}", "red", **_ONE_LINE))
     lines.append(Text(f" {state.alarm} ", style="bold white on red") if state.alarm else Text(""))
+    used = len(lines) + 4  # with two blank lines, the notice and the keys
     if state.sample is not None:
-        lines += [_arm(state, state.sample, width), Text(""), *_signals(state.sample)]
-    room = max(1, height - _LINES)
-    lines += [Text(""), *_events(state, room)]
+        signals = _signals(state.sample, width)
+        lines += [_arm(state, state.sample, width), Text(""), *signals]
+        used += _ARM_LINES + len(signals)
+    if height >= _TALL:
+        drawn = _last_minute(state, width)
+        lines += drawn
+        used += len(drawn)
+    lines += [Text(""), *_events(state, max(1, height - used), width)]
     lines += [_notice(state), _keys()]
     return Group(*lines)
 
@@ -57,40 +75,41 @@ def _head(state: MonitorState, width: int) -> Text:
     )
 
 
-def _states(state: MonitorState) -> Text:
+def _states(state: MonitorState, width: int) -> Text:
     if state.sample is None:
         return Text("no sample yet", style="yellow")
     states = state.sample.states
     ready = states.robot is RobotState.ENABLE
     safe = states.safety in {SafetyState.RUN, SafetyState.REDUCE}
-    speed = _NO if state.speed is None else f"{state.speed:g} %"
+    gap = "   " if width >= _WHOLE else "  "
     return Text.assemble(
         "robot ",
         (states.robot.name, "green" if ready else "yellow"),
-        "   program ",
+        f"{gap}program ",
         (states.program.name, "bold"),
-        "   safety ",
+        f"{gap}safety ",
         (states.safety.name, "green" if safe else "bold red"),
-        "   mode ",
+        f"{gap}mode ",
         (states.mode.name, "bold"),
-        f"   speed {speed}",
         style="dim" if state.silent else "",
         no_wrap=True,
     )
 
 
 def _doing(state: MonitorState) -> Text:
-    errors = f"   errors: {one_line('; '.join(state.errors))}" if state.errors else ""
-    return Text.assemble(state.doing, (errors, "red"), no_wrap=True, overflow="ellipsis")
+    speed = "" if state.speed is None else f", speed {state.speed:g} %"
+    return Text(f"{state.doing}{speed}", **_ONE_LINE)
 
 
 def _arm(state: MonitorState, sample: Snapshot, width: int) -> Table:
     status, forces = sample.status, sample.read_forces
-    length = min(max(width - _COLUMNS, _LEAST_BAR), _MOST_BAR)
+    wide = width >= _WIDE
+    length = max(width - (_MORE_COLUMNS if wide else _COLUMNS), _LEAST_BAR)
     table = Table(box=None, padding=(0, 1), header_style="dim")
     table.add_column("")
     table.add_column(f"{_limit(state.lower)} … {_limit(state.upper)}", no_wrap=True)
-    for heading in ("angle", "°/s", "N·m", "", "tool", "force"):
+    more = ("told", "behind", "°C") if wide else ()
+    for heading in ("angle", "°/s", "N·m", *more, "", "tool", "force"):
         table.add_column(heading, justify="right", no_wrap=True)
     outside = [math.nan] * 6 if forces is None else forces.external_torques.tolist()
     tool = [math.nan] * 6 if forces is None else forces.tool.tolist()
@@ -107,12 +126,59 @@ def _arm(state: MonitorState, sample: Snapshot, width: int) -> Table:
             f"{_number(math.degrees(angle), 2)}°",
             _number(math.degrees(speed), 1),
             _number(torque, 1),
+            *(_further(status, row) if wide else ()),
             _POSE[row],
             shown,
             f"{_number(force, 2)} {'N·m' if turns else 'N  '}",
             style="dim" if state.silent else "",
         )
     return table
+
+
+def _further(status: RobotStatus, row: int) -> tuple[str, str, str]:
+    """What a wide screen also shows of a joint: commanded, how far it is behind, temperature."""
+    told = math.degrees(status.expected_joints[row])
+    behind = told - math.degrees(status.joints[row])
+    heat = status.joint_temperatures[row]
+    return f"{_number(told, 2)}°", f"{_number(behind, 2)}°", _number(heat, 0)
+
+
+def _last_minute(state: MonitorState, width: int) -> list[Text]:
+    """The last minute of the tool's speed and force, and of how far the joints are behind."""
+    lines = []
+    for name, unit, values in zip(
+        ("tool", "force", "behind"), ("mm/s", "N", "°"), zip(*state.history, strict=True),
+        strict=False,
+    ):  # fmt: skip
+        known = [value for value in values if not math.isnan(value)]
+        if not known:
+            continue
+        upper, lower = chart(values, width - 22, state.history_length)
+        most = f"to {_number(max(known), 1)} {unit}"
+        lines += [Text(""), Text.assemble((f"{name:<6} {most:>13}  ", "dim"), (upper, "cyan"))]
+        lines.append(Text.assemble((f"{'last minute':>20}  ", "dim"), (lower, "cyan")))
+    return lines
+
+
+def chart(values: Sequence[float], width: int, most: int) -> tuple[str, str]:
+    """Values as columns of two lines, the newest at the right.
+
+    Args:
+        values: values from 0, the oldest first; NaN where there is none.
+        width: number of columns.
+        most: number of values that fill all columns.
+    """
+    columns = [math.nan] * width
+    for place, value in enumerate(reversed(values)):
+        column = width - 1 - place * width // most
+        if column >= 0 and not math.isnan(value):
+            columns[column] = value if math.isnan(columns[column]) else max(value, columns[column])
+    top = max((value for value in columns if not math.isnan(value)), default=0.0) or 1.0
+    eighths = [0 if math.isnan(value) else max(1, round(16 * value / top)) for value in columns]
+    return (
+        "".join(_BLOCKS[max(0, eighth - 8)] for eighth in eighths),
+        "".join(_BLOCKS[min(8, eighth)] for eighth in eighths),
+    )
 
 
 def bar(value: float, lower: float, upper: float, length: int) -> Text:
@@ -138,28 +204,24 @@ def bar(value: float, lower: float, upper: float, length: int) -> Text:
     return text
 
 
-def _signals(sample: Snapshot) -> list[Text]:
+def _signals(sample: Snapshot, width: int) -> list[Text]:
     io = sample.io
-    return [
-        Text.assemble(
-            ("inputs  ", "dim"),
-            *_lamps(io.digital_inputs),
-            ("   tool ", "dim"),
-            *_lamps(io.tool_inputs),
-            ("   volts ", "dim"),
-            _values(io.analog_voltage_inputs),
-            no_wrap=True,
-        ),
-        Text.assemble(
-            ("outputs ", "dim"),
-            *_lamps(io.digital_outputs),
-            ("   tool ", "dim"),
-            *_lamps(io.tool_outputs),
-            ("   volts ", "dim"),
-            _values(io.analog_voltage_outputs),
-            no_wrap=True,
-        ),
-    ]
+    lines = []
+    for name, digital, tool, volts in (
+        ("inputs  ", io.digital_inputs, io.tool_inputs, io.analog_voltage_inputs),
+        ("outputs ", io.digital_outputs, io.tool_outputs, io.analog_voltage_outputs),
+    ):
+        line = Text.assemble(
+            (name, "dim"), *_lamps(digital), ("   tool ", "dim"), *_lamps(tool), **_ONE_LINE
+        )
+        if width >= _WHOLE:
+            line.append("   volts ", "dim").append(_values(volts))
+        lines.append(line)
+    if width < _WHOLE:
+        volts_in, volts_out = map(_values, (io.analog_voltage_inputs, io.analog_voltage_outputs))
+        lines.append(Text.assemble(("volts   ", "dim"), f"{volts_in} in   {volts_out} out"))
+        lines[-1].no_wrap, lines[-1].overflow = True, "ellipsis"
+    return lines
 
 
 def _lamps(signals: Sequence[bool]) -> list[tuple[str, str]]:
@@ -174,15 +236,26 @@ def _values(values: Sequence[float]) -> str:
     return " ".join(_number(value, 1) for value in values)
 
 
-def _events(state: MonitorState, room: int) -> list[Text]:
-    return [_line(event) for event in state.events[-room:]]
+def _events(state: MonitorState, room: int, width: int) -> list[Text]:
+    """The newest events that fit, in lines that are not cut off; only a single one is shortened."""
+    lines: list[Text] = []
+    for event in reversed(state.events):
+        wrapped = textwrap.wrap(
+            one_line(event.text), max(20, width - len(_EVENT_INDENT)), max_lines=room
+        )
+        if lines and len(lines) + len(wrapped) > room:
+            break
+        style = _STYLES[event.severity]
+        lines[:0] = [
+            Text.assemble((_EVENT_INDENT if number else f"{event.at}  ", "dim"), (part, style))
+            for number, part in enumerate(wrapped or [""])
+        ]
+    return lines
 
 
 def _line(event: EventLine) -> Text:
     style = _STYLES[event.severity]
-    return Text.assemble(
-        (f"{event.at}  ", "dim"), (one_line(event.text), style), no_wrap=True, overflow="ellipsis"
-    )
+    return Text.assemble((f"{event.at}  ", "dim"), (one_line(event.text), style), **_ONE_LINE)
 
 
 def _notice(state: MonitorState) -> Text:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from aioduco.supervision.state_feed import Snapshot
 
-__all__ = ["EventLine", "MonitorState", "Severity", "standing"]
+__all__ = ["EventLine", "MonitorState", "Severity", "history_point", "standing"]
 
 #: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
 _STANDS: Final = 1e-3
@@ -61,6 +61,8 @@ class MonitorState:
         busy: commands of keys that are running, such as "stop"; empty for none.
         lower: lower joint limits [rad].
         upper: upper joint limits [rad].
+        history: of the samples of the last minute: the tool's speed [mm/s], the force at the tool
+            [N], and how far a joint is behind at most [°]; NaN for what was not read.
     """
 
     robot: str
@@ -78,6 +80,12 @@ class MonitorState:
     busy: str = ""
     lower: Sequence[float] = field(default=(-POSITION_LIMIT,) * 6)
     upper: Sequence[float] = field(default=(POSITION_LIMIT,) * 6)
+    history: Sequence[tuple[float, float, float]] = ()
+
+    @property
+    def history_length(self) -> int:
+        """Number of samples of a minute."""
+        return max(1, round(60.0 * self.rate))
 
     @property
     def silent(self) -> bool:
@@ -110,6 +118,17 @@ class MonitorState:
         running = program not in {ProgramState.STOPPED}
         task = f"task {program.name}" if running else "no task"
         return ", ".join((motion, task, *((f"project {self.project}",) if self.project else ())))
+
+
+def history_point(sample: Snapshot) -> tuple[float, float, float]:
+    """What `MonitorState.history` keeps of a sample."""
+    status, forces = sample.status, sample.read_forces
+    force = math.nan if forces is None else math.hypot(*forces.tool.tolist()[:3])
+    behind = max(
+        abs(told - actual)
+        for told, actual in zip(status.expected_joints, status.joints, strict=True)
+    )
+    return math.hypot(*status.tool_speed.tolist()[:3]) * 1e3, force, math.degrees(behind)
 
 
 def standing(sample: Snapshot) -> bool:

@@ -8,25 +8,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco import SafetyState, events
+from aioduco import SafetyState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco import Snapshot
 
-__all__ = ["alarm_text", "event_severity", "history_point", "page_sample"]
+__all__ = ["alarm_text", "history_point", "page_sample"]
 
 #: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
 _STANDS: Final = 1e-3
 _STOPS: Final = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
-_ALARMS: Final = (
-    events.CollisionDetected,
-    events.ConnectionGone,
-    events.EmergencyStopPressed,
-    events.EnvelopeLeft,
-)
-_WARNINGS: Final = (events.SafetyStateChanged, events.ErrorsChanged, events.HeartbeatChanged)
 
 
 def page_sample(sample: Snapshot) -> dict[str, Any]:
@@ -75,13 +68,6 @@ def alarm_text(sample: Snapshot | None, silent_after: float, age: float) -> str:
     if states.safety in _STOPS:
         return f"SAFETY {states.safety.name}"
     return ""
-
-
-def event_severity(event: events.Event) -> str:
-    """Severity of an event: "alarm", "warning" or "info"."""
-    if isinstance(event, _ALARMS):
-        return "alarm"
-    return "warning" if isinstance(event, _WARNINGS) else "info"
 
 
 def history_point(told: dict[str, Any]) -> list[Any]:

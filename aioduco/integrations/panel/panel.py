@@ -56,7 +56,6 @@ from aioduco.integrations.panel.page_requests import (
 from aioduco.integrations.panel.page_server import PageServer
 from aioduco.integrations.panel.page_state import (
     alarm_text,
-    event_severity,
     history_point,
     page_sample,
 )
@@ -471,7 +470,7 @@ class Panel(Uncopied):
         with robot.events.subscribe("drop_oldest") as stream:
             async for event in stream:
                 if isinstance(event, events.EnvelopeLeft | events.HeartbeatChanged):
-                    self._note(event.line(), event_severity(event))
+                    self._note(event.line(), event.severity)
 
     async def _move(self, motion: HoldMotion, scope: anyio.CancelScope) -> None:
         """Carry out the motion of a button."""
@@ -585,7 +584,7 @@ class Panel(Uncopied):
     async def _happenings(self) -> None:
         with self._observer.events.subscribe("drop_oldest") as stream:
             async for event in stream:
-                self._note(event.line(), event_severity(event))
+                self._note(event.line(), event.severity)
 
     async def _ask_seldom(self) -> None:
         robot, due = self._observer, anyio.current_time()
