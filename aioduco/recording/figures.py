@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import html
 import json
+import math
 import re
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from aioduco.recording.run import RecordedRun
@@ -33,16 +35,21 @@ _COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4
 _JOINTS: Final = tuple(f"joint {number}" for number in range(1, 7))
 _XYZ: Final = ("x", "y", "z")
 
-#: title, unit, channel, field, names of its numbers
+_DEGREE: Final = 180.0 / math.pi
+
+#: title, unit, how many of it are one of the recording's, channel, field, names of its numbers
 _SHOWN: Final = (
-    ("joint angles", "rad", "/joint_states", "position", _JOINTS),
-    ("joint speeds", "rad/s", "/joint_states", "velocity", _JOINTS),
-    ("behind the set-points", "rad", "/joint_states", "error", _JOINTS),
-    ("tip of the tool", "m", "/tf", "tcp.translation", _XYZ),
-    ("force", "N", "/wrench", "force", _XYZ),
-    ("torque", "N·m", "/wrench", "torque", _XYZ),
-    ("lateness of the stream, p99", "s", "/streams", "lateness.p99", ("p99",)),
+    ("joint angles", "°", _DEGREE, "/joint_states", "position", _JOINTS),
+    ("joint speeds", "°/s", _DEGREE, "/joint_states", "velocity", _JOINTS),
+    ("behind the set-points", "°", _DEGREE, "/joint_states", "error", _JOINTS),
+    ("tip of the tool", "m", 1.0, "/tf", "tcp.translation", _XYZ),
+    ("force", "N", 1.0, "/wrench", "force", _XYZ),
+    ("torque", "N·m", 1.0, "/wrench", "torque", _XYZ),
+    ("lateness of the stream, p99", "ms", 1e3, "/streams", "lateness.p99", ("p99",)),
 )
+#: marks that are named in a picture, at most, and how near they may be, as parts of its length
+_NAMED: Final = 16
+_NEAR: Final = 0.025
 
 
 class DrawnCurve(NamedTuple):
@@ -64,19 +71,21 @@ class DrawnPanel(NamedTuple):
 
 
 def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[DrawnPanel]:
-    """Return the panels of a recording, with another one over it.
+    """Return the panels of a recording, with another one over it; angles are in degrees.
+
+    A panel in which all is zero is left out, unless there is no other.
 
     Raises:
         ParameterError: the recording contains nothing that can be drawn.
     """
     found = []
-    for title, unit, topic, field, names in _SHOWN:
+    for title, unit, scale, topic, field, names in _SHOWN:
         curves = []
         for number, each in enumerate((run, other)):
             if each is not None and topic in each.topics:
                 times, values = _values(each, topic, field)
                 curves += [
-                    DrawnCurve(name, colour, number == 1, times, values[:, index])
+                    DrawnCurve(name, colour, number == 1, times, scale * values[:, index])
                     for index, (name, colour) in enumerate(zip(names, _COLOURS, strict=False))
                     if index < values.shape[1] and np.isfinite(values[:, index]).any()
                 ]
@@ -84,7 +93,13 @@ def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[DrawnPane
             found.append(DrawnPanel(title, unit, curves))
     if not found:
         raise ParameterError("recording", str(run.path), "one with samples of the state")
-    return found
+    said = [panel for panel in found if any(map(_moves, panel.curves))]
+    return said or found[:1]
+
+
+def _moves(curve: DrawnCurve) -> bool:
+    """Whether a curve is anything but zero."""
+    return bool(np.nan_to_num(curve.values).any())
 
 
 def _values(run: RecordedRun, topic: str, field: str) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -132,15 +147,26 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
         RecordingError: its contents are not as aioduco writes them.
         MissingExtra: matplotlib is not installed.
     """
+    drawn(run, other).savefig(path, dpi=110)
+
+
+def drawn(run: RecordedRun, other: RecordedRun | None = None) -> Figure:
+    """Draw a recording as a figure of matplotlib; arguments and errors as for `draw_png`."""
     try:
         from matplotlib.figure import Figure  # noqa: PLC0415 - only when a PNG is drawn
     except ModuleNotFoundError as exc:
         raise MissingExtra("a picture", "matplotlib", "plot") from exc
-    shown = panels(run, other)
-    figure = Figure(figsize=(11, 2.2 * len(shown) + 0.8), layout="constrained")
+    shown, happened = panels(run, other), marks(run)
+    figure = Figure(figsize=(11, 2.2 * len(shown) + 2.0), layout="constrained")
     # `parse_math`: "$" in a file's name is no formula
     figure.suptitle(_title(run, other), fontsize="medium", parse_math=False)
-    axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    heights = [*([0.55] if happened else []), *[1.0] * len(shown)]
+    axes = figure.subplots(
+        len(heights), 1, sharex=True, squeeze=False, height_ratios=heights
+    )[:, 0]  # fmt: skip
+    if happened:
+        _draw_marks(axes[0], happened, run.duration)
+        axes = axes[1:]
     for axis, panel in zip(axes, shown, strict=True):
         for curve in panel.curves:
             axis.plot(
@@ -151,14 +177,41 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
                 linestyle="--" if curve.second else "-",
                 label=None if curve.second else curve.name,
             )
-        for at, _ in marks(run):
+        for at, _ in happened:
             axis.axvline(at, color="0.8", linewidth=0.6, zorder=0)
         axis.set_title(panel.title, fontsize="medium", loc="left")
         axis.set_ylabel(panel.unit)
         axis.grid(visible=True, color="0.93")
-        axis.legend(fontsize="x-small", ncols=6, loc="upper right")
+        # Beside the title, where no curve is.
+        axis.legend(
+            fontsize="x-small", ncols=6, frameon=False,
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0,
+        )  # fmt: skip
     axes[-1].set_xlabel("s")
-    figure.savefig(path, dpi=110)
+    return figure
+
+
+def _draw_marks(axis: Any, happened: Sequence[tuple[float, str]], length: float) -> None:
+    """Draw the strip above the panels that names the grey lines."""
+    axis.set_title("commands and events: grey lines", fontsize="medium", loc="left")
+    axis.set_yticks([])
+    axis.spines[["top", "left", "right"]].set_visible(False)
+    for at, _ in happened:
+        axis.axvline(at, color="0.8", linewidth=0.6, zorder=0)
+    for at, text in _named(happened, length):
+        axis.annotate(
+            text, (at, 0.04), xycoords=("data", "axes fraction"), rotation=28, fontsize="x-small",
+            color="0.3", ha="left", va="bottom", parse_math=False, clip_on=True,
+        )  # fmt: skip
+
+
+def _named(happened: Sequence[tuple[float, str]], length: float) -> list[tuple[float, str]]:
+    """Return the marks that are named: none that would lie over the one before."""
+    named: list[tuple[float, str]] = []
+    for at, text in happened:
+        if not named or at - named[-1][0] > _NEAR * length:
+            named.append((at, text if len(text) < 30 else f"{text[:28]}…"))
+    return named[:_NAMED]
 
 
 def _title(run: RecordedRun, other: RecordedRun | None) -> str:

@@ -237,7 +237,7 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
         said = " · ".join(f"{label} {value:,.0f}" for label, value in percentiles)
         title = f"{name.replace('_', ' ')}: {_MEANINGS[name]}"
         axes.set_title(title, fontsize="medium", loc="left")
-        axes.set_title(f"{said} {unit}", fontsize="small", loc="right")
+        axes.set_title(f"dashed: {said} {unit}", fontsize="small", loc="right")
         axes.set_xlabel(unit)
         axes.set_ylabel("times")
     figure.savefig(path, dpi=120)

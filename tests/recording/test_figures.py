@@ -22,7 +22,7 @@ import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.recording import RecordedMessage, read
 from aioduco.recording.container import DATA_END, MAGIC
-from aioduco.recording.figures import draw_page, draw_png, panels
+from aioduco.recording.figures import draw_page, draw_png, drawn, panels
 from aioduco.sim import Simulator
 
 if TYPE_CHECKING:
@@ -67,7 +67,9 @@ def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
     angles = values["panels"][0]
     joints = run.arrays("/joint_states")
     assert len(angles["curves"]) == 12  # of both recordings
-    assert angles["curves"][0]["y"] == pytest.approx(joints["position"][:, 0], rel=1e-6, abs=1e-9)
+    assert angles["unit"] == "°"
+    degrees = np.degrees(joints["position"][:, 0])
+    assert angles["curves"][0]["y"] == pytest.approx(degrees, rel=1e-6, abs=1e-7)
     assert angles["curves"][0]["x"] == pytest.approx(joints["time"], abs=1e-4)
     assert "movej2" in [text for _, text in values["marks"]]
 
@@ -120,6 +122,43 @@ class Strange:
             RecordedMessage("/commands", 0.0, 0, command),
             RecordedMessage("/events", 0.5, 0, {"event": self._text}),
         ]
+
+
+class Plain(Strange):
+    """A recording in which the arm turned, without a force."""
+
+    topics: ClassVar = {"/joint_states": 2, "/wrench": 2}
+
+    def __init__(self) -> None:
+        super().__init__("movej2")
+
+    def arrays(self, topic: str) -> dict[str, Any]:
+        times = {"time": np.array([0.0, 1.0])}
+        if topic == "/wrench":
+            return times | {f"force.{axis}": np.zeros(2) for axis in "xyz"}
+        return times | {"position": np.ones((2, 6)), "velocity": np.full((2, 6), np.nan)}
+
+
+def test_a_panel_of_zeros_is_left_out_unless_there_is_no_other() -> None:
+    assert [panel.title for panel in panels(Plain())] == ["joint angles"]  # type: ignore[arg-type]
+    only: Any = Strange("no motion")
+    assert [panel.title for panel in panels(only)] == ["joint angles"]
+
+
+def test_no_legend_and_no_name_of_a_mark_lies_over_a_curve() -> None:
+    pytest.importorskip("matplotlib")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+
+    figure = drawn(Plain())  # type: ignore[arg-type]
+    FigureCanvasAgg(figure).draw()
+    strip, *rest = figure.axes
+    assert [text.get_text() for text in strip.texts] == ["movej2", "movej2"]
+    assert not strip.lines or all(len(set(line.get_xdata())) == 1 for line in strip.lines)  # type: ignore[arg-type]
+    for axes in rest:
+        legend = axes.get_legend()
+        assert legend is not None
+        assert legend.get_window_extent().y0 > axes.get_window_extent().y1 - 3  # pixels
+        assert not axes.texts
 
 
 @pytest.mark.parametrize("text", FOREIGN)

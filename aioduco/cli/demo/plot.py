@@ -110,11 +110,11 @@ def _draw_joints(axes: Any, report: Report) -> None:
 
 def _draw_errors(axes: Any, report: Report) -> None:
     at = np.asarray(report.track.at)
-    errors = report.track.errors() * 1e3
+    errors = np.rad2deg(report.track.errors())
     for joint, colour in enumerate(_COLOURS):
         axes.plot(at, errors[:, joint], color=colour, lw=0.9)
     _shade(axes, report)
-    axes.set_ylabel("error [mrad]", fontsize=8)
+    axes.set_ylabel("behind [°]", fontsize=8)
     axes.set_xlabel("time [s]", fontsize=8)
     axes.tick_params(labelsize=7)
 
