@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _BUSY = re.compile(
-    r"^the event loop (?:did not get to run for [\d.]+ s\n|"
-    r"was blocked for [\d.]+ s by:\n(?:  .*\n)*\n?)",
-    re.MULTILINE,
+    r"^the event loop (?:did not get to run|was blocked) for [\d.]+ s.*\n", re.MULTILINE
 )
 
 

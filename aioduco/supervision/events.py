@@ -237,7 +237,8 @@ class LoopBlocked(Event):
 
     Attributes:
         seconds: for how long.
-        where: the line of the program that ran meanwhile, with its callers; empty if unknown.
+        where: the line of the program that ran meanwhile: file, number, function and text; empty if
+            none did, as on a busy computer.
     """
 
     seconds: float

@@ -11,9 +11,11 @@ import sys
 import threading
 import time
 import traceback
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from aioduco._process.platform import boot_time
+from aioduco._process.program_lines import of_program
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import GuardLost
@@ -23,12 +25,27 @@ if TYPE_CHECKING:
     from types import FrameType
 
 
-__all__ = ["Liveness", "LoopWatchdog", "blocking_stack", "watchdogs"]
+__all__ = ["BlockingCalls", "Liveness", "LoopWatchdog", "blocking_calls", "watchdogs"]
 
 _log = BackgroundLogger(__name__)
 
-#: lines of the call stack that are kept
-_DEPTH = 12
+#: calls of the stack that are kept
+_DEPTH: Final = 12
+#: functions of asyncio that run a loop
+_LOOPS: Final = frozenset({"run", "run_until_complete", "run_forever", "_run_once", "_run"})
+
+
+class BlockingCalls(NamedTuple):
+    """What a loop's thread ran while the loop was blocked.
+
+    Attributes:
+        line: the innermost line of the program: file, number, function and text; empty if only
+            asyncio, a library or this package ran, as on a busy computer.
+        stack: the innermost calls, as Python prints them; empty if the thread was idle.
+    """
+
+    line: str
+    stack: str
 
 
 class Liveness:
@@ -146,23 +163,29 @@ class LoopWatchdog:
             if self._latest() != stamp:
                 continue
             # Now, while it is blocked: afterwards the blocking line cannot be found.
-            where = blocking_stack(sys._current_frames().get(self._loop_thread))
+            calls = blocking_calls(sys._current_frames().get(self._loop_thread))
             while self._latest() == stamp:
                 if self._changed.wait(limit / 4):
                     return
-            self._report(self._latest() - stamp, where)
+            self._report(self._latest() - stamp, calls)
 
     def _latest(self) -> float:
         return max((life.ran for life in self._watched), default=0.0)
 
-    def _report(self, seconds: float, where: str) -> None:
+    def _report(self, seconds: float, calls: BlockingCalls) -> None:
         for limit, blocked in self._watched.values():
             if seconds > limit:
-                blocked(seconds, where)
-        if where:
-            _log.warning("the event loop was blocked for %.2f s by:\n%s", seconds, where)
+                blocked(seconds, calls.line)
+        if calls.line:
+            _log.warning("the event loop was blocked for %.2f s by %s", seconds, calls.line)
         else:
-            _log.warning("the event loop did not get to run for %.2f s", seconds)
+            _log.warning(
+                "the event loop did not get to run for %.2f s: the computer was busy, or another "
+                "thread of this program",
+                seconds,
+            )
+        if calls.stack:
+            _log.debug("while the event loop did not run, its thread was in:\n%s", calls.stack)
 
 
 class _Watchdogs:
@@ -187,7 +210,7 @@ class _Watchdogs:
             life: the loop's sign of life.
             limit: seconds without a sign of life after which the loop counts as blocked.
             blocked: called on the watchdog's thread when the loop runs again, with the duration of
-                the block [s] and the call stack that blocked.
+                the block [s] and the line of the program that blocked, or "".
 
         Returns:
             Ends that; waits so many seconds for the thread's end if no robot is left.
@@ -213,15 +236,28 @@ class _Watchdogs:
 watchdogs: Final = _Watchdogs()
 
 
-def blocking_stack(frame: FrameType | None) -> str:
-    """Return the innermost calls of a thread's stack, as Python prints them; "" if it is idle."""
+def blocking_calls(frame: FrameType | None) -> BlockingCalls:
+    """Return what a loop's thread runs; nothing if it is idle."""
     if frame is None:
-        return ""
+        return BlockingCalls("", "")
     try:
-        stack = traceback.extract_stack(frame)[-_DEPTH:]
+        stack = traceback.extract_stack(frame)
+        # A loop that waits in its selector is not blocked, but starved: by the GIL or the machine.
+        if stack and stack[-1].name in {"select", "poll"}:
+            return BlockingCalls("", "")
+        return BlockingCalls(_line(stack), "".join(traceback.format_list(stack[-_DEPTH:])))
     except Exception as exc:  # the program's own module loaders give the lines, and may fail
-        return f"(its call stack cannot be read: {type(exc).__name__})\n"
-    # A loop that waits in its selector is not blocked, but starved: by the GIL or by the machine.
-    if stack and stack[-1].name in {"select", "poll"}:
-        return ""
-    return "".join(traceback.format_list(stack))
+        return BlockingCalls("", f"(its call stack cannot be read: {type(exc).__name__})\n")
+
+
+def _line(stack: traceback.StackSummary) -> str:
+    """Return the innermost line of the program among the calls that the loop made; or ""."""
+    calls: list[traceback.FrameSummary] = []
+    for call in stack:
+        calls.append(call)
+        if call.name in _LOOPS and Path(call.filename).parent.name == "asyncio":
+            calls.clear()  # these only run the loop
+    for call in reversed(calls):
+        if of_program(call.filename):
+            return f"{call.filename}:{call.lineno}, in {call.name}: {call.line}"
+    return ""

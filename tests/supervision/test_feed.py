@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
+import sys
 import time
 from collections import deque
 from typing import TYPE_CHECKING
@@ -19,8 +21,9 @@ from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
+from aioduco.supervision.loop_watchdog import BlockingCalls, LoopWatchdog, blocking_calls
 from aioduco.supervision.state_feed import Policy, Subscription
-from aioduco.testing import DropReply, FaultProxy, eventually_async
+from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 
 if TYPE_CHECKING:
     from client.bench import Bench
@@ -309,8 +312,46 @@ async def test_what_blocks_the_loop_is_named(
             async for event in events:
                 if isinstance(event, changes.LoopBlocked) and "block_the_loop" in event.where:
                     assert event.seconds > 0.3
+                    assert event.where.startswith(f"{__file__}:")
+                    assert "\n" not in event.where
                     break
         await eventually_async(lambda: "block_the_loop" in caplog.text)
+
+
+def test_of_a_busy_loop_one_line_is_told_and_the_calls_are_for_debugging() -> None:
+    """The program's line is the innermost within the loop; of asyncio's own calls none is."""
+    seen: list[BlockingCalls] = []
+
+    def look() -> None:
+        seen.append(blocking_calls(sys._getframe()))
+
+    async def program() -> None:
+        sorted([1], key=lambda _: look())  # type: ignore[func-returns-value]
+        seen.append(blocking_calls(sys._getframe().f_back))
+
+    async def main() -> None:
+        await asyncio.create_task(program())
+
+    asyncio.run(main())
+    inside, outside = seen
+    assert inside.line.startswith(f"{__file__}:")
+    assert ", in look: seen.append(" in inside.line
+    assert "in program" in inside.stack
+    assert outside.line == "", "what started the loop does not block it"
+    assert "asyncio" in outside.stack
+    assert blocking_calls(None) == ("", "")
+
+
+@pytest.mark.parametrize("line", ["", "a.py:3, in work: solve()"])
+def test_a_block_is_one_line_of_the_log(line: str, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.DEBUG)
+    LoopWatchdog(0)._report(0.36, BlockingCalls(line, '  File "x", line 1, in y\n'))
+    eventually(lambda: len(caplog.records) == 2)
+    warning, debug = caplog.records
+    assert (warning.levelname, debug.levelname) == ("WARNING", "DEBUG")
+    assert "\n" not in warning.getMessage()
+    assert (line or "busy") in warning.getMessage()
+    assert "in y" in debug.getMessage()
 
 
 async def test_forces_are_read_when_they_are_asked_for(bench: Bench) -> None:

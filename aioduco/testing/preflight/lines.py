@@ -6,11 +6,12 @@ import asyncio
 import contextlib
 import contextvars
 import sys
-import sysconfig
 import threading
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+from aioduco._process.program_lines import PACKAGE, of_program
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,11 +29,7 @@ __all__ = [
     "of_main_thread",
 ]
 
-_PACKAGE = Path(__file__).resolve().parents[2]
-_PROGRAMS = _PACKAGE / "cli"
-_LIBRARIES = tuple(
-    Path(path).resolve() for path in {*map(sysconfig.get_path, ("stdlib", "purelib", "platlib"))}
-)
+_PROGRAMS = PACKAGE / "cli"
 
 
 class ProgramLine(NamedTuple):
@@ -67,14 +64,8 @@ TASK_ORIGIN: contextvars.ContextVar[CallOrigin | None] = contextvars.ContextVar(
 
 @cache
 def is_program(file: str) -> bool:
-    """Whether a file belongs to the program, and not to this package or an installed library."""
-    if file.startswith("<"):
-        return False
-    path = Path(file).resolve()
-    if path.is_relative_to(_PACKAGE):
-        return path.is_relative_to(_PROGRAMS)
-    installed = {"site-packages", "dist-packages"} & set(path.parts)
-    return not installed and not any(path.is_relative_to(library) for library in _LIBRARIES)
+    """Whether a file belongs to the program; commands of this package may be the program."""
+    return of_program(file) or Path(file).resolve().is_relative_to(_PROGRAMS)
 
 
 def current() -> CallOrigin | None:
