@@ -51,6 +51,14 @@ _CALLS: Final = _buckets(
 _MOTION_TIMES: Final = _buckets(0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0, 50.0, 100.0, 250.0)
 
 
+#: ends of a motion that are errors, and their descriptions
+_BAD_ENDS: Final = {
+    "error": "the controller ended the motion with an error",
+    "illegal": "the motion is not allowed in the state that the robot was in",
+    "parameter_mismatch": "the controller found a parameter wrong",
+}
+
+
 class _Motion(NamedTuple):
     span: Span
     function: str
@@ -111,6 +119,8 @@ class Telemetry(Uncopied):
         self._missed = meter.create_counter(
             "duco.stream.missed", "{tick}", "ticks of streams that were skipped"
         )
+        #: the controller's address by OpenTelemetry's names, once a connection was opened
+        self._server: dict[str, str | int] = {}
         self._watched: Robot | None = None
         meter.create_observable_gauge(
             "duco.heartbeat.longest_gap",
@@ -129,7 +139,9 @@ class Telemetry(Uncopied):
         if isinstance(event, CallFinished):
             self._call(event)
         elif isinstance(event, ConnectionOpened):
-            self._opened.add(1, self._named(lane=event.lane))
+            host, port = event.peer
+            self._server = {"server.address": host, "server.port": port}
+            self._opened.add(1, {**self._named(lane=event.lane), **self._server})
         elif isinstance(event, ProcedureFinished):
             span = self._span(f"duco.{event.name}", event.at - event.duration)
             self._end(span, event.at, _outcome(event.error), event.error)
@@ -181,6 +193,9 @@ class Telemetry(Uncopied):
     def _call(self, event: CallFinished) -> None:
         outcome = _outcome(event.error)
         attributes = self._named(function=event.function, lane=event.lane, outcome=outcome)
+        attributes |= self._server
+        if event.error is not None:
+            attributes["error.type"] = outcome
         self._latency.record(event.duration, attributes)
         if event.function == "stop":
             self._stops.add(1, self._named(outcome=outcome))
@@ -188,7 +203,7 @@ class Telemetry(Uncopied):
         motion = self._begun(event, began)
         if event.lane not in self._without:
             span = self._span(f"duco.{event.function}", began, motion, SpanKind.CLIENT)
-            span.set_attribute("duco.lane", event.lane)
+            span.set_attributes({"duco.lane": event.lane, **self._server})
             self._end(span, event.at, outcome, event.error)
         if event.function == _ASK and event.arguments:
             self._ended(int(event.arguments[0]), event)
@@ -222,6 +237,8 @@ class Telemetry(Uncopied):
 
     def _record(self, motion: _Motion, at: float, outcome: str) -> None:
         attributes = self._named(function=motion.function, outcome=outcome)
+        if outcome in _BAD_ENDS:
+            attributes["error.type"] = outcome
         self._tasks.add(1, attributes)
         self._times.record(at - motion.began, attributes)
         self._end(motion.span, at, outcome, None)
@@ -241,10 +258,10 @@ class Telemetry(Uncopied):
 
     def _end(self, span: Span, at: float, outcome: str, error: BaseException | None) -> None:
         span.set_attribute("duco.outcome", outcome)
-        if error is not None:
-            span.set_status(StatusCode.ERROR, str(error))
-        elif outcome in ("error", "illegal", "parameter_mismatch"):
-            span.set_status(StatusCode.ERROR)
+        if error is not None or outcome in _BAD_ENDS:
+            span.set_attribute("error.type", outcome)
+            told = _BAD_ENDS[outcome] if error is None else str(error)
+            span.set_status(StatusCode.ERROR, told)
         span.end(self._wall(at))
 
     def _wall(self, at: float) -> int:

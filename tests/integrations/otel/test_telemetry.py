@@ -128,6 +128,35 @@ def test_a_call_has_its_time_and_its_error() -> None:
     assert not backend.spans("duco.motion movel")
 
 
+def test_errors_and_the_controller_have_opentelemetrys_names() -> None:
+    backend = Backend()
+    telemetry = backend.telemetry()
+    telemetry(ConnectionOpened(1.0, "motion", ("192.168.1.10", 7003), 0.01))
+    telemetry(called("movel", 7))
+    telemetry(called("get_noneblock_taskstate", aioduco.TaskState.ILLEGAL, 7, lane="poll"))
+    telemetry(called("movel", None, error=aioduco.CallTimeout("movel: too late")))
+    good, late = backend.spans("duco.movel")
+    assert (good.attributes or {})["server.address"] == "192.168.1.10"
+    assert (good.attributes or {})["server.port"] == 7003
+    assert "error.type" not in (good.attributes or {})
+    assert (late.attributes or {})["error.type"] == "CallTimeout"
+    assert late.status.description == "movel: too late"
+    (motion,) = backend.spans("duco.motion movel")
+    assert (motion.attributes or {})["error.type"] == "illegal"
+    assert "not allowed" in str(motion.status.description)
+    calls = {
+        (point.attributes["duco.outcome"], point.attributes.get("error.type"))
+        for point in backend.points("duco.call.duration")
+    }
+    assert calls == {("ok", None), ("CallTimeout", "CallTimeout")}
+    assert all(
+        point.attributes["server.address"] == "192.168.1.10"
+        for point in backend.points("duco.call.duration")
+    )
+    (task,) = backend.points("duco.tasks")
+    assert task.attributes["error.type"] == "illegal"
+
+
 def test_a_motion_whose_end_was_not_seen_is_told_so() -> None:
     backend = Backend()
     telemetry = backend.telemetry()
