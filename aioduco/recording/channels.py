@@ -220,9 +220,13 @@ class MessageChannels:
 
     Args:
         clock_offset: the difference of the clocks [ns].
+
+    Attributes:
+        messages: number of messages that were logged.
     """
 
     def __init__(self, clock_offset: int) -> None:
+        self.messages: int = 0
         self._set = _free.pop() if _free else _ChannelSet()
         self._offset = clock_offset
         self._released = False
@@ -254,6 +258,7 @@ class MessageChannels:
         expected = status.expected_joint_speeds.tolist()
         setpoints = _joint_states(time_ns, status.expected_joints, expected)
         self._set.setpoints.log(setpoints, log_time=time_ns)
+        self.messages += 2
         self._transforms(at, stamp, time_ns, status.pose)
         state = {
             "robot": states.robot.name,
@@ -333,6 +338,7 @@ class MessageChannels:
             Log(timestamp=stamp, level=kind, message=message, name=name, file=file, line=line),
             log_time=time_ns,
         )
+        self.messages += 1
 
     # -- encoding --------------------------------------------------------------------------------
 
@@ -356,6 +362,7 @@ class MessageChannels:
             transforms.append(_transform(stamp, "tcp", "flange", flange))
             self._flange_written = True
         self._set.transforms.log(FrameTransforms(transforms=transforms), log_time=time_ns)
+        self.messages += 1
 
     def _due(self, topic: str, at: float, every: float) -> bool:
         """Whether a channel was not written for `every` seconds; if so, note it as written now."""
@@ -387,6 +394,7 @@ class MessageChannels:
     def _json(self, topic: str, at: float, values: dict[str, Any]) -> None:
         text = json.dumps(values, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
         self._set.json[topic].log(text, log_time=self._times(at)[1])
+        self.messages += 1
 
 
 class FileChannels(MessageChannels):

@@ -22,9 +22,10 @@ class PublicationStatistics(NamedTuple):
     """Figures of a publication.
 
     Attributes:
-        sent: samples, calls, tasks, events and log lines that were sent to the watchers, if any.
-        dropped: those that were not sent, because this computer was too slow. Messages that a
-            watcher lost because the watcher was too slow are not counted.
+        sent: messages that were sent to the watchers, if any.
+        dropped: samples, calls, tasks, events and log lines that were not sent, because this
+            computer was too slow. Messages that a watcher lost because the watcher was too slow are
+            not counted.
     """
 
     sent: int

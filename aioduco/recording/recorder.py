@@ -59,8 +59,9 @@ class RecordingStatistics(NamedTuple):
     """Figures of a recording.
 
     Attributes:
-        written: samples, calls, tasks, events and log lines that were written.
-        dropped: those that were not written, because the disk or this computer was too slow.
+        written: messages that were written, as many as the file has.
+        dropped: samples, calls, tasks, events and log lines that were not written, because the
+            disk or this computer was too slow.
         size: bytes in the file.
         longest_gap: longest time between two samples between which the arm moved [s]. From 0.1 s
             on, `RecordedPath` bridges it, or refuses to: a computer or controller was too busy.

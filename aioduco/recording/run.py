@@ -144,8 +144,9 @@ class RecordedRun:
     def arrays(self, topic: str) -> dict[str, NDArray[Any]]:
         """Return all messages of a channel as arrays of equal length, one for each field.
 
-        A field of numbers has shape (n,) or (n, k), with NaN for missing numbers; any other field
-        is an array of objects. A nested field has both names: "force.x".
+        A field of numbers has shape (n,) or (n, k), with NaN for missing numbers; one of whole
+        numbers alone, such as a task's id, is int64. Any other field is an array of objects. A
+        nested field has both names: "force.x".
 
         Args:
             topic: the channel, such as "/joint_states"; see `topics`.
@@ -266,6 +267,9 @@ def _flat(values: Mapping[str, Any], before: str = "", depth: int = 0) -> Iterat
 def _array(values: Sequence[Any]) -> NDArray[Any]:
     """Return one field of all messages as an array."""
     kinds = {type(value) for value in values} - {type(None)}
+    if kinds == {int} and None not in values:  # such as a task's id
+        with suppress(OverflowError):
+            return np.array(values, dtype=np.int64)
     if kinds <= {int, float}:
         with suppress(OverflowError):  # a whole number of another maker's, beyond all floats
             return np.array([math.nan if value is None else value for value in values], dtype=float)

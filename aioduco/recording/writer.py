@@ -88,7 +88,7 @@ class MessageWriter(ABC, Generic[C]):
     Attributes:
         error: why it ended early; None if it did not.
         dropped: items that did not fit into the queue.
-        written: items that were written.
+        written: messages that were written; an item may be several, or none if nothing changed.
     """
 
     def __init__(self, name: str) -> None:
@@ -214,7 +214,7 @@ class MessageWriter(ABC, Generic[C]):
                 break
             method, *arguments = item
             getattr(channels, method)(*arguments)
-            self.written += 1
+            self.written = channels.messages
             fresh += 1
         self._end(channels)
 

@@ -306,6 +306,19 @@ def test_tables_have_the_same_numbers(run: RecordedRun, tmp_path: Path) -> None:
     assert table["time"].to_pylist() == arrays["time"].tolist()
     tasks = parquet.read_table(tmp_path / "tasks.parquet")
     assert tasks["outcome"].to_pylist()[-1] == "FINISHED"
+    assert str(tasks.schema.field("id").type) == "int64"
+    assert str(tasks.schema.field("duration").type) == "double"
+    with (tmp_path / "tasks.csv").open(encoding="utf-8", newline="") as file:
+        assert all(row["id"].isdigit() for row in csv.DictReader(file))
+
+
+def test_the_end_of_a_file_says_how_many_messages_it_has(whole: Path, run: RecordedRun) -> None:
+    with whole.open("rb") as file:
+        reader = make_reader(file)
+        messages = sum(1 for _ in reader.iter_messages())
+        told = {each.name: each.metadata for each in reader.iter_metadata()}
+    assert messages == sum(run.topics.values())
+    assert int(told["aioduco.end"]["written"]) == messages
 
 
 def test_an_index_is_added_and_nothing_else(whole: Path, run: RecordedRun, tmp_path: Path) -> None:
