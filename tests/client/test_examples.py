@@ -65,6 +65,15 @@ def test_on_a_given_address(name: str) -> None:
 
 
 @pytest.mark.slow
+def test_a_load_is_measured() -> None:
+    with Simulator(speed=10.0) as sim:
+        sim.load(1.5, (0.01, 0.02, 0.1))
+        said = run(str(EXAMPLES / "measure_payload.py"), sim.host, str(sim.port))
+    found = [float(number) for number in re.findall(r"=([-\d.e]+)", said)]
+    assert found == pytest.approx((1.5, 0.01, 0.02, 0.1), abs=1e-3)
+
+
+@pytest.mark.slow
 def test_without_an_address_on_a_simulated_arm() -> None:
     assert "back, within 0.0" in run(str(EXAMPLES / "01_connect_and_move.py"))
 

@@ -1,0 +1,42 @@
+"""Mass and centre of what the arm carries, by the torques of its joints at eight poses.
+
+python measure_payload.py 192.168.1.10     the arm moves: keep out of its reach
+"""
+
+import sys
+
+import anyio
+import numpy as np
+
+import aioduco
+from aioduco import Joints
+from aioduco.kinematics import arm, identify_load_by_torques
+
+#: from the first pose on, the wrist turns to several sides, and the elbow bends
+HOME = (30, -15, 105, 0, -90, 0)
+TURNS = [
+    *[(0, 0, 0, 0, 0, 0), (0, -23, 17, 34, 29, 0), (0, 17, -23, -34, -29, 46)],
+    *[(0, -23, 34, 11, -40, 92), (0, 23, -11, -40, 34, -46), (0, 17, 17, 34, -29, -92)],
+    *[(0, -17, -17, -17, 46, 46), (0, 0, 29, -46, 0, 90)],
+]
+
+
+async def main(host: str, port: int) -> None:
+    async with aioduco.connect(host, port) as robot:
+        await robot.bring_up()
+        joints, torques = [], []
+        for turn in TURNS:
+            pose = Joints.deg(*np.add(HOME, turn))
+            await robot.motion.movej2(pose, v=0.5, a=0.5)
+            await anyio.sleep(0.5)  # the arm comes to rest
+            joints.append(await robot.state.get_actual_joints_position())
+            read = [await robot.state.get_ext_torque() for _ in range(50)]
+            torques.append(np.mean(read, axis=0))
+        known = await robot.frames.get_tool_load()
+        found = identify_load_by_torques(arm("gcr5_910"), joints, torques, known=known)
+        mass, centre = found.uncertainty
+        print(f"{found.load} within {mass:.3f} kg and {centre * 1e3:.1f} mm")
+
+
+if __name__ == "__main__":
+    anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
