@@ -30,7 +30,7 @@ async def main(host: str, port: int) -> None:
             await robot.motion.movej2(pose, v=0.5, a=0.5)
             await anyio.sleep(0.5)  # the arm comes to rest
             joints.append(await robot.state.get_actual_joints_position())
-            read = [await robot.state.get_ext_torque() for _ in range(50)]
+            read = [await robot.state.get_ext_torque() for _ in range(20)]
             torques.append(np.mean(read, axis=0))
         known = await robot.frames.get_tool_load()
         found = identify_load_by_torques(arm("gcr5_910"), joints, torques, known=known)
