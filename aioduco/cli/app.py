@@ -88,7 +88,7 @@ app.command(rich_help_panel=_CONNECT)(export)
 app.command(rich_help_panel=_PREPARE)(doctor)
 app.command(rich_help_panel=_PREPARE)(check)
 app.add_typer(tool, name="tool", rich_help_panel=_PREPARE)
-app.command(rich_help_panel=_PREPARE, context_settings={"ignore_unknown_options": True})(payload)
+app.command(rich_help_panel=_PREPARE)(payload)
 app.command(rich_help_panel=_PREPARE)(completion)
 
 

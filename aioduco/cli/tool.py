@@ -24,15 +24,13 @@ __all__ = ["tool"]
 
 tool: typer.Typer = typer.Typer(no_args_is_help=True, help="Measure the tool at the flange.")
 
+#: fewer touches give no result
+_MIN_TOUCHES = 4
+
 _HOW = """\
 Fix a pointed thing within reach, such as a nail in a board. Touch it with the tool's tip, {count}
 times or more: tilted by 30 to 60 degrees to different sides, and turned about the tool's own axis
 in between."""
-
-
-@tool.callback()
-def group() -> None:
-    """Measure the tool at the flange."""
 
 
 @tool.command()
@@ -54,7 +52,9 @@ def touch(
             "Default: that of the tool in use.",
         ),
     ] = None,
-    touches: Annotated[int, typer.Option(min=4, max=100, help="Least number of touches.")] = 6,
+    touches: Annotated[
+        int, typer.Option(min=_MIN_TOUCHES, max=100, help="Least number of touches.")
+    ] = 6,
     guide: Annotated[
         bool, typer.Option(help="Guide the arm by hand, or move it in another way.")
     ] = True,
@@ -107,16 +107,21 @@ def touch(
 
 def _measured(robot: Robot, least: int, *, axes: bool) -> tuple[ToolTip, ToolAxes | None]:
     """Read the flange's poses at the touches, as a person says."""
+    tip = _touched(robot, least)
+    return tip, _axes(robot, tip) if axes else None
+
+
+def _touched(robot: Robot, least: int) -> ToolTip:
     from aioduco.errors import CalibrationError  # noqa: PLC0415 - quick help
-    from aioduco.kinematics import calibrate_tool_axes, calibrate_tool_tip  # noqa: PLC0415
+    from aioduco.kinematics import calibrate_tool_tip  # noqa: PLC0415
 
     poses: list[Pose] = []
     tip: ToolTip | None = None
     while True:
         word = _line(f"touch {len(poses) + 1}: Enter, d drops the last one, q ends: ")
-        if word == "q" and len(poses) >= least and tip is not None:
-            break
         if word == "q":
+            if tip is not None and len(poses) >= least:
+                return tip
             say(f"{len(poses)} touches gave no tip: nothing was written", error=True)
             raise typer.Exit(FAILED)
         if word == "d":
@@ -127,20 +132,24 @@ def _measured(robot: Robot, least: int, *, axes: bool) -> tuple[ToolTip, ToolAxe
         else:
             poses.append(robot.state.get_flange_pose())
         tip = None
-        if len(poses) >= 4:
+        if len(poses) >= _MIN_TOUCHES:
             try:
                 tip = calibrate_tool_tip(poses)
                 say(_tip_line(tip), error=True)
             except CalibrationError as error:
                 say(error, error=True)
-    if not axes:
-        return tip, None
+
+
+def _axes(robot: Robot, tip: ToolTip) -> ToolAxes:
+    from aioduco.errors import CalibrationError  # noqa: PLC0415 - quick help
+    from aioduco.kinematics import calibrate_tool_axes  # noqa: PLC0415
+
     while True:
         _line("draw the tool straight back by 50 mm or more, along its own axis: Enter: ")
         ahead = robot.state.get_flange_pose()
         _line("shift it aside, so that the point is on the side of its x axis: Enter: ")
         try:
-            return tip, calibrate_tool_axes(tip, ahead, robot.state.get_flange_pose())
+            return calibrate_tool_axes(tip, ahead, robot.state.get_flange_pose())
         except CalibrationError as error:
             say(error, error=True)
 
