@@ -39,7 +39,8 @@ def torques(load: Load, down: np.ndarray = DOWN) -> np.ndarray:
     """Torques of a load on the joints."""
     turns = GCR5.fkine(POSES)[:, :3, :3]
     in_base = np.einsum("nij,nkj->nki", turns, wrenches(load, down).reshape(-1, 2, 3))
-    return np.einsum("nij,ni->nj", GCR5.jacobian(POSES), in_base.reshape(-1, 6))
+    found: np.ndarray = np.einsum("nij,ni->nj", GCR5.jacobian(POSES), in_base.reshape(-1, 6))
+    return found
 
 
 def apart(one: Load, other: Load) -> tuple[float, float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -115,7 +117,8 @@ def test_axes_from_positions_too_close_are_refused() -> None:
     found = calibrate_tool_tip(touches(touching(), np.full(3, 0.1), np.ones(3), 0.0))
 
     def at(*to: float) -> np.ndarray:
-        return touches(touching()[:1], np.full(3, 0.1) + to, np.ones(3), 0.0)[0]
+        found: np.ndarray = touches(touching()[:1], np.full(3, 0.1) + to, np.ones(3), 0.0)[0]
+        return found
 
     with pytest.raises(CalibrationError, match=r"drawn back by only 5\.0 mm"):
         calibrate_tool_axes(found, at(0.0, 0.0, 0.005), at(0.05, 0.0, 0.05))
@@ -129,5 +132,6 @@ def test_wrong_arguments_are_refused() -> None:
         calibrate_tool_tip(given[:3])
     with pytest.raises(ParameterError, match="limit"):
         calibrate_tool_tip(given, limit=0.0)
+    missing: Any = [given[0], None, *given[2:]]
     with pytest.raises(ParameterError, match="in touch 1 a rigid frame"):
-        calibrate_tool_tip([given[0], None, *given[2:]])
+        calibrate_tool_tip(missing)

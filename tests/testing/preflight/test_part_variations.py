@@ -49,15 +49,15 @@ CELL = [
 def test_a_fault_of_a_part_is_applied_to_the_cell() -> None:
     with Simulator(gripper="robotiq_2f85", scene=CELL, speed=math.inf) as sim:
         world = sim._running().world
-        friction = world.model.geom_friction[world.hand.pads, 0].copy()
+        assert world.hand is not None
+        pads = world.hand.pads
+        friction = world.model.geom_friction[pads, 0].copy()
 
         def wrong(kind: str) -> None:
             Variation(parts=kind, part=0.7, extent=0.5).apply(sim)
 
         wrong("slipping")
-        sim.wait_until(
-            lambda: np.allclose(world.model.geom_friction[world.hand.pads, 0], 0.5 * friction)
-        )
+        sim.wait_until(lambda: np.allclose(world.model.geom_friction[pads, 0], 0.5 * friction))
         wrong("heavy")
         sim.wait_until(lambda: sim.part_mass("far") == pytest.approx(1.3))
         wrong("worn")
