@@ -14,7 +14,7 @@ import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco._wire.endpoint import HOST_RULE, is_host
-from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
+from aioduco.errors import DucoError, MissingExtra, ParameterError, StopsUnconfirmed
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import PORT
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from os import PathLike
     from types import TracebackType
-    from typing import Self
+    from typing import Any, Self
 
     from aioduco.api.blocking import BlockingMotions
     from aioduco.api.bus import Bus
@@ -53,10 +53,13 @@ if TYPE_CHECKING:
     from aioduco.api.version import Version
     from aioduco.envelope import Envelope
     from aioduco.models.controller_clock import Clock
+    from aioduco.models.pose import PoseLike
     from aioduco.models.state import RobotStates
     from aioduco.models.trace import Trace
     from aioduco.recording.publication import Publication
     from aioduco.recording.recorder import Recording, RobotObserver
+    from aioduco.sim.twin.limits import TwinLimits
+    from aioduco.sim.twin.twin import Twin, TwinAction
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
@@ -343,6 +346,7 @@ class Robot(Uncopied, ManualNames):
             import_module("aioduco.recording.recorder")  # here it blocks no event loop
         self._recording: Recording | None = None
         self._observers: list[RobotObserver] = []
+        self._twins: list[Twin] = []
 
     if not TYPE_CHECKING:  # a type checker would otherwise accept every name
 
@@ -438,6 +442,9 @@ class Robot(Uncopied, ManualNames):
         try:
             await self._supervisor.aclose()
         finally:
+            twins, self._twins = self._twins, []
+            for twin in twins:
+                await twin.stop()
             # Last, so that the closing of the robot is recorded, too.
             observers, self._observers = self._observers, []
             for observer in observers:
@@ -619,6 +626,52 @@ class Robot(Uncopied, ManualNames):
         publication = Publication(self._supervisor, port, host, forces)
         self._observed(publication)
         return publication
+
+    def twin(
+        self,
+        limits: TwinLimits | None = None,
+        *,
+        action: TwinAction = "report",
+        arm: str | None = None,
+        mounting: PoseLike | None = None,
+        commands: bool = True,
+    ) -> Twin:
+        """Watch the arm beside a simulated one: `async with robot.twin(limits):`.
+
+        The simulated controller gets the same commands at the same time, and the arm's model its
+        states. Where the two part by more than the limits, the event `TwinDiverged` says what,
+        where, since when and the probable cause. Recordings of this robot have the differences,
+        too. It runs in a process of its own, and reads forces with each sample.
+
+        Args:
+            limits: the limits, from `aioduco.sim.twin.learn`; None for wide ones.
+            action: what happens when they part: "report", or also "pause" or "stop", as
+                `Robot.pause` and `Robot.stop`. Otherwise the twin never commands the arm.
+            arm: the arm, such as "gcr5_910"; None for the one that the controller reports.
+            mounting: pose of the base in the world [m, rad]; None for on the floor.
+            commands: whether this program alone commands the arm. If not, nothing is said about
+                paths, delays and other programs.
+
+        Returns:
+            The twin, not started yet. Closing the robot ends it.
+
+        Raises:
+            ParameterError: an argument is out of range.
+            MissingExtra: the extra `sim` is not installed.
+        """
+        try:
+            import_module("mujoco")  # the twin's process needs it
+        except ModuleNotFoundError as exc:
+            raise MissingExtra("a twin", exc.name or "mujoco", "sim") from exc
+        from aioduco.sim.twin.twin import Twin  # noqa: PLC0415  # with its extra
+
+        def tell(topic: str, at: float, values: dict[str, Any]) -> None:
+            for observer in self._observers:
+                observer.tell(topic, at, values)
+
+        twin = Twin(self._supervisor, tell, limits, action, arm, mounting, commands)
+        self._twins = [other for other in self._twins if not other.over] + [twin]
+        return twin
 
     def _observed(self, observer: RobotObserver) -> None:
         """Register a recording or publication, which ends when the robot is closed."""

@@ -36,6 +36,7 @@ from aioduco.devices.grippers.gripper import PolledGripper  # noqa: E402  # of t
 from aioduco.recording.publication import Publication  # noqa: E402  # of this checkout
 from aioduco.recording.recorder import Recording  # noqa: E402  # of this checkout
 from aioduco.robot import Robot, connect  # noqa: E402  # of this checkout
+from aioduco.sim.twin.twin import Twin  # noqa: E402  # of this checkout
 from aioduco.streaming.realtime import RealtimeStreams  # noqa: E402  # of this checkout
 from aioduco.streaming.servo import OffsetStream, Servo  # noqa: E402  # of this checkout
 from aioduco.streaming.speed import Speed  # noqa: E402  # of this checkout
@@ -80,6 +81,7 @@ OBJECTS = (
     Mirror(Events, "Events", left_out={"close", "tell"}),
     Mirror(Recording, "Recording", "Started", left_out={"start", "stop"}),
     Mirror(Publication, "Publication", "Started", left_out={"start", "stop"}),
+    Mirror(Twin, "Twin", "Started", left_out={"start", "stop"}),
     Mirror(PolledGripper, "GripperCalls", "Block", left_out={"start", "aclose", "carrying"}),
     Mirror(
         Task,
@@ -126,6 +128,7 @@ HERE = {
     "Subscription": ("Subscription", "_feeds"),
     "Task": ("Task", "_tasks"),
     "TrackStream": ("TrackStream", "_streams"),
+    "Twin": ("Twin", "_generated_objects"),
 }
 
 DOCS = {
@@ -176,7 +179,7 @@ that this thread is alive, not that the program's own thread is. `hold_limit` an
 
 #: what is said otherwise to a program that waits
 WORDS = (
-    (r"async with (robot\.(?:motion\.path|record|publish|permit))\(", r"with \1("),
+    (r"async with (robot\.(?:motion\.path|record|publish|twin|permit))\(", r"with \1("),
     (r"await path\.add\((robot\.[\w.]+)\(", r"path.add(\1.prepare("),
     (r"async with (robot\.(?:servo|speed)\.\w+|robot\.\w+\.stream)\(", r"with \1("),
     (r"async with (robot\.[\w.]+)\(", r"with \1.start("),

@@ -24,8 +24,8 @@ def freeze_support() -> None:
 
     Call it before anything else in the program. The executable of a frozen program is the program
     itself: to have a guard, it starts itself once more. In that process, this function runs the
-    guard, a stream's worker, a planner, a simulator, the process that draws its pictures or the
-    relay of a tap, and does not return. In the program itself, and in a program that is not frozen,
+    guard, a stream's worker, a planner, a simulator, a twin, the process that draws pictures or the relay
+    of a tap, and does not return. In the program itself, and in a program that is not frozen,
     it returns at once. A frozen program that does not call it cannot start any of these processes.
     """
     if not is_frozen():
@@ -78,6 +78,12 @@ def _simulator() -> Callable[[list[str]], int]:
     return main
 
 
+def _twin() -> Callable[[list[str]], int]:
+    from aioduco.sim.twin.worker import main  # noqa: PLC0415
+
+    return main
+
+
 def _pictures() -> Callable[[list[str]], int]:
     from aioduco.sim.view.drawing import main  # noqa: PLC0415
 
@@ -95,6 +101,7 @@ _MAINS: Final[dict[str, Callable[[], Callable[[list[str]], int]]]] = {
     "aioduco.streaming.worker.main": _stream,
     "aioduco.planning.worker": _planner,
     "aioduco.sim.spawned": _simulator,
+    "aioduco.sim.twin.worker": _twin,
     "aioduco.sim.view.drawing": _pictures,
     "aioduco.recording.tap.relay": _tap,
 }

@@ -33,6 +33,7 @@ from aioduco.cli.tap import tap
 from aioduco.cli.teach import teach
 from aioduco.cli.teleop import teleop
 from aioduco.cli.tool import tool
+from aioduco.cli.twin import twin
 from aioduco.cli.view import view
 
 __all__ = ["app"]
@@ -55,6 +56,7 @@ app.command(rich_help_panel=_WATCH)(status)
 app.command(rich_help_panel=_WATCH)(monitor)
 app.command(rich_help_panel=_WATCH)(panel)
 app.command(rich_help_panel=_WATCH)(view)
+app.command(rich_help_panel=_WATCH)(twin)
 app.command("bring-up", rich_help_panel=_LEAD)(bring_up)
 app.command(rich_help_panel=_LEAD)(recover)
 app.command(rich_help_panel=_LEAD)(stop)

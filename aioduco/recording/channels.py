@@ -160,6 +160,13 @@ _FIELDS: Final[dict[str, dict[str, Any]]] = {
             for name in ("lateness", "interval", "round_trip", "age")
         },
     },
+    "/twin": {
+        **dict.fromkeys(
+            ("mass", "force", "friction", "torque", "tracking", "position", "path", "delay"),
+            _NUMBER,
+        ),
+        "blind": _TEXT,
+    },
     "/stream_setpoints": {"stream": _TEXT, "taken": _NUMBER, "point": _NUMBERS},
 }
 

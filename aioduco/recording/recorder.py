@@ -196,6 +196,10 @@ class RobotObserver(Uncopied):
             raise
         return self
 
+    def tell(self, topic: str, at: float, values: dict[str, Any]) -> None:
+        """Write a message of another part of the package to one of the channels in JSON."""
+        self._writer.put("other", topic, at, values)
+
     async def stop(self) -> None:
         """Write the remaining data, and close the file or the port.
 

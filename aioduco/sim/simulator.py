@@ -80,7 +80,8 @@ class Simulator(PartFaults, Uncopied):
     test use the port.
 
     Args:
-        model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them.
+        model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them. Or an
+            `aioduco.kinematics.Arm`, such as one with lengths of your own.
         generation: the controller that it plays: by its manual "3.8" or "4.3", or "older", "oldest"
             or "first", three before them. That of 3.8 also takes the calls of older clients; each
             of the others knows its own wire alone.
@@ -136,7 +137,7 @@ class Simulator(PartFaults, Uncopied):
 
     def __init__(
         self,
-        model: str = "gcr5_910",
+        model: str | Arm = "gcr5_910",
         *,
         generation: Generation = "3.8",
         host: str = "127.0.0.1",
@@ -172,7 +173,7 @@ class Simulator(PartFaults, Uncopied):
             WAIT(name, time)
         if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
-        self.arm: Final[Arm] = arm_of(model)
+        self.arm: Final[Arm] = arm_of(model) if isinstance(model, str) else model
         self.generation: Final[Generation] = generation
         self.seed: Final = seed
         self.mounting: Final[Pose] = mounting_of(mounting, self.arm, pedestal)
@@ -566,6 +567,31 @@ class Simulator(PartFaults, Uncopied):
                 f"{_FARTHEST:g} m: the load is as before"
             )
         self._running().runtime.carry(mass, centre)
+
+    def friction(
+        self,
+        dry: Sequence[float],
+        viscous: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> None:
+        """Set the friction of the joints from now on; at first there is none.
+
+        The controller's model of the arm does not include it: it appears in the joints' currents
+        and, with the opposite sign of the speed, in the observed external torques.
+
+        Args:
+            dry: dry friction of the six joints, at most 10,000 [N m].
+            viscous: friction that grows with the speed, likewise [N m s/rad].
+
+        Raises:
+            ValueError: One of them is not six such numbers; the friction is as before.
+        """
+        for name, values in {"dry": dry, "viscous": viscous}.items():
+            if len(values) != 6 or not all(0.0 <= each <= _LARGEST_PUSH for each in values):
+                raise ValueError(
+                    f"{name} is {tuple(values)}, but must be six numbers from 0 to "
+                    f"{_LARGEST_PUSH:g}: the friction is as before"
+                )
+        self._running().runtime.friction(dry, viscous)
 
     # -- step by step ---------------------------------------------------------------------------
 

@@ -41,6 +41,7 @@ __all__ = [
     "RobotStateChanged",
     "SafetyStateChanged",
     "Severity",
+    "TwinDiverged",
     "changes",
 ]
 
@@ -216,6 +217,34 @@ class EnvelopeLeft(Event):
     def severity(self) -> Severity:
         """An alarm."""
         return "alarm"
+
+
+@dataclass(frozen=True, slots=True)
+class TwinDiverged(Event):
+    """The arm and its twin have parted: something is not as in the good run.
+
+    Attributes:
+        quantity: what differs: "torque", "tracking error", "geometry", "path", "delay", "state" or
+            "outcome".
+        where: where, such as "joint 3" or "tool's position".
+        since: when it began, as far as that is known [s of `time.monotonic`].
+        value, limit: the size of the difference and its limit, in `unit`.
+        unit: their unit; empty for states and outcomes.
+        cause: the probable cause: "payload", "lost part", "friction", "contact", "geometry",
+            "another program", "delayed controller" or "unknown".
+        estimate: the size of the cause, by name and unit, such as {"mass [kg]": 0.48}.
+        action: what the twin did: "report", "pause" or "stop".
+    """
+
+    quantity: str
+    where: str
+    since: float
+    value: float
+    limit: float
+    unit: str
+    cause: str
+    estimate: dict[str, float]
+    action: str
 
 
 @dataclass(frozen=True, slots=True)

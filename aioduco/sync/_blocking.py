@@ -62,13 +62,14 @@ class Block(Blocking):
 
 
 class Started(Block):
-    """A recording or a publication: `with` or `start` begins it."""
+    """A recording, a publication or a twin: `with` or `start` begins it."""
 
     def start(self) -> Self:
-        """Begin to record or publish the robot.
+        """Begin to record, publish or watch the robot.
 
         Raises:
-            RobotStateError: the robot is not open, or this was started before.
+            RobotStateError: the robot is not open, this was started before, or the twin's process
+                cannot be started.
             RecordingError: the file cannot be written, or the address cannot be listened on.
             MissingExtra: the extra `record` is not installed.
         """
@@ -76,7 +77,7 @@ class Started(Block):
         return self
 
     def stop(self) -> None:
-        """Write the remaining data, and close the file or the port.
+        """Write the remaining data, and close the file, the port or the process.
 
         A failure is logged and not raised; it is in `error`.
         """

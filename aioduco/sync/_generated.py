@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from aioduco import robot as aio_robot
 from aioduco.models.names import ManualNames
 from aioduco.sync._blocking import Blocking
-from aioduco.sync._generated_objects import Events, Feed, Publication, Recording
+from aioduco.sync._generated_objects import Events, Feed, Publication, Recording, Twin
 from aioduco.sync._robot import RobotLifecycle
 from aioduco.sync._runner import Runner
 from aioduco.sync._streams import OffsetStream, Stream, TrackStream
@@ -68,6 +68,8 @@ if TYPE_CHECKING:
     from aioduco.recording.playback.path_check import PathFinding
     from aioduco.recording.playback.recorded_path import RecordedPath
     from aioduco.recording.playback.waypoints import WaypointFile
+    from aioduco.sim.twin.limits import TwinLimits
+    from aioduco.sim.twin.twin import TwinAction
     from aioduco.streaming.joint_trajectory import (
         Feedback,
         JointTrajectory,
@@ -6280,6 +6282,41 @@ class Robot(RobotLifecycle, ManualNames):
         """
         made = self._runner.call_sync(lambda: self._made.publish(port, host=host, forces=forces))
         return Publication(self._runner, made)
+
+    def twin(
+        self,
+        limits: TwinLimits | None = None,
+        *,
+        action: TwinAction = 'report',
+        arm: str | None = None,
+        mounting: PoseLike | None = None,
+        commands: bool = True,
+    ) -> Twin:
+        """Watch the arm beside a simulated one: `with robot.twin(limits):`.
+
+        The simulated controller gets the same commands at the same time, and the arm's model its
+        states. Where the two part by more than the limits, the event `TwinDiverged` says what,
+        where, since when and the probable cause. Recordings of this robot have the differences,
+        too. It runs in a process of its own, and reads forces with each sample.
+
+        Args:
+            limits: the limits, from `aioduco.sim.twin.learn`; None for wide ones.
+            action: what happens when they part: "report", or also "pause" or "stop", as
+                `Robot.pause` and `Robot.stop`. Otherwise the twin never commands the arm.
+            arm: the arm, such as "gcr5_910"; None for the one that the controller reports.
+            mounting: pose of the base in the world [m, rad]; None for on the floor.
+            commands: whether this program alone commands the arm. If not, nothing is said about
+                paths, delays and other programs.
+
+        Returns:
+            The twin, not started yet. Closing the robot ends it.
+
+        Raises:
+            ParameterError: an argument is out of range.
+            MissingExtra: the extra `sim` is not installed.
+        """
+        made = self._made.twin(limits, action=action, arm=arm, mounting=mounting, commands=commands)
+        return Twin(self._runner, made)
 
     @property
     def recording(self) -> Recording | None:

@@ -12,6 +12,7 @@ from aioduco.sync._feeds import Subscription, reading
 
 if TYPE_CHECKING:
     import logging
+    from collections import deque
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
     from pathlib import Path
@@ -24,10 +25,13 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.recording.publication import Publication as AioPublication, PublicationStatistics
     from aioduco.recording.recorder import Recording as AioRecording, RecordingStatistics
+    from aioduco.sim.twin.limits import TwinLimits
+    from aioduco.sim.twin.monitor import TwinFigures
+    from aioduco.sim.twin.twin import Twin as AioTwin, TwinStatistics
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.words import Reason, StreamState
     from aioduco.streaming.stream import Stream as AioStream
-    from aioduco.supervision.events import Event, Events as AioEvents
+    from aioduco.supervision.events import Event, Events as AioEvents, TwinDiverged
     from aioduco.supervision.motion_path import MotionPath as AioMotionPath
     from aioduco.supervision.state_feed import (
         FeedStatistics,
@@ -183,6 +187,10 @@ class Recording(Started):
         """Why it ended by itself, such as a full disk; None if it did not."""
         return self._made.error
 
+    def tell(self, topic: str, at: float, values: dict[str, Any]) -> None:
+        """Write a message of another part of the package to one of the channels in JSON."""
+        self._runner.call_sync(lambda: self._made.tell(topic, at, values))
+
 
 class Publication(Started):
     """A robot published live: `Robot.publish` makes it, `with` or `start` begins it."""
@@ -225,6 +233,50 @@ class Publication(Started):
     def error(self) -> Exception | None:
         """Why it ended by itself, such as a full disk; None if it did not."""
         return self._made.error
+
+    def tell(self, topic: str, at: float, values: dict[str, Any]) -> None:
+        """Write a message of another part of the package to one of the channels in JSON."""
+        self._runner.call_sync(lambda: self._made.tell(topic, at, values))
+
+
+class Twin(Started):
+    """A simulated arm beside a real one: `Robot.twin` makes it, `with` or `start` begins it."""
+
+    _made: AioTwin
+
+    @property
+    def figures(self) -> TwinFigures:
+        """The newest differences."""
+        return self._made.figures
+
+    @property
+    def divergences(self) -> deque[TwinDiverged]:
+        """The last hundred divergences, oldest first."""
+        return self._made.divergences
+
+    @property
+    def running(self) -> bool:
+        """Whether it compares."""
+        return self._made.running
+
+    @property
+    def over(self) -> bool:
+        """Whether it has ended."""
+        return self._made.over
+
+    @property
+    def error(self) -> Exception | None:
+        """Why it ended by itself; None if it did not."""
+        return self._made.error
+
+    @property
+    def limits(self) -> TwinLimits | None:
+        """The limits; None before the start, if none were given."""
+        return self._made.limits
+
+    def statistics(self) -> TwinStatistics:
+        """Figures since the start."""
+        return self._runner.call_sync(self._made.statistics)
 
 
 class GripperCalls(Block):

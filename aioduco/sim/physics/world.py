@@ -140,6 +140,7 @@ class World:
         self._turn = self.mounting.matrix[:3, :3]
         self._base = self.mounting.inverse().matrix
         self._braked = False
+        self._dry: Array = np.zeros(6)
         self.reset(np.zeros(6) if q is None else q)
 
     def reset(self, q: Array) -> None:
@@ -247,6 +248,18 @@ class World:
         turned = np.reshape(wrench, (2, 3)) @ self._turn.T
         self.data.xfrc_applied[self.model.body("flange").id] = turned.ravel()
 
+    def friction(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
+        """Set the friction of the joints, which the servos' model does not include.
+
+        Args:
+            dry: dry friction [N m]. Six.
+            viscous: friction that grows with the speed [N m s/rad]. Six.
+        """
+        self._dry = np.array(dry)
+        self.model.dof_damping[:6] = viscous
+        if not self._braked:
+            self.model.dof_frictionloss[:6] = self._dry
+
     def brake(self, on: bool) -> None:
         """Close the joint brakes and cut the drives' power, or the reverse.
 
@@ -254,7 +267,7 @@ class World:
         """
         self._braked = on
         self.model.opt.disableactuator = 1 << SERVOS if on else 0
-        self.model.dof_frictionloss[:6] = self._hold if on else 0.0
+        self.model.dof_frictionloss[:6] = self._hold if on else self._dry
         self._applied[:] = 0.0
 
     @property

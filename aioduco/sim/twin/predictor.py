@@ -1,0 +1,186 @@
+"""What the arm should do, and how far each sample is from it. No I/O, no clock, no limits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aioduco.kinematics.forward import frames
+from aioduco.models.enums import ProgramState, RobotState
+from aioduco.models.pose import Pose
+from aioduco.sim.twin.rehearsal import Rehearsal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
+    from aioduco.sim.twin.rehearsal import Match
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["AHEAD", "Deviation", "Predictor"]
+
+#: time by which the rehearsal gets commands before the arm, so that it is never behind [s]
+AHEAD = 0.03
+#: time for which an arm must stand before its rehearsal begins [s]
+_STANDING = 0.3
+#: speed of the set-points above which they move [rad/s]
+_MOVES = 2e-3
+#: longest interval of samples over which an acceleration is derived [s]
+_GAP = 0.05
+#: samples from one comparison of the tool's pose to the next
+_POSE_EVERY = 3
+_HALTS = ("stop", "abort", "pause", "resume")
+
+
+class Deviation(NamedTuple):
+    """How far one sample is from what it should be.
+
+    Attributes:
+        time: time of the sample [s].
+        step: time since the sample before, at most 0.05 [s].
+        speeds: joint speeds [rad/s]. Shape (6,).
+        expected_speeds: speeds of the set-points [rad/s]. Shape (6,).
+        external: observed external torques [N m], shape (6,); None if they are not reported.
+        force: force at the tool minus that at the beginning [N], shape (3,); None without a sensor.
+        jacobian: of the flange's position, shape (3, 6) [m/rad].
+        acceleration: acceleration of the flange [m/s²]. Shape (3,).
+        tracking: set-points minus joints [rad]. Shape (6,).
+        position, angle: distance of the tool's pose from the one computed from the joints [m, rad];
+            None if the pose or the tool is not known.
+        match: the set-point beside the rehearsal; None while that is blind.
+        moving: whether the set-points move.
+    """
+
+    time: float
+    step: float
+    speeds: Vector
+    expected_speeds: Vector
+    external: Vector | None
+    force: Vector | None
+    jacobian: Vector
+    acceleration: Vector
+    tracking: Vector
+    position: float | None
+    angle: float | None
+    match: Match | None
+    moving: bool
+
+
+class Predictor:
+    """Predicts samples from the program's commands and the arm's model.
+
+    Args:
+        arm: the arm.
+        tool: tip of the tool in the flange's frame [m, rad]; None to take it from the first sample.
+        mounting: pose of the base in the world [m, rad].
+
+    Attributes:
+        rehearsal: the commands on the simulator's controller.
+    """
+
+    def __init__(self, arm: Arm, tool: Pose | None = None, mounting: Pose | None = None) -> None:
+        self._arm = arm
+        self.rehearsal: Rehearsal = Rehearsal(arm)
+        self._tool = None if tool is None else tool.matrix
+        self._base = None if mounting is None or not any(mounting) else mounting.matrix
+        self._before: tuple[float, Vector] | None = None
+        self._acceleration = np.zeros(3)
+        self._bare: Vector | None = None
+        self._stands_since: float | None = None
+        self._count = 0
+
+    def command(self, command: TwinCommand) -> bool | None:
+        """Take a command of the program; return what the rehearsal says, as `Rehearsal.command`."""
+        self.rehearsal.advance(command.time - AHEAD)
+        if command.function == "set_tool_data" and command.accepted:
+            self._tool = Pose.of(command.arguments[1]).matrix
+        said = self.rehearsal.command(command)
+        if command.function in _HALTS:
+            # where the arm comes to rest depends on milliseconds
+            self.rehearsal.hide(f"{command.function} was called")
+        return said
+
+    def deviation(self, sample: TwinSample) -> Deviation:
+        """Compare a sample with what it should be."""
+        q, speeds = np.array(sample.joints), np.array(sample.speeds)
+        expected_speeds = np.array(sample.expected_speeds)
+        chain = frames(self._arm.geometry, q)
+        lever = _lever(chain)
+        moving = float(np.abs(expected_speeds).max()) > _MOVES
+        self._count += 1
+        position = angle = None
+        if sample.pose is not None and self._count % _POSE_EVERY == 0:
+            position, angle = self._apart(chain[6], sample.pose)
+        self._follow(sample, moving)
+        step = self._accelerate(sample.time, lever @ expected_speeds)
+        force = None
+        if sample.force is not None:
+            force = np.array(sample.force[:3])
+            if self._bare is None:
+                self._bare = force
+            force = force - self._bare
+        return Deviation(
+            sample.time,
+            step,
+            speeds,
+            expected_speeds,
+            None if sample.external is None else np.array(sample.external),
+            force,
+            lever,
+            self._acceleration,
+            np.array(sample.expected) - q,
+            position,
+            angle,
+            self.rehearsal.match(sample.expected),
+            moving,
+        )
+
+    def _follow(self, sample: TwinSample, moving: bool) -> None:
+        """Keep the rehearsal beside the arm: begin, continue, or be blind."""
+        rehearsal = self.rehearsal
+        enabled = sample.robot == RobotState.ENABLE
+        if sample.led or not enabled:
+            rehearsal.hide("a stream or a mode leads the arm" if sample.led else "not enabled")
+        if moving or not enabled or sample.led or sample.program != ProgramState.STOPPED:
+            self._stands_since = None
+        elif self._stands_since is None:
+            self._stands_since = sample.time
+        if rehearsal.blind:
+            stood = self._stands_since
+            if stood is not None and sample.time - stood >= _STANDING:
+                rehearsal.begin(sample.expected, sample.time)
+        else:
+            rehearsal.advance(sample.time)
+
+    def _accelerate(self, time: float, speed: Vector) -> float:
+        before, self._before = self._before, (time, speed)
+        step = 0.0 if before is None else time - before[0]
+        if before is None or not 0.0 < step <= _GAP:
+            self._acceleration = np.zeros(3)
+        else:
+            # over two or three samples: their times are not exact
+            share = step / (step + 0.02)
+            now = (speed - before[1]) / step
+            self._acceleration = self._acceleration + share * (now - self._acceleration)
+        return min(max(step, 0.0), _GAP)
+
+    def _apart(self, flange: Vector, pose: Six) -> tuple[float, float]:
+        there = Pose(*pose).matrix
+        if self._base is not None:
+            flange = self._base @ flange
+        if self._tool is None:
+            self._tool = np.linalg.inv(flange) @ there
+        computed = flange @ self._tool
+        position = float(np.linalg.norm(there[:3, 3] - computed[:3, 3]))
+        turned = float(np.linalg.norm(there[:3, :3] - computed[:3, :3]))
+        return position, 2.0 * np.arcsin(min(1.0, turned / 8.0**0.5))
+
+
+def _lever(chain: Vector) -> Vector:
+    """Speed of the flange for each joint's speed, by the frames of the links. Shape (3, 6)."""
+    x, y, z = chain[:6, :3, 2].T
+    a, b, c = chain[6, :3, 3, None] - chain[:6, :3, 3].T
+    return np.array((y * c - z * b, z * a - x * c, x * b - y * a))

@@ -1,0 +1,185 @@
+"""Recordings as a twin's input: limits are learned from a good run, and any run is judged."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+from aioduco._wire.rpc import Op
+from aioduco.errors import ParameterError
+from aioduco.kinematics import arm as arm_of
+from aioduco.models.enums import ProgramState, RobotState, SafetyState
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import matrix_from_quaternion, rpy_from_matrix
+from aioduco.recording.playback.player import model_named
+from aioduco.recording.run import RecordedRun, read
+from aioduco.sim.twin import limits as limits_of
+from aioduco.sim.twin.data import TwinCommand, TwinSample
+from aioduco.sim.twin.limits import TwinLimits, deviations
+from aioduco.sim.twin.monitor import TwinMonitor
+from aioduco.sim.twin.predictor import AHEAD
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator, Sequence
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.pose import PoseLike
+    from aioduco.recording.run import RecordedMessage
+    from aioduco.sim.twin.data import Divergence, Six
+
+__all__ = ["judge", "learn"]
+
+#: channels with parts of samples
+_PARTS = ("/joint_states", "/joint_setpoints", "/tf", "/state", "/wrench", "/stream_setpoints")
+_ROBOT = {each.name: each for each in RobotState}
+_PROGRAM = {each.name: each for each in ProgramState}
+_SAFETY = {each.name: each for each in SafetyState}
+_OPS = {field.name for field in dataclasses.fields(Op)}
+
+
+def learn(
+    path: str | os.PathLike[str], *, arm: str | None = None, mounting: PoseLike | None = None
+) -> TwinLimits:
+    """Learn the limits of a twin from the recording of a good run.
+
+    In this run everything should be as it will be later: tool, payload, speeds, the same or similar
+    motions by all joints, for a minute or more. A limit is a third above the largest difference of
+    that run, and a fixed amount.
+
+    Args:
+        path: the recording, with forces; `robot.record` and `aioduco record` make it.
+        arm: the arm; None for the one that the recording names.
+        mounting: pose of the base in the world [m, rad]; None for on the floor.
+
+    Raises:
+        ParameterError: the arm is not known, or it moved for less than five seconds.
+        RecordingError: the file is no recording.
+    """
+    run = read(path)
+    chosen = _arm(run, arm)
+    base = None if mounting is None else Pose.of(mounting)
+    return limits_of.learn(chosen, deviations(chosen, items(run), mounting=base))
+
+
+def judge(
+    path: str | os.PathLike[str],
+    limits: TwinLimits | None = None,
+    *,
+    arm: str | None = None,
+    mounting: PoseLike | None = None,
+) -> list[Divergence]:
+    """Say where the arm of a recording and its twin parted. Times count from its beginning.
+
+    Args:
+        path: the recording.
+        limits: the limits; None for wide ones.
+        arm: the arm; None for the one that the recording names.
+        mounting: pose of the base in the world [m, rad]; None for on the floor.
+
+    Raises:
+        ParameterError: the arm is not known.
+        RecordingError: the file is no recording.
+    """
+    run = read(path)
+    chosen = _arm(run, arm)
+    known = TwinLimits.of(chosen) if limits is None else limits
+    base = None if mounting is None else Pose.of(mounting)
+    told = run.topics.get("/commands", 0) > 0
+    monitor, found = TwinMonitor(chosen, known, mounting=base, commands=told), []
+    for item in items(run):
+        if isinstance(item, TwinCommand):
+            monitor.command(item)
+        else:
+            found += monitor.sample(item)
+    return found
+
+
+def _arm(run: RecordedRun, name: str | None) -> Arm:
+    if name is not None:
+        return arm_of(name)
+    told = run.metadata.get("arm", "")
+    if (found := model_named(told)) is None:
+        raise ParameterError("arm", told, "a known arm: the recording names none, so give it")
+    return found
+
+
+def items(run: RecordedRun) -> Sequence[TwinSample | TwinCommand]:
+    """The samples and commands of a recording, in the order in which a twin takes them."""
+    found = [*_samples(run), *_commands(run)]
+    found.sort(key=lambda item: item.time - (AHEAD if isinstance(item, TwinCommand) else 0.0))
+    return found
+
+
+def _commands(run: RecordedRun) -> Iterator[TwinCommand]:
+    for message in run.messages("/commands"):
+        data = message.data
+        arguments = tuple(
+            Op(**each) if isinstance(each, dict) and each.keys() <= _OPS else each
+            for each in data["arguments"]
+        )
+        middle = message.time + 0.5 * float(data["duration"])
+        yield TwinCommand(middle, data["function"], arguments, not data["error"])
+
+
+def _samples(run: RecordedRun) -> Iterator[TwinSample]:
+    setpoint: RecordedMessage | None = None
+    pose: tuple[float, Six] | None = None
+    state: dict[str, Any] = {}
+    wrench: dict[str, Any] = {}
+    streaming = -1.0
+    pending: RecordedMessage | None = None
+    for message in run.messages(*_PARTS):
+        data = message.data
+        if message.topic == "/joint_states":
+            # the other channels of a sample come after it, with about the same time
+            if pending is not None and setpoint is not None and state:
+                yield _sample(pending, setpoint, pose, state, wrench, streaming)
+            pending = message
+        elif message.topic == "/joint_setpoints":
+            setpoint = message
+        elif message.topic == "/tf" and "tcp" in data:
+            pose = message.time, _pose(data["tcp"])
+        elif message.topic == "/state":
+            state = data
+        elif message.topic == "/wrench":
+            wrench = data
+        elif message.topic == "/stream_setpoints":
+            streaming = message.time
+
+
+def _sample(
+    joints: RecordedMessage,
+    setpoint: RecordedMessage,
+    pose: tuple[float, Six] | None,
+    state: dict[str, Any],
+    wrench: dict[str, Any],
+    streaming: float,
+) -> TwinSample:
+    fresh = pose is not None and abs(pose[0] - joints.time) < 1e-3
+    external = wrench.get("external_torques")
+    force = [wrench.get(each, {}).get(axis) for each in ("force", "torque") for axis in "xyz"]
+    return TwinSample(
+        joints.time,
+        tuple(joints.data["position"]),
+        _speeds(joints),
+        tuple(setpoint.data["position"]),
+        _speeds(setpoint),
+        pose[1] if fresh and pose is not None else None,
+        None if external is None or None in external else tuple(external),
+        None if None in force else tuple(force),
+        int(_ROBOT.get(state["robot"], RobotState.DISABLE)),
+        int(_PROGRAM.get(state["program"], ProgramState.STOPPED)),
+        int(_SAFETY.get(state["safety"], SafetyState.RUN)),
+        int(state["collision_axis"]) if state["collision"] else 0,
+        joints.time - streaming < 1.0 and streaming >= 0.0,
+    )
+
+
+def _speeds(message: RecordedMessage) -> Six:
+    return tuple(each or 0.0 for each in message.data.get("velocity", (0.0,) * 6))
+
+
+def _pose(transform: dict[str, Any]) -> Six:
+    x, y, z, w = transform["rotation"]
+    return (*transform["translation"], *rpy_from_matrix(matrix_from_quaternion([w, x, y, z])))

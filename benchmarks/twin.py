@@ -1,0 +1,410 @@
+"""What the twin sees: runs with one hidden change, runs without, and hours in good order.
+
+    python benchmarks/twin.py                       20 runs of each kind, and 20 without a change
+    python benchmarks/twin.py --runs 200 --hours 10 --save
+
+The arm is a simulator whose time is locked and advanced as fast as possible, with dry and viscous
+friction that its controller does not know, readings in single precision, noise on joints, speeds
+and external torques, samples at uneven times of which some are lost, and no force sensor. Its
+program picks and places at random places. The twin gets the samples and the program's commands, and
+limits that it learned from another run of such a program on the same arm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import math
+import random
+import time
+from collections import Counter
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from _common import machine, write_results
+
+from aioduco.compat import DucoCobot, Op
+from aioduco.kinematics import arm as arm_of
+from aioduco.models.pose import Pose
+from aioduco.sim import Simulator
+from aioduco.sim.twin.data import Cause, Divergence, TwinCommand, TwinSample
+from aioduco.sim.twin.limits import TwinLimits, learn
+from aioduco.sim.twin.monitor import TwinMonitor
+from aioduco.sim.twin.predictor import Deviation, Predictor
+from aioduco.sim.twin.timeline import Timeline
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+
+MODEL = "gcr5_910"
+CYCLE = 0.004
+EVERY = 2  # cycles between samples: 125 Hz
+READY = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
+ARMS = 4
+#: standard deviations of the readings: joints [rad], speeds [rad/s], torques as a share of the
+#: joint's largest; share of samples that are lost
+JOINTS, SPEEDS, TORQUES, LOST = 1e-5, 2e-3, 0.003, 0.01
+#: largest time between the arm's state and the receipt of its sample [s], and of a command's way
+LATE = 0.004
+HELD_MASS = 0.5
+#: how often the same work in good order is judged, each time with other errors of the readings
+DRAWS = 10
+TOOL = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+#: the kinds of hidden changes, with the cause that the twin should name
+CHANGES = {
+    "payload": Cause.PAYLOAD,
+    "friction": Cause.FRICTION,
+    "contact": Cause.CONTACT,
+    "geometry": Cause.GEOMETRY,
+    "second client": Cause.OTHER_PROGRAM,
+    "lost part": Cause.LOST_PART,
+    "delay": Cause.DELAYED_CONTROLLER,
+}
+
+
+class Friction(NamedTuple):
+    dry: tuple[float, ...]
+    viscous: tuple[float, ...]
+
+    def times(self, factor: float) -> tuple[list[float], list[float]]:
+        return [factor * each for each in self.dry], [factor * each for each in self.viscous]
+
+
+def friction(arm: Arm, number: int) -> Friction:
+    """The friction of one arm: 2.4 to 3.6 % of each joint's largest torque, as much at 3 rad/s."""
+    draw = random.Random(f"arm {number}")
+    return Friction(
+        tuple(0.03 * draw.uniform(0.8, 1.2) * each for each in arm.effort),
+        tuple(0.01 * draw.uniform(0.8, 1.2) * each for each in arm.effort),
+    )
+
+
+class Noise:
+    """The errors of readings and of their times."""
+
+    def __init__(self, seed: int) -> None:
+        self._draw = np.random.default_rng(seed)
+        self._effort = np.array(arm_of(MODEL).effort)
+
+    def __call__(self, item: Any) -> Any:
+        """The item as the twin gets it; None for a sample that is lost."""
+        if isinstance(item, TwinCommand):
+            return item._replace(time=item.time - self._draw.uniform(0.0, LATE))
+        if self._draw.random() < LOST:
+            return None
+        noise = self._draw.standard_normal((3, 6))
+        assert item.external is not None
+        return item._replace(
+            time=item.time + self._draw.uniform(0.001, LATE),
+            joints=_single(item.joints + JOINTS * noise[0]),
+            speeds=_single(item.speeds + SPEEDS * noise[1]),
+            expected=_single(item.expected),
+            expected_speeds=_single(item.expected_speeds),
+            pose=_single(item.pose),
+            external=_single(item.external + TORQUES * self._effort * noise[2]),
+        )
+
+
+def _single(values: Any) -> tuple[float, ...]:
+    return tuple(np.asarray(values, np.float32).tolist())
+
+
+class Cell:
+    """One arm with its program, in made-up time."""
+
+    def __init__(self, number: int, seed: int, change: str = "", at: float = 8.0) -> None:
+        self.arm = arm_of(MODEL)
+        true = self.arm
+        if change == "geometry":
+            which = random.Random(f"link {seed}").choice(("a2", "a3"))
+            longer = true.geometry._replace(**{which: getattr(true.geometry, which) + 1e-3})
+            true = dataclasses.replace(true, geometry=longer)
+        self._friction = friction(self.arm, number)
+        self._change, self._at = change, at
+        self._draw = random.Random(seed)
+        self._noise = Noise(seed)
+        self._sim = Simulator(true, cycle=CYCLE, seed=seed, joints=READY, speed=math.inf)
+        self._cycle = 0
+        self._samples: list[TwinSample] = []
+        #: what the program has sent, with the time at which the arm gets it
+        self._underway: list[tuple[float, str, tuple[Any, ...]]] = []
+        self._late = 0.0
+        self.shown: float | None = 0.0 if change == "geometry" else None
+        self._changed = False
+
+    def run(self, seconds: float) -> Any:
+        """Yield lists of samples and commands as they come."""
+        with self._sim as sim:
+            client, other = DucoCobot(sim.host, sim.port), DucoCobot(sim.host, sim.port)
+            client.open(), other.open()
+            client.power_on(True), client.enable(True)
+            sim.lock_time()
+            sim.friction(*self._friction)
+            self._start = sim.time
+            sim.observe(self._seen)
+            items = self._work(sim, client, other, seconds)
+            try:
+                yield from items
+            finally:
+                sim.observe(None)
+                client.close(), other.close()
+
+    def _seen(self, snapshot: Any, _: Any) -> None:
+        """Take a sample without errors; on the simulation's thread."""
+        self._cycle += 1
+        if self._cycle % EVERY:
+            return
+        view, setpoint = snapshot.view, snapshot.setpoint
+        pose = Pose.from_matrix(self._sim.arm.fkine(snapshot.q) @ view.tool.matrix)
+        self._samples.append(
+            TwinSample(
+                snapshot.time - self._start,
+                *(
+                    tuple(each.tolist())
+                    for each in (snapshot.q, snapshot.qd, setpoint.q, setpoint.qd)
+                ),
+                tuple(pose),
+                tuple(snapshot.external_torque.tolist()),
+                None,
+                int(view.robot),
+                int(view.program),
+                int(view.safety),
+                view.collision_axis,
+            )
+        )
+
+    def _work(self, sim: Simulator, client: DucoCobot, other: DucoCobot, seconds: float) -> Any:
+        now, next_at, queue = 0.0, 0.5, self._program()
+        while now < seconds:
+            items: list[Any] = []
+            if not self._changed and now >= self._at and self._change:
+                self._changed = self._begin_change(sim, other)
+            idle = not sim.moving and not self._underway
+            if now >= next_at and idle and self._free(now):
+                function, arguments = next(queue)
+                self._underway.append((now + self._late, function, arguments))
+                items.append(TwinCommand(now, function, arguments, True))
+                next_at = now + self._draw.uniform(0.03, 0.2)
+                if self._changed and self._change == "delay" and self.shown is None:
+                    self.shown = now
+            while self._underway and self._underway[0][0] <= now:
+                _, function, arguments = self._underway.pop(0)
+                getattr(client, function)(*arguments)
+            sim.advance(EVERY)
+            now = sim.time - self._start
+            self._note_shown(sim, now)
+            items += self._samples
+            self._samples.clear()
+            yield now, items
+
+    def _free(self, now: float) -> bool:
+        """Whether the program may move: the second client waits for a rest of it."""
+        return not (self._change == "second client" and self._at - 0.3 < now < self._at + 2.0)
+
+    def _begin_change(self, sim: Simulator, other: DucoCobot) -> bool:
+        draw = self._draw
+        if self._change == "payload":
+            if self._held:
+                return False  # the plant carries what the program set, until it is told otherwise
+            sim.load(0.5, (0.0, 0.0, 0.05))
+        elif self._change == "lost part":
+            if not self._held:
+                return False
+            sim.load(0.0)
+        elif self._change == "friction":
+            sim.friction(*self._friction.times(1.3))
+        elif self._change == "contact":
+            way = np.array([draw.gauss(0.0, 1.0) for _ in range(3)])
+            sim.push([*(10.0 * way / np.linalg.norm(way)).tolist(), 0.0, 0.0, 0.0])
+        elif self._change == "second client":
+            if sim.moving or self._underway:
+                return False
+            goal = [angle + draw.uniform(-0.4, 0.4) for angle in sim.joints]
+            other.movej2(goal, draw.uniform(0.3, 1.0), 1.0, 0.0, False, Op(), False)
+        elif self._change == "delay":
+            self._late = draw.uniform(0.1, 0.3)
+        return True
+
+    def _note_shown(self, sim: Simulator, now: float) -> None:
+        """Note when the change begins to show in the motion."""
+        if self.shown is None and self._changed and self._change != "delay" and sim.moving:
+            self.shown = now
+
+    def _program(self) -> Any:
+        """Pick and place at random places, in joints and along lines."""
+        draw, arm = self._draw, self.arm
+        self._held = False
+        while True:
+            near = [angle + draw.uniform(-0.5, 0.5) for angle in READY]
+            near[0] = draw.uniform(-1.2, 1.2)
+            above = arm.fkine(near)
+            if above[2, 3] < 0.25 or above[0, 3] ** 2 + above[1, 3] ** 2 < 0.09:
+                continue
+            down = above.copy()
+            down[2, 3] -= draw.uniform(0.05, 0.12)
+            try:
+                arm.ikine(down, near)
+            except Exception:
+                continue
+            speed, fast = draw.uniform(0.1, 0.3), draw.uniform(0.5, 1.5)
+            there, back = (list(Pose.from_matrix(each)) for each in (down, above))
+            yield "movej2", (near, fast, draw.uniform(1.0, 3.0), 0.0, False, Op(), False)
+            yield "movel", (there, speed, 1.0, 0.0, near, "", "", False, Op(), False)
+            if self._change in ("", "lost part") or not self._changed:
+                wants = not self._held
+                keep = self._change == "payload" or (self._change == "lost part" and self._changed)
+                if not keep:
+                    self._held = wants
+                    yield "set_load_data", ([HELD_MASS if wants else 0.0, 0.0, 0.0, 0.05],)
+            yield "movel", (back, speed, 1.0, 0.0, near, "", "", False, Op(), False)
+
+
+@cache
+def limits(number: int) -> TwinLimits:
+    """Limits from a good run of 100 s on one arm."""
+    cell, line, noise = Cell(number, 90_000 + number), Timeline(), Noise(90_000 + number)
+    predictor = Predictor(cell.arm, TOOL)
+    good: list[Deviation] = []
+
+    def take(item: Any) -> None:
+        if isinstance(item, TwinCommand):
+            predictor.command(item)
+        else:
+            good.append(predictor.deviation(item))
+
+    for _, items in cell.run(100.0):
+        for item in filter(None, map(noise, items)):
+            line.put(item)
+        for item in line.due():
+            take(item)
+    return learn(cell.arm, good)
+
+
+class Watched(NamedTuple):
+    """One run: what was hidden, when it showed, and what the twin said first, when."""
+
+    change: str
+    shown: float | None
+    first: Divergence | None
+    at: float
+    early: int
+
+
+def watched(number: int, seed: int, change: str, seconds: float, after: float = 3.0) -> Watched:
+    """One run with a twin, up to some time after the change shows."""
+    cell = Cell(number, seed, change, at=random.Random(f"when {seed}").uniform(4.0, 8.0))
+    monitor, line, early = TwinMonitor(cell.arm, limits(number), tool=TOOL), Timeline(), 0
+    first, at, noise = None, math.nan, Noise(seed)
+    for now, items in cell.run(seconds):
+        for item in filter(None, map(noise, items)):
+            line.put(item)
+        for item in line.due():
+            if isinstance(item, TwinCommand):
+                monitor.command(item)
+                continue
+            for divergence in monitor.sample(item):
+                early += cell.shown is None
+                if first is None:
+                    first, at = divergence, now
+        if cell.shown is not None and now > cell.shown + after:
+            break
+        if first is not None and change:
+            break
+    return Watched(change, cell.shown, first, at, early)
+
+
+def good_order(number: int, items: list[Any], seed: int) -> list[Divergence]:
+    """What a twin says about work in good order, with one draw of the readings' errors."""
+    monitor, line, noise = (
+        TwinMonitor(arm_of(MODEL), limits(number), tool=TOOL),
+        Timeline(),
+        Noise(seed),
+    )
+    found: list[Divergence] = []
+    for each in items:
+        if (item := noise(each)) is None:
+            continue
+        line.put(item)
+        for due in line.due():
+            if isinstance(due, TwinCommand):
+                monitor.command(due)
+            else:
+                found += monitor.sample(due)
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=20, help="with a change, and without")
+    parser.add_argument("--hours", type=float, default=0.2, help="of work in good order")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--save", action="store_true")
+    given = parser.parse_args()
+    begun, matrix, times = time.perf_counter(), {}, {}
+    for number in range(ARMS):
+        limits(number)
+    print(f"learned {ARMS} arms in {time.perf_counter() - begun:.0f} s", flush=True)
+    for count in range(given.runs):
+        change = list(CHANGES)[count % len(CHANGES)]
+        run = watched(count % ARMS, given.seed * 1000 + count, change, 40.0)
+        said = "not seen" if run.first is None else run.first.cause.value
+        matrix.setdefault(change, Counter())[said] += 1
+        if run.first is not None and run.shown is not None:
+            times.setdefault(change, []).append(run.at - run.shown)
+        if run.first is None or run.first.cause is not CHANGES[change] or run.early:
+            print(f"{change}, run {count}: {run.first}, early {run.early}", flush=True)
+    false, false_runs = [], 0
+    for count in range(given.runs):
+        run = watched(count % ARMS, given.seed * 1000 + 500 + count, "", 12.0)
+        if run.early:
+            false_runs += 1
+            print(f"no change, run {count}: {run.first}", flush=True)
+    hours, worked = 0.0, 0.0
+    while hours < given.hours:
+        count = round(worked * 10)
+        number, block = count % ARMS, min(0.1, given.hours / DRAWS)
+        items = [
+            item for _, some in Cell(number, 50_000 + count).run(3600 * block) for item in some
+        ]
+        for draw in range(DRAWS):
+            for divergence in good_order(number, items, 1000 * draw + count):
+                false.append(str(divergence))
+                print(f"false alarm after {hours:.2f} h: {divergence}", flush=True)
+            hours += block
+        worked += block
+    seen = sum(sum(row.values()) - row["not seen"] for row in matrix.values())
+    right = sum(row[CHANGES[change].value] for change, row in matrix.items())
+    within = sum(each <= 0.5 for row in times.values() for each in row)
+    result = {
+        "runs with a change": given.runs,
+        "seen": seen,
+        "seen within 0.5 s of showing": within,
+        "cause named right": right,
+        "runs without a change": given.runs,
+        "of these with an alarm": false_runs,
+        "hours in good order": round(hours, 2),
+        "of different work": round(worked, 2),
+        "false alarms in these": len(false),
+        "confusion: hidden change, named cause": {
+            change: dict(row) for change, row in matrix.items()
+        },
+        "time until it was said [s]": {
+            change: {"p50": round(float(np.median(row)), 3), "max": round(max(row), 3)}
+            for change, row in times.items()
+        },
+    }
+    for name, value in result.items():
+        print(f"{name}: {value}")
+    print(f"{time.perf_counter() - begun:.0f} s")
+    if given.save:
+        command = (
+            f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
+            f"--seed {given.seed} --save"
+        )
+        write_results("twin", {"command": command, **result, "machine": machine()})
+
+
+if __name__ == "__main__":
+    main()
