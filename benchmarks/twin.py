@@ -345,6 +345,7 @@ def main() -> None:
     begun, matrix, times = time.perf_counter(), {}, {}
     for number in range(ARMS):
         limits(number)
+    print(limits(0))
     print(f"learned {ARMS} arms in {time.perf_counter() - begun:.0f} s", flush=True)
     for count in range(given.runs):
         change = list(CHANGES)[count % len(CHANGES)]

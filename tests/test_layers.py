@@ -71,13 +71,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "api.status_port": {"_process.copying", "errors", "models", "_wire"},
     "api.force_stream": {"_process.copying", "errors", "models", "_wire"},
     "recording": CLIENT,
-    "robot": CLIENT | {"recording"},
+    # the twin of a robot: pure on the simulator's side, and a shell on the client's
+    "sim.twin": CLIENT | {"recording", "sim"},
+    "robot": CLIENT | {"recording", "sim.twin"},
     # moves a robot by its public interface
     "recording.playback": CLIENT | {"recording", "robot"},
     # lead a robot by its public interface
     "devices.teleoperation": CLIENT | {"robot"},
     # the mains of all processes, each imported in its own process alone
-    "_process.frozen": CLIENT | {"planning", "sim", "recording.tap"},
+    "_process.frozen": CLIENT | {"planning", "sim", "sim.twin", "recording.tap"},
     "__init__": CLIENT | {"robot", "_process.frozen", "recording", "planning.cell"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
@@ -90,7 +92,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "planning.cell": CLIENT
     | {"robot", "sim", "planning", "recording.playback", "devices.grippers"},
     "sync": CLIENT
-    | {"robot", "__init__", "recording", "recording.playback", "planning.cell"}
+    | {"robot", "__init__", "recording", "recording.playback", "planning.cell", "sim.twin"}
     | {"devices.grippers", "devices.teleoperation"},
     "testing.preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
@@ -119,7 +121,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "testing.pytest_plugin": CLIENT
     | {"robot", "__init__", "sim", "sync", "testing", "testing.preflight"},
     "cli": CLIENT
-    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "planning"}
+    | {"robot", "__init__", "sim", "sim.twin", "sync", "recording", "descriptions", "planning"}
     | {"planning.cell", "devices.grippers", "devices.teleoperation"}
     | {"recording.playback", "recording.tap", "testing", "testing.preflight"}
     | {"integrations", "integrations.fleet", "integrations.panel"},
@@ -177,6 +179,17 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         *("runtime", "clock", "scene", "process", "forgiving", "part_faults"),
     },
     "part_faults": {"assembly", "physics"},
+    # the controller without threads and physics
+    "twin": {
+        "cabinet",
+        "controller",
+        "cycle",
+        "force",
+        "handlers",
+        "planner",
+        "runtime",
+        "snapshot",
+    },
     "console": {"simulator"},
     "spawned": {"simulator"},
     "__main__": {"spawned"},
@@ -268,6 +281,10 @@ PURE = {
     "sim/force",
     "sim/planner",
     "sim/physics/temperature.py",
+    *(
+        f"sim/twin/{name}.py"
+        for name in ("data", "monitor", "patterns", "predictor", "rehearsal", "timeline")
+    ),
     "envelope",
     "integrations/ros/trajectory_goals.py",
     "integrations/ros/goal_queue.py",

@@ -24,8 +24,8 @@ def freeze_support() -> None:
 
     Call it before anything else in the program. The executable of a frozen program is the program
     itself: to have a guard, it starts itself once more. In that process, this function runs the
-    guard, a stream's worker, a planner, a simulator, a twin, the process that draws pictures or the relay
-    of a tap, and does not return. In the program itself, and in a program that is not frozen,
+    guard, a stream's worker, a planner, a simulator, a twin, the process that draws pictures or the
+    relay of a tap, and does not return. In the program itself, and in a program that is not frozen,
     it returns at once. A frozen program that does not call it cannot start any of these processes.
     """
     if not is_frozen():

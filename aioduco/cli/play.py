@@ -257,7 +257,7 @@ class _Playing:
 
 def _model_of(what: RecordedPath | WaypointFile) -> str | None:
     """The model that a file is for; None if the file names none or an unknown one."""
-    from aioduco.recording.playback.player import model_named  # noqa: PLC0415
+    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
 
     found = model_named(what.arm)
     return None if found is None else found.name

@@ -65,9 +65,9 @@ def playable(path: Path, entries: int) -> str:
     if entries > _READ_BACK:
         return f"it is long: aioduco play {path} --check says whether it can be played"
     from aioduco.errors import DucoError  # noqa: PLC0415
+    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
     from aioduco.recording import read  # noqa: PLC0415
     from aioduco.recording.playback import RecordedPath, check_path  # noqa: PLC0415
-    from aioduco.recording.playback.player import model_named  # noqa: PLC0415
 
     try:
         motion = RecordedPath.of(read(path))

@@ -123,8 +123,9 @@ class _CellPoints:
 def _file(robot: Robot, path: Path) -> _Waypoints:
     """The existing file of waypoints, or a new one."""
     from aioduco.errors import PathRefused  # noqa: PLC0415
+    from aioduco.kinematics.catalogue import same_arm  # noqa: PLC0415
     from aioduco.recording.playback import WaypointFile  # noqa: PLC0415
-    from aioduco.recording.playback.player import arm_named, same_arm  # noqa: PLC0415
+    from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
 
     told = arm_named(robot.version.get_robot_type())
     if not path.exists():

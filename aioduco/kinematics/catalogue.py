@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from functools import cache
 from importlib import resources
@@ -12,7 +13,7 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import Geometry
 
-__all__ = ["arm", "models"]
+__all__ = ["arm", "model_named", "models", "same_arm"]
 
 
 @cache
@@ -38,6 +39,21 @@ def _model(name: str) -> Arm:
         masses=tuple(data["masses"]),
         centres=tuple(tuple(centre) for centre in data["centres"]),
     )
+
+
+def model_named(name: str) -> Arm | None:
+    """The model with the name that a controller reports; None if it is not known."""
+    fitting = [model for model in models() if same_arm(model, name)]
+    return _model(fitting[0]) if fitting else None
+
+
+def same_arm(one: str, other: str) -> bool:
+    """Whether two names are of one arm, such as "GCR5 910" of a controller and "gcr5_910"."""
+    return _bare(one) == _bare(other)
+
+
+def _bare(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
 def arm(model: str, **lengths: float) -> Arm:

@@ -198,6 +198,8 @@ def _mass(sim: Simulator, words: list[str]) -> None:
 
 def _wear(sim: Simulator, words: list[str]) -> None:
     sim.wear_tool(*_numbers(words, 1))
+
+
 def _friction(sim: Simulator, words: list[str]) -> None:
     sim.friction(_numbers(words, 0, 6) or [0.0] * 6)
 

@@ -61,8 +61,9 @@ from aioduco.integrations.panel.page_state import (
 )
 from aioduco.integrations.panel.simulator_port import ask_simulator
 from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.catalogue import model_named
 from aioduco.models.rules import Number
-from aioduco.recording.playback.player import arm_named, model_named
+from aioduco.recording.playback.player import arm_named
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

@@ -15,13 +15,13 @@ from aioduco._wire.address import CELL_KEYS, RobotAddress, WrongAddress, robots_
 from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
+from aioduco.kinematics.catalogue import model_named
 from aioduco.models.load import Load
 from aioduco.models.points import Point, point_of
 from aioduco.models.pose import Pose
 from aioduco.models.similar import did_you_mean, unknown
 from aioduco.planning.shapes import Ground, Mesh
 from aioduco.recording.playback.envelope_file import limit_of
-from aioduco.recording.playback.player import model_named
 from aioduco.sim.scene import (
     Box,
     Cylinder,

@@ -10,7 +10,6 @@ Guarantees:
 
 from __future__ import annotations
 
-import re
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -24,8 +23,9 @@ from aioduco.errors import (
     PathRefused,
     UnknownFunction,
 )
-from aioduco.kinematics import Arm, models
+from aioduco.kinematics import Arm
 from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.catalogue import model_named, same_arm
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.models.rules import Number
 from aioduco.recording.playback.path_check import (
@@ -56,7 +56,6 @@ __all__ = [
     "check_path_on",
     "check_waypoints_on",
     "follow",
-    "model_named",
     "play",
     "reported_arm",
     "run_waypoints",
@@ -178,21 +177,6 @@ async def reported_arm(robot: Robot) -> tuple[str, Arm | None]:
 def arm_named(told: RobotType) -> str:
     """Name of an arm in recordings and files of waypoints."""
     return " ".join(filter(None, told[:3]))
-
-
-def model_named(name: str) -> Arm | None:
-    """The model with the name that a controller reports; None if it is not known."""
-    fitting = [model for model in models() if same_arm(model, name)]
-    return arm_of(fitting[0]) if fitting else None
-
-
-def same_arm(one: str, other: str) -> bool:
-    """Whether two names are of one arm, such as "GCR5 910" of a controller and "gcr5_910"."""
-    return _bare(one) == _bare(other)
-
-
-def _bare(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
 def refused(name: str, found: Sequence[str]) -> PathRefused:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from aioduco.models.enums import ProgramState, RobotState
+from aioduco.models.enums import RobotState
 from aioduco.sim.twin.data import Cause, Divergence, Quantity
 from aioduco.sim.twin.patterns import PatternFit
 from aioduco.sim.twin.predictor import Predictor
@@ -41,9 +41,8 @@ _EVIDENCE = 0.15
 _QUIET = 1.0
 #: time after a command of this program during which its effect on the states is expected [s]
 _EXPECTED = 2.0
-#: time for which the states must differ [s]
-_STATES = 0.1
-_RUNNING = (ProgramState.RUNNING, ProgramState.TASK_RUNNING)
+#: time for which a movement without a command explains what parts [s]
+_UNCOMMANDED = 0.5
 #: functions after which the states of the controller change
 _STATE_CHANGES = frozenset(
     (
@@ -154,6 +153,9 @@ class TwinMonitor:
         self._reported: dict[Quantity, float] = {}
         self._signs: list[_Sign] = []
         self._changed_at = -math.inf
+        #: whether arm and rehearsal stood at one place, and the rehearsal still does
+        self._in_step = False
+        self._uncommanded_at = -math.inf
         self._was: TwinSample | None = None
         self._patterns: Patterns | None = None
         #: masses that the program has set: of the tool, and of the load [kg]
@@ -239,6 +241,18 @@ class TwinMonitor:
             return
         delay = match.delay - limits.usual_delay
         figures["path"], figures["delay"] = match.distance, match.delay
+        rehearsal = self._predictor.rehearsal
+        if not rehearsal.idle:
+            self._in_step = False
+        elif not deviation.moving and rehearsal.rests_at(sample.expected):
+            self._in_step = True
+        if self._in_step and deviation.moving:
+            # both stood at one place, this program has commanded nothing since, and the arm moves
+            self._uncommanded_at = deviation.time
+            self._watch(Quantity.PATH, f"joint {match.joint}",
+                        max(2.0, match.distance / limits.path), limits.path, "rad",
+                        deviation)  # fmt: skip
+            return
         self._watch(Quantity.PATH, f"joint {match.joint}", match.distance / limits.path,
                     limits.path, "rad", deviation)  # fmt: skip
         self._watch(Quantity.DELAY, "set-points", delay / limits.delay, limits.delay, "s",
@@ -325,6 +339,8 @@ class TwinMonitor:
             return Cause.GEOMETRY, {}
         if sign.quantity in (Quantity.PATH, Quantity.DELAY):
             match = deviation.match
+            if deviation.time - self._uncommanded_at < _UNCOMMANDED:
+                return Cause.OTHER_PROGRAM, {}
             if Quantity.PATH in kinds and match is not None and deviation.moving:
                 return Cause.OTHER_PROGRAM, {}
             # the arm is where it should have been earlier, or stands where it should move

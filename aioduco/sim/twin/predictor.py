@@ -9,7 +9,7 @@ import numpy as np
 from aioduco.kinematics.forward import frames
 from aioduco.models.enums import ProgramState, RobotState
 from aioduco.models.pose import Pose
-from aioduco.sim.twin.rehearsal import Rehearsal
+from aioduco.sim.twin.rehearsal import PATHS, Rehearsal
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,8 +24,9 @@ __all__ = ["AHEAD", "Deviation", "Predictor"]
 
 #: time by which the rehearsal gets commands before the arm, so that it is never behind [s]
 AHEAD = 0.03
-#: time for which an arm must stand before its rehearsal begins [s]
-_STANDING = 0.3
+#: time within which a motion that was commanded has begun, or its command has got lost [s]
+_UNDERWAY = 0.1
+_AT_REST = (ProgramState.STOPPED, ProgramState.STOPPING)
 #: speed of the set-points above which they move [rad/s]
 _MOVES = 2e-3
 #: longest interval of samples over which an acceleration is derived [s]
@@ -89,7 +90,8 @@ class Predictor:
         self._before: tuple[float, Vector] | None = None
         self._acceleration = np.zeros(3)
         self._bare: Vector | None = None
-        self._stands_since: float | None = None
+        #: motions that were commanded while the rehearsal was blind
+        self._waiting: list[TwinCommand] = []
         self._count = 0
 
     def command(self, command: TwinCommand) -> bool | None:
@@ -97,6 +99,8 @@ class Predictor:
         self.rehearsal.advance(command.time - AHEAD)
         if command.function == "set_tool_data" and command.accepted:
             self._tool = Pose.of(command.arguments[1]).matrix
+        if self.rehearsal.blind and command.function in PATHS and command.accepted:
+            self._waiting.append(command)
         said = self.rehearsal.command(command)
         if command.function in _HALTS:
             # where the arm comes to rest depends on milliseconds
@@ -144,16 +148,19 @@ class Predictor:
         enabled = sample.robot == RobotState.ENABLE
         if sample.led or not enabled:
             rehearsal.hide("a stream or a mode leads the arm" if sample.led else "not enabled")
-        if moving or not enabled or sample.led or sample.program != ProgramState.STOPPED:
-            self._stands_since = None
-        elif self._stands_since is None:
-            self._stands_since = sample.time
-        if rehearsal.blind:
-            stood = self._stands_since
-            if stood is not None and sample.time - stood >= _STANDING:
-                rehearsal.begin(sample.expected, sample.time)
-        else:
+        if not rehearsal.blind:
             rehearsal.advance(sample.time)
+            return
+        at, waiting = sample.time, self._waiting
+        self._waiting = waiting = [each for each in waiting if each.time > at - _UNDERWAY]
+        if moving or not enabled or sample.led or sample.program not in _AT_REST:
+            return
+        if all(each.time > at for each in waiting):
+            # nothing is under way to the arm: what waits was sent after this sample
+            rehearsal.begin(sample.expected, at)
+            self._waiting = []
+            for command in waiting:
+                rehearsal.command(command)
 
     def _accelerate(self, time: float, speed: Vector) -> float:
         before, self._before = self._before, (time, speed)

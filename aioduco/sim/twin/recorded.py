@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from aioduco._wire.rpc import Op
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.catalogue import model_named
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import matrix_from_quaternion, rpy_from_matrix
-from aioduco.recording.playback.player import model_named
 from aioduco.recording.run import RecordedRun, read
 from aioduco.sim.twin import limits as limits_of
 from aioduco.sim.twin.data import TwinCommand, TwinSample

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-__all__ = ["CYCLE", "Match", "Rehearsal"]
+__all__ = ["CYCLE", "PATHS", "Match", "Rehearsal"]
 
 #: cycle of the rehearsing controller [s]
 CYCLE = 0.004
@@ -47,6 +47,8 @@ _KEPT = 2.0
 _ROWS = round(_KEPT / CYCLE)
 #: set-points around the last place among which the next one is looked for
 _BESIDE = 25
+#: distance up to which arm and rehearsal stand at one place [rad]
+_THERE = 1e-3
 #: set-points closer together than this are one place [rad]
 _SAME = 2e-4
 _ZEROS = np.zeros(6)
@@ -123,10 +125,10 @@ class Rehearsal:
         """Whether no motion is rehearsed."""
         return self._run is None or not self._run.controller.busy
 
-    @property
-    def stood(self) -> float:
-        """Time for which the rehearsal has stood [s]; inf if it never moved."""
-        return math.inf if self._run is None else self._run.time - self._run.moved_at
+    def rests_at(self, expected: Six) -> bool:
+        """Whether it stands, at these set-points [rad]."""
+        run = self._run
+        return run is not None and self.idle and run.place(np.array(expected)).distance < _THERE
 
     def hide(self, why: str) -> None:
         """Predict nothing until the next `begin`."""
@@ -259,12 +261,16 @@ class _Run:
                 self._path[row], self._times[row] = self._q, self.time
             self._next = (self._next + 1) % _ROWS
 
+    def place(self, q: Vector) -> Match:
+        """Compare a set-point with the present one."""
+        apart = np.abs(self._q - q)
+        joint = int(apart.argmax())
+        return Match(float(apart[joint]), joint + 1, 0.0, False)
+
     def match(self, q: Vector) -> Match:
         moving = self.time - self.moved_at < _KEPT
         if not moving:
-            apart = np.abs(self._q - q)
-            joint = int(apart.argmax())
-            return Match(float(apart[joint]), joint + 1, 0.0, False)
+            return self.place(q)
         # first where the arm was last, since almost always it is a little further now
         found = self._nearest(q, max(0, _ROWS - 1 - self._near - _BESIDE))
         if found.distance > _SAME and self._near + _BESIDE < _ROWS - 1:

@@ -23,9 +23,9 @@ from aioduco._process.spawn import Unstartable
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.catalogue import model_named
 from aioduco.models.pose import Pose
 from aioduco.models.trace import CallFinished
-from aioduco.recording.playback.player import model_named
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits
 from aioduco.sim.twin.monitor import TwinFigures

@@ -1,0 +1,75 @@
+"""Limits are learned from a good run, written and read; a poor run is refused."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from aioduco.errors import ParameterError
+from aioduco.sim.twin.limits import TwinLimits, deviations, learn
+from aioduco.sim.twin.predictor import AHEAD
+from aioduco.sim.twin.timeline import HELD, Timeline
+
+from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
+from .test_monitor import EFFORT, rubbing
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+THERE = (0.6, 0.3, 1.2, 0.4, -1.2, 0.5)
+
+
+@pytest.fixture(scope="module")
+def learned() -> TwinLimits:
+    arm, draw = PerfectArm(), np.random.default_rng(1)
+    normal = rubbing()
+    arm.torques = lambda q, qd, t: normal(q, qd, t) + 0.003 * EFFORT * draw.standard_normal(6)
+    good = deviations(ARM, work(arm, *[movej2(*THERE), movej2(*READY)] * 5), NOWHERE)
+    return learn(ARM, good)
+
+
+def test_friction_and_noise_are_those_of_the_arm(learned: TwinLimits) -> None:
+    assert learned.dry == pytest.approx((0.03 * EFFORT).tolist(), rel=0.1)
+    assert learned.noise == pytest.approx((0.003 * EFFORT).tolist(), rel=0.15)
+    assert learned.learned > 5.0
+
+
+def test_limits_are_narrower_than_without_a_good_run(learned: TwinLimits) -> None:
+    wide = TwinLimits.of(ARM)
+    assert learned.mass < 0.5 * wide.mass
+    assert learned.path < wide.path
+    assert learned.usual_delay == pytest.approx(AHEAD, abs=0.012)
+    assert learned.delay < 0.05
+
+
+def test_a_file_has_all_of_them(learned: TwinLimits, tmp_path: Path) -> None:
+    learned.save(tmp_path / "limits.json")
+    assert TwinLimits.load(tmp_path / "limits.json") == learned
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"arm": "gcr5_910"}'])
+def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "limits.json").write_text(text)
+    with pytest.raises(ParameterError, match="limits"):
+        TwinLimits.load(tmp_path / "limits.json")
+
+
+def test_a_run_that_hardly_moves_is_refused() -> None:
+    good = deviations(ARM, work(PerfectArm(), movej2(*THERE)), NOWHERE)
+    with pytest.raises(ParameterError, match="5 s or more"):
+        learn(ARM, good)
+
+
+def test_a_command_comes_before_the_samples_of_its_time() -> None:
+    arm, line = PerfectArm(), Timeline()
+    samples = [arm.sample() for _ in range(30)]
+    for sample in samples:
+        line.put(sample)
+    command = arm.send(*movej2(*THERE))._replace(time=samples[-1].time)
+    line.put(command)
+    assert all(item.time <= samples[-1].time - HELD for item in line.due())
+    rest = list(line.rest())
+    assert rest.index(command) < len(rest) - 1
+    assert rest[rest.index(command) + 1].time > command.time - AHEAD

@@ -1,0 +1,218 @@
+"""What a twin says about an arm that does one thing differently, in made-up time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from aioduco.kinematics import arm as arm_of
+from aioduco.models.enums import RobotState, SafetyState
+from aioduco.sim.twin.data import Cause, Divergence, Quantity, TwinCommand
+from aioduco.sim.twin.limits import TwinLimits
+from aioduco.sim.twin.monitor import TwinMonitor
+
+from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+THERE = (0.6, 0.2, 1.3, 0.2, -1.3, 0.3)
+EFFORT = np.array(ARM.effort)
+NARROW = TwinLimits(
+    arm="gcr5_910",
+    mass=0.15,
+    force=3.0,
+    friction=0.12,
+    torque=tuple((0.01 * EFFORT).tolist()),
+    tracking=(1e-3,) * 6,
+    position=3e-4,
+    angle=6e-4,
+    path=3e-3,
+    delay=0.03,
+    usual_delay=0.03,
+    dry=tuple((0.03 * EFFORT).tolist()),
+    noise=tuple((0.002 * EFFORT).tolist()),
+    learned=60.0,
+)
+
+
+def monitor(*, commands: bool = True) -> TwinMonitor:
+    return TwinMonitor(ARM, NARROW, tool=NOWHERE, commands=commands)
+
+
+def said(watching: TwinMonitor, items: Iterable[Any]) -> list[Divergence]:
+    found: list[Divergence] = []
+    for item in items:
+        if isinstance(item, TwinCommand):
+            watching.command(item)
+        else:
+            found += watching.sample(item)
+    return found
+
+
+def rubbing(share: float = 1.0, *, more: float = 0.0, at: float = 0.0) -> Callable[..., np.ndarray]:
+    """Torques of the normal friction, and from some time on of more."""
+
+    def torques(_q: np.ndarray, qd: np.ndarray, time: float) -> np.ndarray:
+        now = share + (more if time > at else 0.0)
+        return -now * 0.03 * EFFORT * np.clip(qd / 0.02, -1.0, 1.0)
+
+    return torques
+
+
+def pushed(force: tuple[float, float, float], at: float = 1.0) -> Callable[..., np.ndarray]:
+    """Torques of the normal friction, and of a force from some time on."""
+    normal = rubbing()
+
+    def torques(q: np.ndarray, qd: np.ndarray, time: float) -> np.ndarray:
+        lever = ARM.jacobian(q)[:3].T
+        return normal(q, qd, time) + (lever @ np.array(force) if time > at else 0.0)
+
+    return torques
+
+
+def test_an_arm_in_good_order_is_left_alone() -> None:
+    arm = PerfectArm()
+    arm.torques = rubbing()
+    watching = monitor()
+    assert said(watching, work(arm, movej2(*THERE), movej2(*READY), movej2(*THERE))) == []
+    figures = watching.figures
+    assert not figures.blind
+    assert figures.path == pytest.approx(0.0, abs=1e-3)
+    assert figures.mass == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("torques", "cause"),
+    [
+        (pushed((0.0, 0.0, -4.9)), Cause.PAYLOAD),
+        (pushed((8.0, 6.0, 0.0)), Cause.CONTACT),
+        (pushed((0.0, 0.0, 8.0)), Cause.CONTACT),
+        (rubbing(more=0.3, at=1.0), Cause.FRICTION),
+    ],
+)
+def test_torques_have_a_cause(torques: Any, cause: Cause) -> None:
+    arm = PerfectArm()
+    arm.torques = torques
+    found = said(monitor(), work(arm, movej2(*THERE), movej2(*READY), movej2(*THERE)))
+    assert found
+    assert {each.quantity for each in found} == {Quantity.TORQUE}
+    assert found[0].cause is cause, str(found[0])
+    assert found[0].since > 0.9
+    assert found[0].at - found[0].since < 0.5
+
+
+def test_a_part_is_lost_only_if_one_was_carried() -> None:
+    arm = PerfectArm()
+    arm.torques = pushed((0.0, 0.0, 4.9), at=0.5)
+    load = "set_load_data", ([0.5, 0.0, 0.0, 0.0],)
+    found = said(monitor(), work(arm, load, movej2(*THERE), movej2(*READY)))
+    assert [each.cause for each in found] == [Cause.LOST_PART]
+    assert found[0].estimate["mass [kg]"] == pytest.approx(-0.5, abs=0.15)
+
+
+def test_a_longer_link_shows_at_once() -> None:
+    arm = PerfectArm()
+    arm.torques = rubbing()
+    arm.geometry = arm_of("gcr5_910", a2=0.426)
+    found = said(monitor(), work(arm, movej2(*THERE)))
+    assert [(each.quantity, each.cause) for each in found] == [(Quantity.GEOMETRY, Cause.GEOMETRY)]
+    assert found[0].value == pytest.approx(1e-3, rel=0.05)
+
+
+def test_a_late_controller_is_named() -> None:
+    arm = PerfectArm()
+    arm.torques = rubbing()
+    arm.late = 0.15
+    found = said(monitor(), work(arm, movej2(*THERE)))
+    assert [(each.quantity, each.cause) for each in found] == [
+        (Quantity.DELAY, Cause.DELAYED_CONTROLLER)
+    ]
+
+
+def test_another_program_is_named() -> None:
+    arm, watching = PerfectArm(), monitor()
+    arm.torques = rubbing()
+    assert said(watching, work(arm, movej2(*THERE))) == []
+    arm.another(*movej2(*READY))
+    found = said(watching, work(arm))
+    assert {each.cause for each in found} == {Cause.OTHER_PROGRAM}
+    assert said(watching, work(arm, movej2(*THERE))) == [], "it is beside the arm again"
+    assert not watching.figures.blind
+
+
+def test_without_the_commands_nothing_is_said_about_programs() -> None:
+    arm, watching = PerfectArm(), monitor(commands=False)
+    arm.torques = rubbing()
+    arm.another(*movej2(*THERE))
+    assert said(watching, work(arm)) == []
+    assert watching.figures.path is None
+
+
+def test_a_stop_of_this_program_is_no_divergence() -> None:
+    arm, watching = PerfectArm(), monitor()
+    arm.torques = rubbing()
+    assert said(watching, work(arm, movej2(*THERE))) == []
+    before = arm.send(*movej2(*READY))
+    items: list[Any] = [before]
+    items += [arm.sample() for _ in range(40)]
+    watching_stop = arm.send("stop", (False,))
+    assert said(watching, [*items, watching_stop]) == []
+    assert watching.figures.path is not None
+    assert said(watching, work(arm, movej2(*THERE))) == []
+    assert not watching.figures.blind
+
+
+def test_a_stream_is_not_judged_by_its_path() -> None:
+    arm, watching = PerfectArm(), monitor()
+    arm.torques = rubbing()
+    arm.changes["led"] = True
+    arm.another(*movej2(*THERE))
+    assert said(watching, work(arm)) == []
+    assert "stream" in watching.figures.blind
+
+
+def test_a_collision_is_a_contact() -> None:
+    arm, watching = PerfectArm(), monitor()
+    arm.torques = rubbing()
+    assert said(watching, work(arm)) == []
+    arm.changes |= {"collision": 3, "safety": int(SafetyState.STOP1)}
+    found = said(watching, work(arm))
+    assert [(each.quantity, each.cause) for each in found] == [(Quantity.STATE, Cause.CONTACT)]
+    assert "joint 3" in found[0].where
+
+
+@pytest.mark.parametrize("ours", [True, False])
+def test_power_off_is_somebody_elses_unless_this_program_asked(ours: bool) -> None:
+    arm, watching = PerfectArm(), monitor()
+    assert said(watching, work(arm)) == []
+    if ours:
+        watching.command(TwinCommand(arm.time, "power_off", (False,), True))
+    arm.changes["robot"] = int(RobotState.POWER_OFF)
+    found = said(watching, work(arm))
+    assert [each.cause for each in found] == ([] if ours else [Cause.OTHER_PROGRAM])
+
+
+def test_what_the_controller_refuses_and_the_twin_accepts_is_an_outcome() -> None:
+    arm, watching = PerfectArm(), monitor()
+    assert said(watching, work(arm)) == []
+    function, arguments = movej2(*THERE)
+    watching.command(TwinCommand(arm.time, function, arguments, False))
+    found = said(watching, work(arm))
+    assert [each.quantity for each in found] == [Quantity.OUTCOME]
+
+
+def test_a_short_disturbance_is_nothing() -> None:
+    arm = PerfectArm()
+    normal, push = rubbing(), pushed((0.0, 10.0, 0.0), at=0.0)
+    arm.torques = lambda q, qd, t: (push if 1.0 < t < 1.02 else normal)(q, qd, t)
+    assert said(monitor(), work(arm, movej2(*THERE), movej2(*READY))) == []
+
+
+def test_a_divergence_is_said_once() -> None:
+    arm = PerfectArm()
+    arm.torques = pushed((0.0, 8.0, 0.0))
+    found = said(monitor(), work(arm, *[movej2(*THERE), movej2(*READY)] * 3))
+    assert len(found) == 1
