@@ -1,0 +1,167 @@
+"""A twin beside a robot: what it reports, records and does, and how it ends."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+from typer.testing import CliRunner
+
+import aioduco
+import aioduco.sync
+from aioduco import Joints
+from aioduco.cli.app import app
+from aioduco.errors import ParameterError, RobotStateError, TaskStopped
+from aioduco.recording import read
+from aioduco.sim import Simulator
+from aioduco.sim.twin import Cause, Quantity, TwinLimits, judge, learn
+from aioduco.supervision.events import TwinDiverged
+from aioduco.testing import eventually_async
+
+from .arms import ARM, READY
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+THERE = Joints(0.5, 0.2, 1.3, 0.1, -1.4, 0.3)
+#: narrow enough for half a kilogram; times and tracking are those of a busy computer
+LIMITS = dataclasses.replace(TwinLimits.of(ARM), mass=0.15, force=3.0, delay=1e3, path=1e3)
+
+
+@pytest.fixture
+async def sim() -> AsyncIterator[Simulator]:
+    async with Simulator(joints=READY) as running:
+        yield running
+
+
+@pytest.fixture
+async def robot(sim: Simulator) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(
+        sim.host, sim.port, state_rate=125.0, loop_stall_limit=30.0, lag_limit=None
+    ) as connected:
+        await connected.bring_up()
+        yield connected
+
+
+async def test_a_payload_is_an_event_and_in_the_recording(
+    sim: Simulator, robot: aioduco.Robot, tmp_path: Path
+) -> None:
+    with robot.events.subscribe() as events:
+        async with robot.record(tmp_path / "run.mcap"), robot.twin(LIMITS) as twin:
+            await eventually_async(lambda: twin.figures.mass is not None)
+            assert twin.figures.mass == pytest.approx(0.0, abs=1e-3)
+            sim.load(0.5)
+            async for event in events:
+                if isinstance(event, TwinDiverged):
+                    break
+            assert (event.quantity, event.cause, event.action) == ("torque", "payload", "report")
+            assert event.estimate["mass [kg]"] == pytest.approx(0.5, abs=0.2)
+            assert event.since <= event.at
+            assert list(twin.divergences) == [event]
+            assert twin.running
+            assert twin.error is None
+            await eventually_async(lambda: twin.statistics().samples > 20)
+        assert twin.over
+    run = read(tmp_path / "run.mcap")
+    assert run.arrays("/twin")["mass"].max() > 0.15
+    (written,) = [each.data for each in run.messages("/events") if "Twin" in each.data["event"]]
+    assert written["what"]["cause"] == "payload"
+
+
+async def test_it_stops_the_arm_if_it_was_asked_to(sim: Simulator, robot: aioduco.Robot) -> None:
+    async with robot.twin(LIMITS, action="stop"), anyio.create_task_group() as tasks:
+        tasks.start_soon(push_when_it_moves, sim, robot)
+        with pytest.raises(TaskStopped):
+            await robot.motion.movej2(THERE, v=0.02, a=1.0)
+
+
+async def push_when_it_moves(sim: Simulator, robot: aioduco.Robot) -> None:
+    await robot.wait_for(lambda s: abs(s.status.joint_speeds).max() > 0.01)
+    sim.push([0.0, 20.0, 0.0, 0.0, 0.0, 0.0])
+
+
+async def test_it_reports_only_otherwise(sim: Simulator, robot: aioduco.Robot) -> None:
+    async with robot.twin(LIMITS) as twin:
+        sim.push([0.0, 20.0, 0.0, 0.0, 0.0, 0.0])
+        await eventually_async(lambda: len(twin.divergences) > 0)
+        sim.push([0.0] * 6)
+        await robot.motion.movej2([*READY[:5], 0.2], v=1.0, a=2.0)
+
+
+async def test_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
+    async with robot.twin(LIMITS) as twin:
+        assert twin._linked is not None
+        twin._linked.popen.kill()
+        await eventually_async(lambda: twin.over)
+        assert "process has ended" in str(twin.error)
+        await robot.state.get_robot_state()
+
+
+async def test_closing_the_robot_ends_it(sim: Simulator) -> None:
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        twin = await robot.twin(LIMITS).start()
+    assert twin.over
+    assert twin.error is None
+
+
+async def test_it_is_started_once(robot: aioduco.Robot) -> None:
+    async with robot.twin(LIMITS) as twin:
+        with pytest.raises(RobotStateError, match="once"):
+            await twin.start()
+
+
+async def test_what_makes_no_sense_is_refused(robot: aioduco.Robot) -> None:
+    with pytest.raises(ParameterError, match="report"):
+        robot.twin(action="power_off")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="TwinLimits"):
+        robot.twin("limits.json")  # type: ignore[arg-type]
+    another = dataclasses.replace(LIMITS, arm="gcr20_1100")
+    with pytest.raises(ParameterError, match="gcr5_910"):
+        await robot.twin(another).start()
+
+
+def test_programs_that_wait_have_it_too() -> None:
+    with Simulator(joints=READY) as sim:
+        options: dict[str, Any] = {"heartbeat": None, "lag_limit": None, "state_rate": 125.0}
+        with aioduco.sync.connect(sim.host, sim.port, **options) as robot:
+            robot.bring_up()
+            with robot.twin(LIMITS) as twin, robot.events.subscribe() as events:
+                sim.load(0.5)
+                found = next(each for each in events if isinstance(each, TwinDiverged))
+            assert found.cause == "payload"
+            assert twin.over
+
+
+@pytest.mark.slow
+async def test_a_recording_is_learned_from_and_judged(
+    sim: Simulator, robot: aioduco.Robot, tmp_path: Path
+) -> None:
+    async def work() -> None:
+        for q in (THERE, READY, [-0.4, -0.2, 1.7, -0.3, -1.2, -0.5], READY):
+            await robot.motion.movej2(q, v=0.6, a=2.0)
+
+    good, bad, file = tmp_path / "good.mcap", tmp_path / "bad.mcap", tmp_path / "limits.json"
+    async with robot.record(good):
+        await work()
+        await work()
+    sim.load(0.5, (0.0, 0.0, 0.05))
+    async with robot.record(bad):
+        await work()
+    limits = learn(good)
+    assert limits.arm == "gcr5_910"
+    assert limits.mass < 0.2
+    bodily = (Quantity.TORQUE, Quantity.GEOMETRY)  # times are those of a busy computer
+    assert [each for each in judge(good, limits) if each.quantity in bodily] == []
+    found = [each for each in judge(bad, limits) if each.quantity in bodily]
+    assert found[0].cause is Cause.PAYLOAD
+    told = CliRunner().invoke(app, ["twin", "--learn", str(good), "--limits", str(file)])
+    assert told.exit_code == 0, told.output
+    assert TwinLimits.load(file) == limits
+    told = CliRunner().invoke(app, ["twin", "--judge", str(bad), "--limits", str(file), "--json"])
+    assert told.exit_code == 6, told.output
+    causes = {json.loads(line)["cause"] for line in told.output.splitlines()}
+    assert "payload" in causes
