@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from aioduco._wire.rpc import Op
+from aioduco.kinematics import arm
 from aioduco.models.enums import TaskState
 from aioduco.sim.scene import Rod
 from aioduco.sim.simulator import Simulator
@@ -60,6 +62,36 @@ def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:
 
 
 @pytest.mark.slow
+def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> None:
+    dry = [6.0, 6.0, 6.0, 1.0, 1.0, 1.0]
+    sim.friction(dry)
+    op = Op()
+    goal = [0.5, 0.2, 1.2, 0.3, -1.2, 0.4]
+    robot.movej2(goal, 0.5, 2.0, 0.0, False, op, False)
+    sim.wait_until(lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
+    speeds = robot.get_actual_joints_speed()
+    felt = [-torque if speed > 0.0 else torque for torque, speed in zip(
+        robot.get_ext_torque(), speeds, strict=True)]  # fmt: skip
+    assert felt == pytest.approx(dry, rel=0.2)
+    sim.friction([0.0] * 6)
+    sim.wait_until(lambda: not sim.moving)
+    robot.movej2([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0], 0.5, 2.0, 0.0, False, op, False)
+    sim.wait_until(lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
+    assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.2)
+
+
+@pytest.mark.parametrize("wrong", [[1.0] * 5, [1.0] * 5 + [-1.0], [math.nan] * 6])
+def test_friction_is_six_numbers(sim: Simulator, wrong: list[float]) -> None:
+    with pytest.raises(ValueError, match="the friction is as before"):
+        sim.friction(wrong)
+
+
+def test_an_arm_may_have_lengths_of_its_own() -> None:
+    with Simulator(arm("gcr5_910", a2=0.5)) as longer:
+        assert longer.arm.geometry.a2 == 0.5
+        assert longer.arm.name == "gcr5_910"
+
+
 def test_a_tool_is_carried_as_heavy_as_it_is_told_to_be(sim: Simulator, robot: Program) -> None:
     settle(sim)
     before = robot.get_actual_joints_torque()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -25,7 +27,6 @@ from .arms import ARM, READY
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from pathlib import Path
 
 THERE = Joints(0.5, 0.2, 1.3, 0.1, -1.4, 0.3)
 #: narrow enough for half a kilogram; times and tracking are those of a busy computer
@@ -134,6 +135,20 @@ def test_programs_that_wait_have_it_too() -> None:
                 found = next(each for each in events if isinstance(each, TwinDiverged))
             assert found.cause == "payload"
             assert twin.over
+
+
+async def test_the_example_runs(
+    sim: Simulator, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = Path(__file__).parents[3] / "examples" / "twin_beside_arm.py"
+    spec = importlib.util.spec_from_file_location("twin_beside_arm", path)
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    LIMITS.save(tmp_path / "limits.json")
+    await example.main(sim.host, str(tmp_path / "limits.json"), sim.port)
+    assert "divergences=0" in capsys.readouterr().out
 
 
 @pytest.mark.slow
