@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
+import runpy
+import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import MagicMock
 from xml.etree import ElementTree
 
 import pytest
@@ -17,6 +22,7 @@ from aioduco.integrations.ros.ros1.definitions import MESSAGES, SERVICES
 
 ROOT = Path(__file__).parents[3]
 PACKAGES = ROOT / "integrations" / "ros2"
+CHOSEN = {"host": "127.0.0.1", "port": "7003", "model": "gcr5_910"}
 SHELL = Path(aioduco.__file__).parent / "integrations" / "ros" / "ros2"
 #: messages that the driver has in ROS 2 alone
 NEW = {"SetSpeed"}
@@ -78,3 +84,36 @@ def test_each_package_has_its_name(package: str) -> None:
     root = ElementTree.parse(PACKAGES / package / "package.xml").getroot()
     assert root.findtext("name") == package
     assert root.findtext("license") == "Apache-2.0"
+
+
+@pytest.mark.parametrize(
+    ("installed", "plugin"),
+    [
+        (set(), "joint_state_topic_hardware_interface/JointStateTopicSystem"),
+        ({"topic_based_ros2_control"}, "topic_based_ros2_control/TopicBasedSystem"),
+        (
+            {"topic_based_ros2_control", "joint_state_topic_hardware_interface"},
+            "joint_state_topic_hardware_interface/JointStateTopicSystem",
+        ),
+    ],
+)
+def test_ros2_control_has_the_plugin_that_is_installed(
+    installed: set[str], plugin: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("launch", "launch_ros", "ament_index_python"):
+        for part in ("", ".actions", ".packages", ".substitutions"):
+            monkeypatch.setitem(sys.modules, name + part, MagicMock())
+    code = runpy.run_path(str(PACKAGES / "aioduco_driver" / "launch" / "ros2_control.launch.py"))
+    monkeypatch.setitem(code["start"].__globals__, "installed", installed.__contains__)
+    nodes: list[dict[str, Any]] = []
+    monkeypatch.setitem(code["start"].__globals__, "Node", lambda **given: nodes.append(given))
+    argument = MagicMock(side_effect=lambda name: SimpleNamespace(perform=lambda _: CHOSEN[name]))
+    monkeypatch.setitem(code["start"].__globals__, "LaunchConfiguration", argument)
+    code["start"](None)
+    described = {
+        each["robot_description"]
+        for node in nodes
+        for each in node.get("parameters", [])
+        if isinstance(each, dict) and "robot_description" in each
+    }
+    assert [ElementTree.fromstring(text).findtext(".//plugin") for text in described] == [plugin]
