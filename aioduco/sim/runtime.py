@@ -157,8 +157,7 @@ class SimulationRuntime:
         self._temperatures = self._warmth.joints, self._warmth.boards
         self._warm_at = 0.0
         self._touched = plant.touched
-        self._count = 0
-        self._quiet = 0
+        self._count = self._quiet = 0
         #: while simulated time is locked, the cycle up to which it may run
         self._limit: int | None = None
         self._stands = threading.Event()
