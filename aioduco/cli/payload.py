@@ -149,8 +149,8 @@ def _file(path: Path) -> WaypointFile:
 
 def _arm(robot: Robot) -> Arm:
     """The arm that the controller reports."""
+    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
     from aioduco.recording.playback.player import arm_named as told  # noqa: PLC0415
-    from aioduco.recording.playback.player import model_named  # noqa: PLC0415
 
     found = model_named(told(robot.version.get_robot_type()))
     if found is None:

@@ -162,4 +162,4 @@ class _Shown:
                 print_json(dataclasses.asdict(event))
             else:
                 say(event.line())
-        return self._made.running
+        return bool(self._made.running)

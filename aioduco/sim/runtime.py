@@ -65,7 +65,7 @@ _SETTLING = 0.3
 
 
 _NO_PUSH: tuple[float, ...] = (0.0,) * 6
-_NO_FRICTION = (_NO_PUSH, _NO_PUSH)
+_NO_FRICTION: tuple[Sequence[float], Sequence[float]] = (_NO_PUSH, _NO_PUSH)
 #: more cycles than any idle time contains
 _MANY = 1_000_000
 _NO_EFFORT_LIMIT: tuple[float, ...] = (math.inf,) * 6
@@ -170,8 +170,7 @@ class SimulationRuntime:
         self._plant_dirty: bool = False
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
-        self._friction: tuple[Sequence[float], Sequence[float]] = _NO_FRICTION
-        self._rubbed: tuple[Sequence[float], Sequence[float]] = _NO_FRICTION
+        self._friction = self._rubbed = _NO_FRICTION
         self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
         self._loaded: tuple[float, Sequence[float]] = self._load
         self._carry: tuple[float, Sequence[float]] | None = None

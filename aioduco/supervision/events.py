@@ -246,6 +246,11 @@ class TwinDiverged(Event):
     estimate: dict[str, float]
     action: str
 
+    @property
+    def severity(self) -> Severity:
+        """A warning: what it found may be harmless, and stops the arm only on request."""
+        return "warning"
+
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatChanged(Event):

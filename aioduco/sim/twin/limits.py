@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import ParameterError
+from aioduco.sim.twin.data import TwinCommand
 from aioduco.sim.twin.patterns import Friction, PatternFit
 from aioduco.sim.twin.predictor import Predictor
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
-    from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
+    from aioduco.sim.twin.data import Six, TwinSample
     from aioduco.sim.twin.predictor import Deviation
 
     Vector = NDArray[np.float64]
@@ -134,7 +135,7 @@ class TwinLimits:
         try:
             found: Any = json.loads(Path(path).read_text(encoding="utf-8"))
             names = {each.name for each in fields(cls)}
-            values = {
+            values: dict[str, Any] = {
                 name: tuple(value) if isinstance(value, list) else value
                 for name, value in found.items()
             }
@@ -159,7 +160,7 @@ def deviations(
     predictor = Predictor(arm, tool, mounting)
     found = []
     for item in items:
-        if hasattr(item, "function"):
+        if isinstance(item, TwinCommand):
             predictor.command(item)
         else:
             found.append(predictor.deviation(item))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from aioduco._wire.rpc import Op
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
@@ -106,7 +108,7 @@ def _arm(run: RecordedRun, name: str | None) -> Arm:
 
 def items(run: RecordedRun) -> Sequence[TwinSample | TwinCommand]:
     """The samples and commands of a recording, in the order in which a twin takes them."""
-    found = [*_samples(run), *_commands(run)]
+    found: list[TwinSample | TwinCommand] = [*_samples(run), *_commands(run)]
     found.sort(key=lambda item: item.time - (AHEAD if isinstance(item, TwinCommand) else 0.0))
     return found
 
@@ -182,4 +184,7 @@ def _speeds(message: RecordedMessage) -> Six:
 
 def _pose(transform: dict[str, Any]) -> Six:
     x, y, z, w = transform["rotation"]
-    return (*transform["translation"], *rpy_from_matrix(matrix_from_quaternion([w, x, y, z])))
+    return (
+        *transform["translation"],
+        *rpy_from_matrix(matrix_from_quaternion(np.array([w, x, y, z]))),
+    )

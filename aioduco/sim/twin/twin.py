@@ -165,15 +165,14 @@ class Twin(Uncopied):
         self._limits = begin.limits
         thread = DaemonThread("aioduco-twin-start")
         try:
-            self._linked, cancelled = await thread.run(lambda: _process(begin))
+            link, cancelled = await thread.run(lambda: _process(begin))
         finally:
             thread.end()
-        self._started, self._started_at = True, time.monotonic()
+        self._linked, self._started, self._started_at = link, True, time.monotonic()
         if cancelled is not None:
             await self.stop()
             raise cancelled
         ring = loop_callback(self._take)
-        link = self._linked
         for name, work in (
             ("send", lambda: _send(link, self._queue)),
             ("receive", lambda: _receive(link, self._received, ring)),
