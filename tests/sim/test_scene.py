@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from aioduco.errors import ParameterError, SceneError
-from aioduco.kinematics import arm
+from aioduco.kinematics import arm, gravity
 from aioduco.models.pose import Pose
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
@@ -22,7 +22,6 @@ from aioduco.sim.scene import (
     Sphere,
     Table,
     Thing,
-    gravity,
     mjcf_of,
     mounting_of,
 )
