@@ -713,7 +713,7 @@ class CameraError(DucoError, OSError):
 
 
 class CalibrationError(DucoError, ValueError):
-    """Measurements do not determine a camera's pose, a tool or a load. The message says why."""
+    """Measurements do not determine a camera's pose, a tool, a load or an arm. It says why."""
 
 
 class RecordingError(DucoError):

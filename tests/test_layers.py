@@ -83,6 +83,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "__init__": CLIENT | {"robot", "_process.frozen", "recording", "planning.cell"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
+    # estimates what a simulator plays from recordings of an arm
+    "sim.calibration": BASE | {"models", "kinematics", "sim", "recording"},
     "testing": BASE | {"models", "_wire", "sim", "kinematics", "recording"},
     # what follows uses the package as a program does
     "compat": BASE | {"_wire"},
@@ -123,7 +125,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "cli": CLIENT
     | {"robot", "__init__", "sim", "sim.twin", "sync", "recording", "descriptions", "planning"}
     | {"planning.cell", "devices.grippers", "devices.teleoperation"}
-    | {"recording.playback", "recording.tap", "testing", "testing.preflight"}
+    | {"recording.playback", "recording.tap", "testing", "testing.preflight", "sim.calibration"}
     | {"integrations", "integrations.fleet", "integrations.panel"},
 }
 
@@ -172,11 +174,11 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     },
     "assembly": {
         *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
-        *("runtime", "forgiving"),
+        *("runtime", "forgiving", "profile"),
     },
     "simulator": {
         *("assembly", "cabinet", "controller", "physics", "server", "view"),
-        *("runtime", "clock", "scene", "process", "forgiving", "part_faults"),
+        *("runtime", "clock", "scene", "process", "forgiving", "part_faults", "profile"),
     },
     "part_faults": {"assembly", "physics"},
     # the controller without threads and physics
@@ -190,10 +192,12 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         "runtime",
         "snapshot",
     },
+    "profile": set(),
+    "calibration": {"profile"},
     "console": {"simulator"},
     "spawned": {"simulator"},
     "__main__": {"spawned"},
-    "__init__": {"simulator", "process"},
+    "__init__": {"simulator", "process", "profile"},
 }
 
 #: by folder of the streams: what of the package it may import, each with all that is under it.
@@ -234,7 +238,10 @@ ONLY_IN: dict[str, set[str]] = {
     },
     # OMPL's bindings complain when an interpreter ends: it is loaded in the planner's process alone
     "ompl": {"planning/search.py"},
-    "scipy": {"planning/curve.py", "planning/time_law.py", "planning/timing.py"},
+    "scipy": {
+        *("planning/curve.py", "planning/time_law.py", "planning/timing.py"),
+        "sim/calibration",
+    },
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
@@ -285,6 +292,9 @@ PURE = {
         f"sim/twin/{name}.py"
         for name in ("data", "monitor", "patterns", "predictor", "rehearsal", "timeline")
     ),
+    *("sim/physics/temperature.py", "sim/physics/drives.py"),
+    *(f"sim/calibration/{name}.py" for name in ("geometry", "drives", "times", "torques")),
+    "sim/calibration/heartbeat.py",
     "envelope",
     "integrations/ros/trajectory_goals.py",
     "integrations/ros/goal_queue.py",

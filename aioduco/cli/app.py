@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 import aioduco
+from aioduco.cli.calibrate import calibrate
 from aioduco.cli.call import call
 from aioduco.cli.check import check
 from aioduco.cli.completion import completion
@@ -89,6 +90,7 @@ app.command(rich_help_panel=_CONNECT)(tap)
 app.command(rich_help_panel=_CONNECT)(export)
 app.command(rich_help_panel=_PREPARE)(doctor)
 app.command(rich_help_panel=_PREPARE)(check)
+app.command(rich_help_panel=_PREPARE)(calibrate)
 app.add_typer(tool, name="tool", rich_help_panel=_PREPARE)
 app.command(rich_help_panel=_PREPARE)(payload)
 app.command(rich_help_panel=_PREPARE)(completion)

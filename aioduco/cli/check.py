@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,6 +34,24 @@ def check(
     move: Annotated[
         bool, typer.Option("--move", help="Also run the checks that move the arm. Asks first.")
     ] = False,
+    motions: Annotated[
+        Path | None,
+        typer.Option(
+            "--motions",
+            help="Instead, move the arm for some minutes, and record what `aioduco calibrate` "
+            "needs. Asks first.",
+        ),
+    ] = None,
+    reach: Annotated[
+        float,
+        typer.Option(
+            min=0.1, max=1.5, help="With --motions: how far a joint turns from where it is [rad]."
+        ),
+    ] = 0.5,
+    power: Annotated[
+        bool,
+        typer.Option(help="With --motions: also disable, enable, power off and on, five times."),
+    ] = True,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the arm moves.")] = False,
     output: Annotated[
         Path | None,
@@ -62,10 +81,16 @@ def check(
 
     aioduco check 192.168.1.10 --move -o report.md
 
+    With --motions: record the arm while it moves, for `aioduco calibrate`; nothing is compared.
+
+    aioduco check 192.168.1.10 --motions run.mcap
+
     aioduco check points.toml --model gcr10_1300
     """
     if target.endswith(".toml") or Path(target).is_file():
         _points(Path(target), model, start, tool, wobj)
+    elif motions is not None:
+        _motions(robot_at(target, port), motions, reach, power=power, yes=yes)
     else:
         _controller(robot_at(target, port, cell), move=move, yes=yes, output=output)
 
@@ -96,6 +121,33 @@ def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | 
         say(f"written to {output}")
     if not report.ok:
         raise typer.Exit(1)
+
+
+def _motions(address: RobotAddress, path: Path, reach: float, *, power: bool, yes: bool) -> None:
+    import anyio  # noqa: PLC0415 - for this option alone
+
+    from aioduco.cli import extras  # noqa: PLC0415
+    from aioduco.cli.measuring import Extent, measure  # noqa: PLC0415
+
+    extras.need("record")
+    extent = Extent(reach=reach, changes=5 if power else 0)
+    brakes = (
+        "" if not power else " Then its brakes close and its power goes off and on, five times."
+    )
+    what = (
+        f"For some {extent.minutes:.0f} minutes the arm at {address} will move around where it is: "
+        f"every joint turns by up to {math.degrees(reach):.0f} degrees either way, those of the "
+        f"wrist by up to {math.degrees(1.5 * reach):.0f}.{brakes} It must be enabled, its elbow "
+        f"bent, and with nothing within that space.\n{SAFE}"
+    )
+    ask(what, "Move it?", yes=yes)
+    with ended_by_errors("interrupted: the arm was stopped"):
+        anyio.run(
+            measure,
+            *(address.host, address.port, path, extent),
+            lambda text: say(f"... {text}", error=True),
+        )
+    say(f"recorded to {path}; `aioduco calibrate {path}` makes a profile of it")
 
 
 def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: str | None) -> None:

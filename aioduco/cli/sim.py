@@ -30,7 +30,15 @@ ENDS = (signal.SIGINT, signal.SIGTERM)
 
 
 def sim(
-    model: Annotated[str, typer.Option(help="The arm to simulate.")] = "gcr5_910",
+    model: Annotated[
+        str | None, typer.Option(help="The arm to simulate. Default: the profile's, or gcr5_910.")
+    ] = None,
+    profile: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True, dir_okay=False, help="Profile of one arm, from `aioduco calibrate`."
+        ),
+    ] = None,
     generation: Annotated[
         str,
         typer.Option(
@@ -105,7 +113,10 @@ def sim(
 ) -> None:
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
     extras.need("sim", *(("plot",) if render else ()))
-    extras.arm(model)
+    if model is None and profile is None:
+        model = "gcr5_910"
+    if model is not None:
+        extras.arm(model)
     parts = simulated_parts(
         cell,
         robot,
@@ -129,6 +140,7 @@ def sim(
             simulator = Simulator(
                 generation=cast("Generation", generation),
                 **parts,
+                profile=profile,
                 host=host,
                 port=port,
                 status_port=status_port,
@@ -168,7 +180,7 @@ def sim(
             if simulator.force_port is not None:
                 where += f", forces from UDP {simulator.force_port}"
             where += f", commands on {lines.port}"
-            say(f"simulated {parts['model']} on {where}; Ctrl-C ends it")
+            say(f"simulated {simulator.arm.name} on {where}; Ctrl-C ends it")
             watch.until(heard)
 
 

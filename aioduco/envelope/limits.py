@@ -377,7 +377,7 @@ class Envelope:
             rows.append(row)
         x, y, z, *angles = map(float, tool)
         return {
-            "geometry": list(self.arm.geometry),
+            "geometry": list(self.arm.geometry.lengths),
             "lower": list(self.arm.lower),
             "upper": list(self.arm.upper),
             "tool": [*_rotation(*angles), x, y, z],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from aioduco.kinematics.arm import POSITION_LIMIT, Arm, Singularity
 from aioduco.kinematics.catalogue import arm, models
 from aioduco.kinematics.checking import Finding, PointReport, Problem, check
-from aioduco.kinematics.geometry import Geometry
+from aioduco.kinematics.geometry import DhCorrections, Geometry
 from aioduco.kinematics.mounting import gravity
 from aioduco.kinematics.payload import (
     MeasuredLoad,
@@ -22,6 +22,7 @@ from aioduco.kinematics.tool_tip import (
 __all__ = [
     "POSITION_LIMIT",
     "Arm",
+    "DhCorrections",
     "Finding",
     "Geometry",
     "MeasuredLoad",

@@ -68,7 +68,7 @@ class Body(NamedTuple):
 def bodies(arm: Arm) -> tuple[Body, ...]:
     """Return the base and the six links of an arm."""
     g = arm.geometry
-    along = (0.0, 0.0, g.a2, g.a3, 0.0, 0.0)  # a_{i-1}
+    along = (0.0, *g.a[:5])  # a_{i-1}
     twists = (0.0, *g.alpha[:5])  # alpha_{i-1}
     positions, rotations = [np.zeros(3)], [np.eye(3)]
     for i in range(6):

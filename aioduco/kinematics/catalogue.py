@@ -11,7 +11,7 @@ from typing import Any
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
-from aioduco.kinematics.geometry import Geometry
+from aioduco.kinematics.geometry import LENGTHS, Geometry
 
 __all__ = ["arm", "model_named", "models", "same_arm"]
 
@@ -32,7 +32,7 @@ def _model(name: str) -> Arm:
     data = _data()[name]
     return Arm(
         name=name,
-        geometry=Geometry(**{length: data[length] for length in Geometry._fields}),
+        geometry=Geometry(**{length: data[length] for length in LENGTHS}),
         velocity=tuple(data["velocity"]),
         effort=tuple(data["effort"]),
         acceleration=tuple(data["acceleration"]),
@@ -71,7 +71,7 @@ def arm(model: str, **lengths: float) -> Arm:
     if name not in _data():
         raise ParameterError("model", model, f"one of {', '.join(models())}")
     for length in lengths:
-        if length not in Geometry._fields:
-            raise ParameterError("length", length, f"one of {', '.join(Geometry._fields)}")
+        if length not in LENGTHS:
+            raise ParameterError("length", length, f"one of {', '.join(LENGTHS)}")
     base = _model(name)
     return replace(base, geometry=base.geometry._replace(**lengths)) if lengths else base

@@ -29,9 +29,11 @@ def _table(geometry: Geometry) -> tuple[Array, ...]:
         np.array(column, dtype=np.float64)
         for column in (geometry.theta, geometry.alpha, geometry.a, geometry.d)
     )
-    # All twists are 0 or ±π/2; rounding makes the cosines and sines exact.
-    ca: Array = np.cos(twist).round()
-    sa: Array = np.sin(twist).round()
+    ca: Array = np.cos(twist)
+    sa: Array = np.sin(twist)
+    if geometry.corrections is None:
+        # All twists are 0 or ±π/2; rounding makes the cosines and sines exact.
+        ca, sa = ca.round(), sa.round()
     table = theta, ca, sa, a, d
     for column in table:
         column.flags.writeable = False

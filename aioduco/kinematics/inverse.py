@@ -64,6 +64,10 @@ ROUNDING = 1e-13
 """Change of the flange's orientation by which such a turn is undone [rad]."""
 
 
+_CORRECTING = 5  # steps that improve a solution of the lengths of an arm with corrections
+_REACHED = 1e-9  # error of the flange's pose below which such a solution is one [m, rad]
+
+
 def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> Array:
     """Return all solutions for poses of the flange.
 
@@ -76,7 +80,11 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     Returns:
         Joint angles [rad], not wrapped, NaN where a branch has no solution. Shape (..., 8, 6).
     """
-    g = geometry
+    solve = _of_lengths if geometry.corrections is None else _corrected
+    return solve(geometry, flange, q6)
+
+
+def _of_lengths(g: Geometry, flange: Array, q6: Array | float) -> Array:
     rotation, point = flange[..., :3, :3], flange[..., :3, 3]
     wrist = point - g.d6 * rotation[..., :, 2]
     out = np.empty((*flange.shape[:-2], 2, 2, 2, 6))
@@ -145,6 +153,18 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     out = out.reshape((*flange.shape[:-2], BRANCHES, 6))
     out[np.isnan(out).any(axis=-1)] = np.nan
     return out
+
+
+def _corrected(geometry: Geometry, flange: Array, q6: Array | float) -> Array:
+    """Return all solutions for an arm with corrections: those of its lengths, improved."""
+    offsets = np.array(geometry.corrections.theta if geometry.corrections else (0.0,) * 6)
+    near = _of_lengths(geometry, flange, q6 + offsets[5]) - offsets
+    goal = flange[..., None, :, :]
+    found = refine(geometry, near, goal, rounds=_CORRECTING)
+    with np.errstate(invalid="ignore"):
+        reached = np.abs(residual(geometry, found, goal)).max(axis=-1) < _REACHED
+    found[~reached] = np.nan
+    return found
 
 
 def _into_reach(g: Geometry, u: Array, w: Array, q234: Array, sine: Array) -> Array:

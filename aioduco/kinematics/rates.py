@@ -24,7 +24,7 @@ class ArmRates:
     """The flange of an arm, and how its speed and the joints' speeds depend on each other.
 
     Args:
-        geometry: the arm's lengths [m].
+        geometry: the arm's lengths [m]; corrections do not count here.
         q: joint angles [rad]. Six.
 
     Attributes:
@@ -35,7 +35,7 @@ class ArmRates:
     __slots__ = ("_geometry", "_plane", "_turns", "position", "rotation")
 
     def __init__(self, geometry: Geometry, q: Sequence[float]) -> None:
-        d1, d2, a2, a3, d5, d6 = geometry
+        d1, d2, a2, a3, d5, d6 = geometry.lengths
         q1, q2, q3, q4, q5, q6 = q
         sin, cos = math.sin, math.cos
         c1, s1, c2, s2 = cos(q1), sin(q1), cos(q2), sin(q2)

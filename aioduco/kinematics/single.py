@@ -8,7 +8,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.kinematics.inverse import EDGE, NEAR_WRIST, REACH, ROUNDING, WRIST
+import numpy as np
+
+from aioduco.kinematics.forward import fkine
+from aioduco.kinematics.inverse import EDGE, NEAR_WRIST, REACH, ROUNDING, WRIST, closed_form
 from aioduco.models.bounds import least, most
 
 if TYPE_CHECKING:
@@ -39,8 +42,11 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
     Returns:
         Joint angles [rad], not wrapped, ordered by shoulder, elbow and wrist; up to eight.
     """
+    if geometry.corrections is not None:
+        found = closed_form(geometry, np.array(flange), q6)
+        return [tuple(q) for q in found[~np.isnan(found).any(axis=-1)].tolist()]
     (r00, r01, r02, x), (r10, r11, r12, y), (r20, r21, r22, z) = flange[:3]
-    d1, d2, a2, a3, d5, d6 = geometry
+    d1, d2, a2, a3, d5, d6 = geometry.lengths
     # The wrist's centre, d6 behind the flange.
     x, y, z = x - d6 * r02, y - d6 * r12, z - d6 * r22 - d1
     away = math.hypot(x, y)
@@ -48,7 +54,7 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
         return []
     turn = math.asin(_clip(d2 / away))
     toward = math.atan2(y, x)
-    found: list[Configuration] = []
+    solved: list[Configuration] = []
     for q1 in (toward - turn, toward - math.pi + turn):
         c1, s1 = math.cos(q1), math.sin(q1)
         # Components of the flange's axes along the normal of the arm's plane, and along the
@@ -92,8 +98,8 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
                     (q1, up, -bend, q234 - up + bend, q5, q),
                 )
             )
-        found += [pair[elbow] for elbow in (0, 1) for pair in wrists if pair is not None]
-    return found
+        solved += [pair[elbow] for elbow in (0, 1) for pair in wrists if pair is not None]
+    return solved
 
 
 def _clip(ratio: float) -> float:
@@ -125,8 +131,10 @@ def pose_error(geometry: Geometry, q: Configuration, flange: Rows) -> float:
     Returns:
         The largest difference of an element of the two matrices.
     """
+    if geometry.corrections is not None:
+        return float(np.abs(fkine(geometry, np.array(q)) - np.array(flange)).max())
     q1, q2, q3, q4, q5, q6 = q
-    d1, d2, a2, a3, d5, d6 = geometry
+    d1, d2, a2, a3, d5, d6 = geometry.lengths
     q23 = q2 + q3
     q234 = q23 + q4
     c1, s1, c, s = math.cos(q1), math.sin(q1), math.cos(q234), math.sin(q234)

@@ -9,11 +9,17 @@ from aioduco.errors import MissingExtra
 
 if TYPE_CHECKING:
     from aioduco.sim.process import SimulatorProcess
+    from aioduco.sim.profile import ArmProfile, Estimate
     from aioduco.sim.simulator import Simulator
 
-__all__ = ["Simulator", "SimulatorProcess"]
+__all__ = ["ArmProfile", "Estimate", "Simulator", "SimulatorProcess"]
 
-_HOMES = {"Simulator": "aioduco.sim.simulator", "SimulatorProcess": "aioduco.sim.process"}
+_HOMES = {
+    "ArmProfile": "aioduco.sim.profile",
+    "Estimate": "aioduco.sim.profile",
+    "Simulator": "aioduco.sim.simulator",
+    "SimulatorProcess": "aioduco.sim.process",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
 from aioduco.sim.handlers.generations import NewerHandlers, OlderHandlers
 from aioduco.sim.handlers.single_precision import in_single_precision
+from aioduco.sim.physics.drives import TrailingDrives
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.signal_rules import SignalRules
     from aioduco.sim.forgiving import Forgiving
     from aioduco.sim.physics.gripper import Hand
+    from aioduco.sim.profile import ArmProfile
 
 __all__ = ["SimulatorAssembly", "SimulatorSettings"]
 
@@ -85,6 +88,7 @@ class SimulatorSettings:
     external_axes: SimulatedExternalAxes
     rules: SignalRules
     forgiving: Forgiving
+    profile: ArmProfile | None
 
 
 class SimulatorAssembly:
@@ -121,6 +125,7 @@ class SimulatorAssembly:
             mounting=settings.mounting,
             pedestal=settings.pedestal,
             gripper=settings.gripper,
+            **_drives(settings),
         )
         self.controller: Controller = _controller(settings)
         self.runtime: SimulationRuntime = SimulationRuntime(
@@ -130,8 +135,12 @@ class SimulatorAssembly:
             effort=arm.effort,
             speed=speed,
             sense=SensorNoise(settings.seed) if settings.real_readings else lambda wrench: wrench,
+            encode=_encoders(settings),
             on_network=on_network,
         )
+        if (profile := settings.profile) is not None and profile.has("load"):
+            mass, *centre = (profile.value("load", name, 0.0) for name in ("mass", *"xyz"))
+            self.runtime.load(mass, centre)
         settings.rules.devices.clear()
         if self.world.hand is not None:
             self._connect_gripper(self.world.hand, settings)
@@ -201,6 +210,35 @@ class SimulatorAssembly:
             self.pictures.close()
 
 
+def _drives(settings: SimulatorSettings) -> dict[str, Any]:
+    """Lag and friction of the drives, if the profile has them."""
+    profile = settings.profile
+    found: dict[str, Any] = {}
+    if profile is not None and profile.has("drives"):
+        lag = profile.six("drives", "lag", 0.0)
+        fastest = tuple(1.0 / each if each else math.inf for each in lag)
+        gain = tuple(
+            profile.value("drives", f"gain{i + 1}", each) for i, each in enumerate(fastest)
+        )
+        found["drives"] = TrailingDrives(lag, gain, settings.cycle)
+    if profile is not None and profile.has("friction"):
+        found["friction"] = (
+            profile.six("friction", "coulomb", 0.0),
+            profile.six("friction", "viscous", 0.0),
+        )
+    return found
+
+
+def _encoders(settings: SimulatorSettings) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Noise of the measured joints, if the profile has it."""
+    profile = settings.profile
+    if profile is None or not profile.has("noise"):
+        return lambda joints: joints
+    size = np.array(profile.six("noise", "joint", 0.0))
+    random = np.random.default_rng(settings.seed)
+    return lambda joints: joints + size * random.standard_normal(6)
+
+
 def _controller(settings: SimulatorSettings) -> Controller:
     arm, cycle = settings.arm, settings.cycle
 
@@ -214,6 +252,10 @@ def _controller(settings: SimulatorSettings) -> Controller:
     controller = Controller(mover, settings.joints, force)
     controller.program_lag = settings.program_lag
     controller.heartbeat.slack = settings.heartbeat_slack
+    if settings.profile is not None:
+        controller.power_times.update(
+            {name: found.value for name, found in settings.profile.values.get("times", {}).items()}
+        )
     controller.rules = settings.rules
     controller.external_axes = settings.external_axes
     controller.collisions = CollisionDetector(np.array(arm.effort))
@@ -236,6 +278,7 @@ def _handlers(
         settings.forgiving,
         settings.mounting,
         tuple(settings.joints.tolist()),
+        0.0 if settings.profile is None else settings.profile.value("readings", "period", 0.0),
     )
     kind = _HANDLERS.get(settings.generation, OlderHandlers)
     return (in_single_precision(kind) if settings.real_readings else kind)(context)

@@ -106,6 +106,7 @@ class SimulationRuntime:
         effort: largest torques of the joints, for their temperatures [N m].
         speed: simulated seconds per real second; inf for as fast as possible.
         sense: gives the force sensor's signal for the force and torque on it [N, N m].
+        encode: gives the measured joints for those of the arm [rad].
         on_network: called on the thread when the controller's network goes down (False: the
             controller restarts, None: it was shut down) and when it comes back (True).
     """
@@ -119,6 +120,7 @@ class SimulationRuntime:
         effort: Sequence[float] = _NO_EFFORT_LIMIT,
         speed: float = 1.0,
         sense: Callable[[Vector], Vector] = lambda wrench: wrench,
+        encode: Callable[[Vector], Vector] = lambda joints: joints,
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
@@ -128,6 +130,7 @@ class SimulationRuntime:
         self._speed = speed
         self._times = LoopTimes()
         self._sense = sense
+        self._encode = encode
         self._on_network = on_network
         self._lock = threading.Lock()
         self.planning: PlanningThreads = PlanningThreads(
@@ -650,7 +653,9 @@ class SimulationRuntime:
             at = self._count * self.cycle
             if at - self._warm_at >= _WARMING:
                 self._warm(at, reading.torque)
-            sensed = SensedState(at, now, reading.q, reading.qd, wrench, external, self._touched)
+            sensed = SensedState(
+                at, now, self._encode(reading.q), reading.qd, wrench, external, self._touched
+            )
             simulated = controller.simulated
             self._change = object()
             self._drive = controller.tick(sensed)

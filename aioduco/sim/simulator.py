@@ -29,6 +29,7 @@ from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.part_faults import PartFaults
 from aioduco.sim.physics.parts import pose_of
 from aioduco.sim.physics.world import camera_of
+from aioduco.sim.profile import ArmProfile
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS
@@ -36,6 +37,7 @@ from aioduco.sim.view.camera import Camera, PictureMark, towards
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from os import PathLike
     from pathlib import Path
     from types import TracebackType
     from typing import Self
@@ -81,7 +83,11 @@ class Simulator(PartFaults, Uncopied):
 
     Args:
         model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them. Or an
-            `aioduco.kinematics.Arm`, such as one with lengths of your own.
+            `aioduco.kinematics.Arm`, such as one with lengths of your own. None for that of the
+            profile, or a GCR5-910.
+        profile: what is known of one arm, as `aioduco calibrate` writes it: an `ArmProfile`, or its
+            file. Geometry, drives, times, noise and readings are then those of that arm; arguments
+            that say the same go before it.
         generation: the controller that it plays: by its manual "3.8" or "4.3", or "older", "oldest"
             or "first", three before them. That of 3.8 also takes the calls of older clients; each
             of the others knows its own wire alone.
@@ -126,7 +132,8 @@ class Simulator(PartFaults, Uncopied):
         on_shutdown: called when a client has shut the controller down, on one of its threads.
 
     Raises:
-        ParameterError: There is no such model or generation, or `joints` are not six angles.
+        ParameterError: There is no such model or generation, or `joints` are not six angles; or the
+            profile is not valid, or of another model.
         ValueError: `external_axes` are not valid.
         SceneError: `mounting` or `pedestal` is not valid, or `scene` or `tool` holds an object that
             is not a `Thing`.
@@ -137,9 +144,10 @@ class Simulator(PartFaults, Uncopied):
 
     def __init__(
         self,
-        model: str | Arm = "gcr5_910",
+        model: str | Arm | None = None,
         *,
         generation: Generation = "3.8",
+        profile: ArmProfile | str | PathLike[str] | None = None,
         host: str = "127.0.0.1",
         port: int = 0,
         status_port: int | None = None,
@@ -165,6 +173,13 @@ class Simulator(PartFaults, Uncopied):
     ) -> None:
         if generation not in GENERATIONS:
             raise ParameterError("generation", generation, f"one of {', '.join(GENERATIONS)}")
+        known = None if profile is None else ArmProfile.of(profile)
+        if known is not None:
+            if isinstance(model, str) and arm_of(model).name != known.model:
+                raise ParameterError("model", model, f"that of the profile, {known.model}")
+            real_readings = real_readings or bool(known.single_precision)
+            if heartbeat_slack is None and known.has("heartbeat"):
+                heartbeat_slack = known.value("heartbeat", "slack", HEARTBEAT_SLACK)
         cycle = Number(0.0, 0.004, "s", open_low=True, source="this package")("cycle", cycle)
         if heartbeat_slack is None:
             heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
@@ -173,7 +188,9 @@ class Simulator(PartFaults, Uncopied):
             WAIT(name, time)
         if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
-        self.arm: Final[Arm] = arm_of(model) if isinstance(model, str) else model
+        if model is None or isinstance(model, str):
+            model = known.arm if known is not None else arm_of(model or "gcr5_910")
+        self.arm: Final[Arm] = model
         self.generation: Final[Generation] = generation
         self.seed: Final = seed
         self.mounting: Final[Pose] = mounting_of(mounting, self.arm, pedestal)
@@ -205,6 +222,7 @@ class Simulator(PartFaults, Uncopied):
             external_axes=self.external_axes,
             rules=SignalRules(),
             forgiving=Forgiving(strict=strict),
+            profile=known,
         )
         self._speed = checked_speed(speed)
         self._observer: Observer | None = None

@@ -69,6 +69,8 @@ class PowerControl:
 
     def __init__(self, tasks: TaskTable) -> None:
         self.state: RobotState = _OFF
+        #: durations of changes of one step that are known of an arm, by name [s]
+        self.times: dict[str, float] = {}
         self._tasks = tasks
         self._waiting: deque[tuple[int, str]] = deque()
         self._current: tuple[int, str] | None = None
@@ -140,7 +142,10 @@ class PowerControl:
         else:
             self._current = id_, name
             # Already there: the change runs without steps, so that it still has its effects.
-            self._steps = deque(change.steps if self.state in change.sources else ())
+            steps = change.steps
+            if name in self.times and len(steps) == 1:
+                steps = ((self.times[name], steps[0][1]),)
+            self._steps = deque(steps if self.state in change.sources else ())
             self._due = None
             self._tasks.set(id_, TaskState.RUNNING)
             return True

@@ -287,6 +287,11 @@ class Controller:
             self._simulation is not None,
         )
 
+    @property
+    def power_times(self) -> dict[str, float]:
+        """Durations of power_on, enable, disable and power_off that are not the usual ones [s]."""
+        return self._power.times
+
     # -- commands: each makes a task, and returns its id -------------------------------------
 
     def change_power(self, name: str) -> int:

@@ -64,6 +64,7 @@ class HandlerContext:
         forgiving: decides whether a call that deviates from the manual is accepted.
         mounting: pose of the base in the world.
         home: joints at the start [rad].
+        period: time between two updates of the arm's readings [s]; 0 for one in each cycle.
     """
 
     arm: Arm
@@ -77,6 +78,7 @@ class HandlerContext:
     forgiving: Forgiving = field(default_factory=Forgiving)
     mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # noqa: RUF009 - a tuple of numbers
     home: tuple[float, ...] = (0.0,) * 6
+    period: float = 0.0
 
 
 class QueueFull(Exception):

@@ -28,58 +28,72 @@ class StateHandlers(HandlerSection):
         self._effort = np.array(self._arm.effort)
         mounting = context.mounting
         self._mounting = mounting.matrix if any(mounting) else None
+        self._period = context.period
+        self._held: SimulationSnapshot | None = None
+
+    @property
+    def _snapshot(self) -> SimulationSnapshot:
+        """The latest readings; those of the latest update if they are not updated in each cycle."""
+        now, period = self._runtime.snapshot, self._period
+        if not period:
+            return now
+        held = self._held
+        # a tolerance of far less than a cycle, since times are sums
+        if held is None or int(now.time / period + 1e-6) != int(held.time / period + 1e-6):
+            self._held = held = now
+        return held
 
     # -- joints --------------------------------------------------------------------------------
 
     def get_actual_joints_position(self) -> list[float]:
         """各关节的角度 [rad]."""
-        return _list(self._runtime.snapshot.q)
+        return _list(self._snapshot.q)
 
     def get_actual_joints_speed(self) -> list[float]:
         """各关节角速度 [rad/s]."""
-        return _list(self._runtime.snapshot.qd)
+        return _list(self._snapshot.qd)
 
     def get_actual_joints_acceleration(self) -> list[float]:
         """各关节角加速度 [rad/s²]."""
-        return _list(self._runtime.snapshot.qdd)
+        return _list(self._snapshot.qdd)
 
     def get_actual_joints_torque(self) -> list[float]:
         """各关节力矩 [N m]."""
-        return _list(self._runtime.snapshot.torque)
+        return _list(self._snapshot.torque)
 
     def get_target_joints_torque(self) -> list[float]:
         """各关节目标力矩: what the commanded motion needs by the controller's model [N m]."""
-        return _list(self._runtime.snapshot.target_torque)
+        return _list(self._snapshot.target_torque)
 
     def get_ext_torque(self) -> list[float]:
         """关节观测外力矩: external torques on the joints [N m]."""
-        return _list(self._runtime.snapshot.external_torque)
+        return _list(self._snapshot.external_torque)
 
     def get_target_joints_position(self) -> list[float]:
         """各关节的规划角度 [rad]."""
-        return _list(self._runtime.snapshot.setpoint.q)
+        return _list(self._snapshot.setpoint.q)
 
     def get_target_joints_speed(self) -> list[float]:
         """各关节规划角速度 [rad/s]."""
-        return _list(self._runtime.snapshot.setpoint.qd)
+        return _list(self._snapshot.setpoint.qd)
 
     def get_target_joints_acceleration(self) -> list[float]:
         """各关节角规划加速度 [rad/s²]."""
-        return _list(self._runtime.snapshot.setpoint.qdd)
+        return _list(self._snapshot.setpoint.qdd)
 
     # -- tool and flange -----------------------------------------------------------------------
 
     def get_tcp_pose(self) -> list[float]:
         """工具末端点在基坐标系下的位姿 [m, rad]."""
-        return self._tips(self._runtime.snapshot)[0].pose
+        return self._tips(self._snapshot)[0].pose
 
     def get_tcp_speed(self) -> list[float]:
         """工具末端原点的空间速度 [m/s, rad/s]."""
-        return self._tips(self._runtime.snapshot)[0].speed
+        return self._tips(self._snapshot)[0].speed
 
     def get_tcp_acceleration(self) -> list[float]:
         """工具末端原点的空间加速度 [m/s², rad/s²]."""
-        return self._tips(self._runtime.snapshot)[0].acceleration
+        return self._tips(self._snapshot)[0].acceleration
 
     def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
         """Pose of a tool's tip in the frame of a work object, both given by name [m, rad]."""
@@ -87,7 +101,7 @@ class StateHandlers(HandlerSection):
             offset, base = self._frames.tool(tool), self._frames.wobj(wobj)
         except UnknownName as exc:
             return self._invalid_arguments("get_tcp_pose_coord", exc, [])
-        flange = self._arm.fkine(self._runtime.snapshot.q)
+        flange = self._arm.fkine(self._snapshot.q)
         return list(Pose.from_matrix(base.inverse @ flange @ offset.matrix))
 
     def get_flange_pose(self) -> list[float]:
@@ -111,7 +125,7 @@ class StateHandlers(HandlerSection):
 
     def getRobotStatus(self) -> RobotStatus:  # noqa: N802 - the name on the wire
         """Everything about the arm at one instant."""
-        snapshot = self._runtime.snapshot
+        snapshot = self._snapshot
         view, setpoint = snapshot.view, snapshot.setpoint
         actual, expected = map(self._in_world, self._tips(snapshot))
         if self._cabinet.empty_statuses > 0:

@@ -133,7 +133,7 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
             kv=f"{2 * stiffness / FREQUENCY:.9g}", forcerange=_text((-effort, effort)),
             group=str(SERVOS),
         )  # fmt: skip
-    flange = ET.SubElement(parent, "body", name="flange")
+    flange = ET.SubElement(parent, "body", name="flange", **_beside(arm))
     # The sensor measures what touches this geom; the link behind it is set back a little.
     thick, wide = 0.002, links[6].parts[0].radius
     ET.SubElement(
@@ -153,6 +153,17 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
     ET.SubElement(sensor, "force", name="force", site="flange")
     ET.SubElement(sensor, "torque", name="torque", site="flange")
     return ET.tostring(root, encoding="unicode")
+
+
+def _beside(arm: Arm) -> dict[str, str]:
+    """Place the flange beside the frame of link 6, which it is but for an arm's corrections."""
+    a, alpha = arm.geometry.a[5], arm.geometry.alpha[5]
+    if not a and not alpha:
+        return {}
+    return {
+        "pos": _text((a, 0.0, 0.0)),
+        "quat": _text((math.cos(0.5 * alpha), math.sin(0.5 * alpha), 0.0, 0.0)),
+    }
 
 
 def _solid(parent: ET.Element, link: Body, name: str) -> None:

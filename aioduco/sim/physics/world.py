@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from aioduco.models.gripper_models import GripperModel
     from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
+    from aioduco.sim.physics.drives import TrailingDrives
     from aioduco.sim.planner.path import JointSetPoint
 
     mujoco: Any  # its bindings are compiled, without types
@@ -30,6 +31,7 @@ else:
 __all__ = ["World", "camera_of"]
 
 _BRAKE = 0.5  # torque of a brake as a share of its drive's; an assumption
+_CREEP = 5e-3  # joint speed from which Coulomb friction has its full size [rad/s]
 _STILL = 1e-3  # speed below which a thing is at rest [m/s, rad/s]
 
 
@@ -76,6 +78,9 @@ class World:
         mounting: pose of its base in the world; None for on the floor.
         pedestal: whether it stands on a column there.
         gripper: a gripper that drives its fingers, in place of a tool.
+        drives: how the joints trail their set-points; None if they follow at once.
+        friction: Coulomb friction [N m] and viscous friction [N m s/rad] of the joints, six each.
+            The drives compensate for it: it shows in their torques alone.
 
     Raises:
         SceneError: MuJoCo rejects the scene or the tool.
@@ -92,8 +97,12 @@ class World:
         mounting: Pose | None = None,
         pedestal: bool = False,
         gripper: GripperModel | None = None,
+        drives: TrailingDrives | None = None,
+        friction: tuple[Sequence[float], Sequence[float]] | None = None,
     ) -> None:
         self.arm = arm
+        self._drives = drives
+        self._friction = None if friction is None else tuple(map(np.array, friction))
         self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
         if gripper is not None:
             tool = gripper_mjcf(gripper)
@@ -146,6 +155,8 @@ class World:
     def reset(self, q: Array) -> None:
         """Put the arm at q [rad] at once, and everything else where the scene puts it."""
         mujoco.mj_resetData(self.model, self.data)
+        if self._drives is not None:
+            self._drives.reset()
         if self.hand is not None:
             self.hand.reset()
         self._q[:] = q
@@ -196,6 +207,8 @@ class World:
             self._check(began)
             self._target = self._torque = self._external = np.zeros(6)
             return
+        if self._drives is not None:
+            setpoint = self._drives.follow(setpoint)
         known = self._known
         known.at(self._known_qpos, self._known_qvel)
         self._target = known.torque(setpoint.qdd).copy()
@@ -266,6 +279,8 @@ class World:
         The brakes act by friction: they slow a moving arm down, and hold one that stands.
         """
         self._braked = on
+        if self._drives is not None:
+            self._drives.reset()
         self.model.opt.disableactuator = 1 << SERVOS if on else 0
         self.model.dof_frictionloss[:6] = self._hold if on else self._dry
         self._applied[:] = 0.0
@@ -285,16 +300,26 @@ class World:
     def reading(self) -> PlantReading:
         """All readings that the controller's cycle needs, at once."""
         positions = self._qpos.copy()
+        speeds = self._qd.copy()
         return PlantReading(
             positions,
             positions if self._alone else positions[:6],
-            self._qd.copy(),
+            speeds,
             self._qdd.copy(),
-            self._torque,
+            self._torque if self._friction is None else self._torque + self._rubbed(speeds),
             -self._sensor,
             self._target,
             self._external,
         )
+
+    def _rubbed(self, speeds: Array) -> Array:
+        """Torques against friction [N m]; none with the brakes on, or at rest."""
+        assert self._friction is not None
+        coulomb, viscous = self._friction
+        if self._braked:
+            return np.zeros(6)
+        rubbed: Array = coulomb * np.clip(speeds / _CREEP, -1.0, 1.0) + viscous * speeds
+        return rubbed
 
     @property
     def time(self) -> float:

@@ -1,0 +1,145 @@
+"""From recordings to a profile: every estimator in turn, and a report of what each found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from aioduco.errors import CalibrationError, MissingExtra, ParameterError
+from aioduco.kinematics import models
+from aioduco.sim.calibration.drives import estimate_drives, estimate_noise
+from aioduco.sim.calibration.evidence import read_evidence
+from aioduco.sim.calibration.findings import Findings
+from aioduco.sim.calibration.geometry import estimate_geometry
+from aioduco.sim.calibration.heartbeat import estimate_slack
+from aioduco.sim.calibration.times import estimate_period, estimate_times, single_precision
+from aioduco.sim.calibration.torques import estimate_friction, estimate_load
+from aioduco.sim.profile import RANGES, ArmProfile
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from aioduco.sim.calibration.evidence import Evidence
+
+__all__ = ["Calibration", "calibrate", "profile_of"]
+
+_HELP: Final = "record the arm by `aioduco check HOST --motions run.mcap`"
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A profile, and how it was found.
+
+    Attributes:
+        profile: the profile.
+        notes: what was judged, and how.
+        missing: what was left out, why, and what would help.
+    """
+
+    profile: ArmProfile
+    notes: tuple[str, ...]
+    missing: tuple[str, ...]
+
+    def __str__(self) -> str:
+        lines = [f"{self.profile.model}, from {', '.join(self.profile.sources)}"]
+        for section, names in self.profile.values.items():
+            lines.append(section)
+            for name, (value, low, high) in names.items():
+                unit = RANGES[section][name][2]
+                lines.append(f"  {name:10} {value:12.6g}  {low:.6g} to {high:.6g} {unit}")
+        single = self.profile.single_precision
+        if single is not None:
+            lines.append(f"readings are {'32-bit floats' if single else 'doubles'}")
+        lines += [f"judged: {each}" for each in self.notes]
+        lines += [f"left out: {each}" for each in self.missing]
+        return "\n".join(lines)
+
+
+def calibrate(
+    paths: Sequence[str | os.PathLike[str]] | str | os.PathLike[str], *, model: str | None = None
+) -> Calibration:
+    """Estimate an arm's profile from recordings of it.
+
+    Args:
+        paths: one or more recordings, as `aioduco check --motions` makes them. Any recording will
+            do for what it shows.
+        model: the arm's model; None for what the controller reported.
+
+    Returns:
+        The profile with its intervals, and what was left out in words.
+
+    Raises:
+        CalibrationError: the recordings do not fit the arm, are of different arms, or show
+            nothing about it.
+        RecordingError: a file cannot be read.
+        ParameterError: no such model.
+        MissingExtra: the extra `record` or `plan` is not installed.
+    """
+    files = [paths] if isinstance(paths, str) or not isinstance(paths, list | tuple) else paths
+    return profile_of([read_evidence(path) for path in files], model=model)
+
+
+def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibration:
+    """Estimate an arm's profile from what its recordings say; see `calibrate`."""
+    name = _model(runs, model)
+    try:
+        found = _findings(runs, name)
+    except ModuleNotFoundError as error:
+        raise MissingExtra("calibration", error.name or "scipy", "plan") from error
+    values = {each.section: dict(each.values) for each in found if each.values}
+    values = {section: values[section] for section in RANGES if section in values}
+    missing = tuple(text for each in found for text in each.missing)
+    if not values:
+        raise CalibrationError(
+            f"the recordings show nothing about the arm: {'; '.join(missing)}. {_HELP.capitalize()}"
+            "; no profile was made"
+        )
+    profile = ArmProfile(
+        name,
+        values,
+        single_precision([run.joints for run in runs]),
+        tuple(run.name for run in runs),
+    )
+    return Calibration(profile, tuple(text for each in found for text in each.notes), missing)
+
+
+def _findings(runs: Sequence[Evidence], model: str) -> list[Findings]:
+    motions = [run.motions for run in runs]
+    geometry = estimate_geometry(model, [run.poses for run in runs])
+    arm = ArmProfile(model, {"geometry": geometry.values}).arm
+    return [
+        geometry,
+        estimate_drives(motions),
+        estimate_noise(motions),
+        estimate_period([run.joints for run in runs]),
+        estimate_times(runs),
+        estimate_slack(runs),
+        estimate_load(arm, runs),
+        estimate_friction(runs),
+        Findings.none(
+            "blends",
+            "blends: how corners are cut is not estimated yet",
+        ),
+    ]
+
+
+def _model(runs: Sequence[Evidence], model: str | None) -> str:
+    told = {run.arm for run in runs if run.arm}
+    if len(told) > 1:
+        raise CalibrationError(
+            f"the recordings are of different arms, {' and '.join(sorted(told))}: a profile is of "
+            "one arm; no profile was made"
+        )
+    text = model or next(iter(told), "")
+    # A controller reports series, model and serial number, such as "GCR5 910 SIM00000000".
+    words = text.lower().replace("-", "_").split()
+    name = "_".join(words[:2])
+    if name not in models():
+        if model is not None:
+            raise ParameterError("model", model, f"one of {', '.join(models())}")
+        raise CalibrationError(
+            f"the recordings do not say which arm it is ({text or 'nothing was reported'}): give "
+            f"--model, one of {', '.join(models())}; no profile was made"
+        )
+    return name

@@ -1,0 +1,292 @@
+"""What a recording says about an arm, as arrays: poses at rest, motions, calls, states, torques.
+
+This is the only module here that reads files. Times are seconds since the recording began.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from aioduco.errors import ParameterError, RecordingError
+from aioduco.models.enums import RobotState
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.recording.run import read
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator, Sequence
+
+    from aioduco.models.rotation import Array
+    from aioduco.recording.run import RecordedRun
+
+__all__ = ["Evidence", "Motions", "Poses", "Reads", "StateRead", "TimedCall", "read_evidence"]
+
+#: joints read before and after a pose may differ by this, else the arm moved [rad]
+_SAME: Final = 2e-4
+#: time between the reads of joints and of a pose that belong together [s]
+_TOGETHER: Final = 0.5
+#: change of a joint that makes another stop [rad]
+_STOPS: Final = 5e-3
+_JOINTS, _TORQUE = "get_actual_joints_position", "get_actual_joints_torque"
+_FLANGE, _TIP, _OFFSET = "get_flange_pose", "get_tcp_pose", "get_tcp_offset"
+_POWER: Final = ("power_on", "enable", "disable", "power_off")
+
+
+class Poses(NamedTuple):
+    """Joints and poses that a controller reported while the arm stood, one of each stop.
+
+    Several reads of one stop are averaged: their rounding is the same, so that they are not
+    independent.
+
+    Attributes:
+        joints: joint angles [rad]. Shape (n, 6).
+        poses: poses in the base frame. Shape (n, 4, 4).
+        tip: whether they are those of a tool's tip with an unknown offset, not of the flange.
+    """
+
+    joints: Array
+    poses: Array
+    tip: bool = False
+
+
+class Motions(NamedTuple):
+    """Samples of set-points and joints, each pair of one instant.
+
+    Attributes:
+        time: times [s]. Shape (n,).
+        wanted, wanted_speed: set-points [rad], [rad/s]. Shape (n, 6).
+        joints, speed: actual joints [rad], [rad/s]. Shape (n, 6).
+    """
+
+    time: Array
+    wanted: Array
+    wanted_speed: Array
+    joints: Array
+    speed: Array
+
+
+class Reads(NamedTuple):
+    """Answers to one function that reads six numbers.
+
+    Attributes:
+        begin, end: times between which the controller answered [s]. Shape (n,).
+        values: the answers. Shape (n, 6).
+    """
+
+    begin: Array
+    end: Array
+    values: Array
+
+
+class TimedCall(NamedTuple):
+    """A call that changes the robot's state, between two times [s]."""
+
+    name: str
+    begin: float
+    end: float
+
+
+class StateRead(NamedTuple):
+    """The robot's state, as it was at some time between two times [s]."""
+
+    begin: float
+    end: float
+    state: RobotState
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What one recording says.
+
+    Attributes:
+        name: the recording's name.
+        arm: series and model that the controller reported; empty if it did not.
+        poses, motions, joints, torques: see the classes; empty if the recording has none.
+        calls, states: calls that change the robot's state, and the states that were read.
+        beats: heartbeats, with the time that each announced [s].
+    """
+
+    name: str
+    arm: str
+    poses: Poses
+    motions: Motions
+    joints: Reads
+    torques: Reads
+    calls: tuple[TimedCall, ...]
+    states: tuple[StateRead, ...]
+    beats: tuple[tuple[TimedCall, float], ...] = ()
+
+
+class _Call(NamedTuple):
+    function: str
+    begin: float
+    end: float
+    result: Any
+    arguments: list[Any]
+
+
+def read_evidence(path: str | os.PathLike[str]) -> Evidence:
+    """Read what a recording says about its arm.
+
+    Raises:
+        RecordingError: the file cannot be read, or has no samples of joints or calls.
+        MissingExtra: the extra `record` is not installed.
+    """
+    run = read(path)
+    calls = [] if "/commands" not in run.topics else list(_calls(run))
+    motions = _motions(run)
+    if not calls and not len(motions.time):
+        raise RecordingError(
+            f"{Path(path).name} has neither joints nor calls: record the arm with "
+            "`aioduco check --motions`"
+        )
+    return Evidence(
+        Path(path).name,
+        run.metadata.get("arm", ""),
+        _poses(calls),
+        motions,
+        _reads(calls, _JOINTS),
+        _reads(calls, _TORQUE),
+        tuple(TimedCall(c.function, c.begin, c.end) for c in calls if c.function in _POWER),
+        tuple(_states(run, calls, motions.time)),
+        tuple(_beats(calls)),
+    )
+
+
+def _calls(run: RecordedRun) -> Iterator[_Call]:
+    for message in run.messages("/commands"):
+        data = message.data
+        if not data.get("error"):
+            duration = float(data.get("duration") or 0.0)
+            yield _Call(
+                str(data.get("function")),
+                message.time,
+                message.time + duration,
+                data.get("result"),
+                list(data.get("arguments") or ()),
+            )
+
+
+def _beats(calls: Sequence[_Call]) -> Iterator[tuple[TimedCall, float]]:
+    for call in calls:
+        if call.function == "rpc_heartbeat" and call.arguments:
+            with suppress(TypeError, ValueError):
+                milliseconds = float(call.arguments[0])
+                yield TimedCall(call.function, call.begin, call.end), milliseconds / 1000.0
+
+
+def _six(value: Any) -> Array | None:
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    return numbers if numbers.shape == (6,) and np.isfinite(numbers).all() else None
+
+
+def _reads(calls: Sequence[_Call], function: str) -> Reads:
+    found = [
+        (call.begin, call.end, value)
+        for call in calls
+        if call.function == function and (value := _six(call.result)) is not None
+    ]
+    if not found:
+        return Reads(np.zeros(0), np.zeros(0), np.zeros((0, 6)))
+    begin, end, values = zip(*found, strict=True)
+    return Reads(np.array(begin), np.array(end), np.array(values))
+
+
+def _poses(calls: Sequence[_Call]) -> Poses:
+    joints = _reads(calls, _JOINTS)
+    offsets = [v for c in calls if c.function == _OFFSET and (v := _six(c.result)) is not None]
+    # The flange if it was read; else the tip with its offset, if that was one throughout.
+    flange = _reads(calls, _FLANGE)
+    told, back, tip = flange, np.eye(4), False
+    if not len(flange.begin):
+        told = _reads(calls, _TIP)
+        tip = not offsets or any(np.abs(each - offsets[0]).max() > 1e-9 for each in offsets)
+        if not tip:
+            back = Pose.of(offsets[0]).inverse().matrix
+    qs, poses = [], []
+    for begin, end, value in zip(*told, strict=True):
+        before = np.flatnonzero(joints.end <= begin)
+        after = np.flatnonzero(joints.begin >= end)
+        if not len(before) or not len(after):
+            continue
+        one, two = before[-1], after[0]
+        if begin - joints.end[one] > _TOGETHER or joints.begin[two] - end > _TOGETHER:
+            continue
+        if np.abs(joints.values[one] - joints.values[two]).max() > _SAME:
+            continue
+        qs.append(0.5 * (joints.values[one] + joints.values[two]))
+        poses.append(Pose.of(value).matrix @ back)
+    if not qs:
+        return Poses(np.zeros((0, 6)), np.zeros((0, 4, 4)), tip)
+    moved = np.abs(np.diff(np.array(qs), axis=0)).max(axis=1) > _STOPS
+    stops = np.split(np.arange(len(qs)), np.flatnonzero(moved) + 1)
+    return Poses(
+        np.array([np.mean([qs[i] for i in stop], axis=0) for stop in stops]),
+        np.array([_mean_pose(np.array([poses[i] for i in stop])) for stop in stops]),
+        tip,
+    )
+
+
+def _mean_pose(poses: Array) -> Array:
+    mean: Array = poses[0].copy()
+    mean[:3, 3] = poses[:, :3, 3].mean(axis=0)
+    turns = rotvec_from_matrix(poses[:, :3, :3] @ poses[0, :3, :3].T)
+    mean[:3, :3] = matrix_from_rotvec(turns.mean(axis=0)) @ poses[0, :3, :3]
+    return mean
+
+
+def _motions(run: RecordedRun) -> Motions:
+    empty = np.zeros((0, 6))
+    if not {"/joint_states", "/joint_setpoints"} <= run.topics.keys():
+        return Motions(np.zeros(0), empty, empty, empty, empty)
+    try:
+        actual, wanted = run.arrays("/joint_states"), run.arrays("/joint_setpoints")
+        # Both are written from one answer of the controller, with one time.
+        times, one, two = np.intersect1d(actual["time"], wanted["time"], return_indices=True)
+        columns = (
+            *(wanted["position"][two], wanted["velocity"][two]),
+            *(actual["position"][one], actual["velocity"][one]),
+        )
+    except (KeyError, IndexError, ParameterError) as error:
+        raise RecordingError(f"{run.path.name} has joints of another form: {error}") from error
+    kept = np.isfinite(np.concatenate(columns, axis=1)).all(axis=1)
+    return Motions(times[kept], *(column[kept] for column in columns))
+
+
+def _states(run: RecordedRun, calls: Sequence[_Call], samples: Array) -> Iterator[StateRead]:
+    for call in calls:
+        if call.function == "get_robot_state" and isinstance(call.result, list) and call.result:
+            state = _state(call.result[0])
+            if state is not None:
+                yield StateRead(call.begin, call.end, state)
+    if "/state" not in run.topics or len(samples) < 2:
+        return
+    # It is written when it changes; every sample until then has the state before.
+    last: RobotState | None = None
+    for message in run.messages("/state"):
+        state = _state(message.data.get("robot"))
+        at = int(np.searchsorted(samples, message.time - 1e-6))
+        if state is None or not 2 <= at < len(samples):
+            last = state
+            continue
+        if last is not None and state is not last:
+            # A sample was asked for after the one before it had come.
+            yield StateRead(float(samples[at - 2]), float(samples[at - 1]), last)
+            yield StateRead(float(samples[at - 1]), float(samples[at]), state)
+        last = state
+
+
+def _state(value: Any) -> RobotState | None:
+    try:
+        return RobotState[value] if isinstance(value, str) else RobotState(int(value))
+    except (KeyError, ValueError, TypeError):
+        return None

@@ -1,0 +1,124 @@
+"""From a simulated arm to a recording, and from the recording to a profile."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import aioduco.sync
+from aioduco.cli import measuring
+from aioduco.cli.app import app
+from aioduco.cli.measuring import Extent
+from aioduco.errors import CalibrationError, ParameterError, RecordingError
+from aioduco.sim import ArmProfile, Simulator
+from aioduco.sim.calibration import calibrate, profile_of
+
+from .made import MODEL, READY, configurations, empty, exact, hidden_geometry, poses_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.slow
+async def test_an_arm_that_is_moved_and_recorded_is_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(measuring, "_STILL", 0.1)
+    truth = hidden_geometry(np.random.default_rng(1))
+    drives = {f"lag{i}": exact(0.004 * i) for i in range(1, 7)}
+    truth = ArmProfile(MODEL, {**truth.values, "drives": drives}, single_precision=True)
+    path = tmp_path / "run.mcap"
+    told: list[str] = []
+    with Simulator(profile=truth, joints=READY, speed=6) as sim:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+        extent = Extent(reach=0.5, poses=16, rounds=1, changes=1)
+        await measuring.measure(sim.host, sim.port, path, extent, told.append)
+        assert sim.joints == pytest.approx(READY, abs=1e-3)
+    assert told[0] == "poses: 16 configurations"
+    outcome = CliRunner().invoke(
+        app, ["calibrate", str(path), "-o", str(tmp_path / "arm.toml")], catch_exceptions=False
+    )
+    assert outcome.exit_code == 0, outcome.output
+    assert "left out: heartbeat" in outcome.output
+    found = ArmProfile.load(tmp_path / "arm.toml")
+    assert found.single_precision is True
+    for name, (value, _, _) in truth.values["geometry"].items():
+        most = 1e-4 if name[:-1] in ("a", "d") else math.radians(0.01)
+        assert abs(found.values["geometry"][name].value - value) < most, name
+    for name, (value, _, _) in drives.items():
+        assert abs(found.values["drives"][name].value - value) < 1e-3, name
+    # Times are real ones in a recording: those of an arm six times as fast are not judged here.
+    assert found.values["times"]["power_on"].value < 0.5
+
+
+async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
+    with Simulator(joints=READY) as sim:
+        with pytest.raises(aioduco.RobotStateError, match="not enabled"):
+            await measuring.measure(
+                sim.host, sim.port, tmp_path / "run.mcap", Extent(), lambda _: None
+            )
+        assert sim.joints == pytest.approx(READY, abs=1e-6)
+
+
+def test_the_motions_are_asked_for(tmp_path: Path) -> None:
+    with Simulator(joints=READY) as sim:
+        words = ["check", f"{sim.host}:{sim.port}", "--motions", str(tmp_path / "run.mcap")]
+        outcome = CliRunner().invoke(app, words, input="n\n")
+    assert outcome.exit_code == 3
+    assert "every joint turns by up to 29 degrees" in " ".join(outcome.output.split())
+    assert not (tmp_path / "run.mcap").exists()
+
+
+async def test_a_recording_that_shows_nothing_of_the_arm_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    with Simulator(joints=READY) as sim:
+        async with aioduco.connect(sim.host, sim.port, record=path) as robot:
+            await robot.state.get_actual_joints_position()
+    with pytest.raises(CalibrationError, match=r"show nothing.*check HOST --motions"):
+        calibrate(path)
+    outcome = CliRunner().invoke(app, ["calibrate", str(path), "-o", str(tmp_path / "arm.toml")])
+    assert outcome.exit_code == 1
+    assert not (tmp_path / "arm.toml").exists()
+
+
+def test_a_file_that_is_no_recording_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(b"no")
+    with pytest.raises(RecordingError, match="MCAP"):
+        calibrate(path)
+
+
+def test_recordings_of_two_arms_are_refused() -> None:
+    one, two = empty("one.mcap"), replace(empty("two.mcap"), arm="GCR10 1300")
+    with pytest.raises(CalibrationError, match="of different arms"):
+        profile_of([one, two])
+
+
+def test_a_model_that_is_not_known_is_asked_for() -> None:
+    random = np.random.default_rng(2)
+    run = replace(empty(), arm="", poses=poses_of(ArmProfile(MODEL), configurations(random, 30)))
+    with pytest.raises(CalibrationError, match="give --model"):
+        profile_of([run])
+    assert profile_of([run], model="GCR5-910").profile.model == MODEL
+    with pytest.raises(ParameterError, match="one of gcr3_618"):
+        profile_of([run], model="ur5e")
+
+
+def test_several_recordings_count_together() -> None:
+    random = np.random.default_rng(3)
+    truth = hidden_geometry(random)
+    runs = [
+        replace(empty(f"{i}.mcap"), poses=poses_of(truth, configurations(random, 9)))
+        for i in range(3)
+    ]
+    with pytest.raises(CalibrationError, match="9 poses at rest"):
+        profile_of(runs[:1])
+    found = profile_of(runs)
+    assert found.profile.sources == ("0.mcap", "1.mcap", "2.mcap")
+    assert "27 of 27 poses" in str(found)

@@ -1,0 +1,67 @@
+"""Friction and load from torques."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aioduco.kinematics import arm
+from aioduco.sim.calibration.torques import estimate_friction, estimate_load, link_torques
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.path import JointSetPoint
+
+from .made import MODEL, configurations, empty, torqued
+
+CENTRE = np.array([0.02, -0.03, 0.06])
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_friction_is_found_without_any_mass(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    coulomb, viscous = random.uniform(0.5, 6.0, 6), random.uniform(1.0, 8.0, 6)
+    found = estimate_friction([torqued(random, (coulomb, viscous), (1.5, CENTRE))])
+    for joint in range(6):
+        for kind, truth in (("coulomb", coulomb), ("viscous", viscous)):
+            estimate = found.values[f"{kind}{joint + 1}"]
+            assert estimate.value == pytest.approx(truth[joint], rel=0.03)
+            assert estimate.low <= truth[joint] <= estimate.high
+
+
+def test_the_load_is_found_with_its_centre() -> None:
+    random = np.random.default_rng(3)
+    run = torqued(random, (np.zeros(6), np.zeros(6)), (2.0, CENTRE))
+    found = estimate_load(arm(MODEL), [run])
+    assert found.values["mass"].value == pytest.approx(2.0, rel=0.02)
+    for name, truth in zip("xyz", CENTRE, strict=True):
+        assert found.values[name].value == pytest.approx(truth, abs=1e-3)
+
+
+def test_a_bare_flange_is_said_to_carry_nothing() -> None:
+    random = np.random.default_rng(4)
+    run = torqued(random, (np.zeros(6), np.zeros(6)), (0.0, CENTRE))
+    found = estimate_load(arm(MODEL), [run])
+    assert found.values == {}
+    assert "no load" in found.missing[0]
+
+
+def test_links_of_other_masses_leave_the_load_out() -> None:
+    random = np.random.default_rng(5)
+    run = torqued(random, (np.zeros(6), np.zeros(6)), (2.0, CENTRE))
+    found = estimate_load(arm("gcr20_1400"), [run])
+    assert found.values == {}
+    assert "the links' masses are others" in found.missing[0]
+
+
+def test_no_torques_are_said() -> None:
+    assert "0 torques at rest" in estimate_load(arm(MODEL), [empty()]).missing[0]
+    assert len(estimate_friction([empty()]).missing) == 6
+
+
+def test_weights_are_those_of_the_physics() -> None:
+    random = np.random.default_rng(6)
+    model = arm(MODEL)
+    for q in configurations(random, 5):
+        world = World(model, q=q)
+        for _ in range(400):
+            world.step(JointSetPoint.at_rest(q))
+        assert world.torque == pytest.approx(link_torques(model, q[None])[0], abs=1e-6)
