@@ -44,7 +44,8 @@ class RecordedGap(NamedTuple):
         duration: how long it is [s].
         moved: by how much the joint that turned farthest did so [rad].
         off: largest distance of a joint from the bridging curve, unless it accelerated more than in
-            the rest of the recording [rad]; infinite where no speeds are recorded.
+            the rest of the recording, or turned back without need [rad]; infinite where no speeds
+            are recorded.
     """
 
     time: float
@@ -127,10 +128,15 @@ def gaps_between(
     for at in np.flatnonzero((lasting > MAX_GAP) & (ways > MOVED)):
         duration, off = float(lasting[at]), float("inf")
         if np.isfinite(sharpest).all():
-            change = np.abs(velocities[at + 1] - velocities[at]) / duration
+            most = np.maximum(sharpest, 1e-9)
+            first, last = velocities[at], velocities[at + 1]
             # a joint that brakes or accelerates at its limit all the way has no choice of its way
-            free = sharpest * (1 - np.minimum(change / np.maximum(sharpest, 1e-9), 1.0) ** 2)
-            off = float(free.max()) * duration**2 / 16
+            change = np.minimum(np.abs(last - first) / duration / most, 1.0)
+            far = most * (1 - change**2) * duration**2 / 16
+            # one that does not turn back stays between its ends, but for its way to stop
+            between = np.abs(positions[at + 1] - positions[at])
+            between += (first**2 + last**2) / (2 * most)
+            off = float(np.minimum(far, between).max())
         found.append(RecordedGap(float(times[at]), duration, float(ways[at]), off))
     return tuple(found)
 

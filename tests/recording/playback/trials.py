@@ -1,6 +1,6 @@
 """Recordings that are made beside two burning processes, played, and compared with the arm's way.
 
-    .ci/play-trials [--count 20] [--seed 1] [--burning 2] [--keep FOLDER]
+    .ci/play-trials [--count 20] [--seed 1] [--burning 2] [--bridge 0.005] [--keep FOLDER]
 
 Each trial moves an arm at random, twice: a simulator in a process of its own, which is recorded
 while others burn; and one that nothing disturbs, which tells where the arm was. A recording is
@@ -122,15 +122,17 @@ async def played(path: RecordedPath) -> Array:
 
 def farthest(points: Array, way: Array) -> float:
     """Largest distance of a joint from a way, for any of the points [rad]."""
-    tree = cKDTree(way[::2])
+    index = np.arange(0.0, len(way) - 1, 0.1)  # steps of some 0.1 mrad
+    dense = np.column_stack([np.interp(index, np.arange(len(way)), q) for q in way.T])
+    tree = cKDTree(dense)
     return float(np.max(tree.query(points, p=np.inf)[0]))
 
 
-def trial(file: Path, seed: int, number: int, burners: int) -> str:
+def trial(file: Path, seed: int, number: int, burners: int, bridge: float) -> str:
     """One trial. Returns what is wrong with it; empty if nothing is."""
     with burning(burners):
         asyncio.run(recorded(file, seed, number))
-    path = RecordedPath.of(read(file))
+    path = RecordedPath.of(read(file), bridge=bridge)
     found = check_path(path, arm(MODEL))
     if found:
         return f"it cannot be played: {found[0]}"
@@ -151,6 +153,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--burning", type=int, default=2)
+    parser.add_argument("--bridge", type=float, default=0.005)
     parser.add_argument("--keep", type=Path)
     asked = parser.parse_args()
     failed = 0
@@ -161,7 +164,7 @@ def main() -> int:
             file = folder / f"{number}.mcap"
             file.unlink(missing_ok=True)
             try:
-                wrong = trial(file, asked.seed, number, asked.burning)
+                wrong = trial(file, asked.seed, number, asked.burning, asked.bridge)
             except aioduco.DucoError as exc:
                 wrong = str(exc)
             if wrong:
