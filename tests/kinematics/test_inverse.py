@@ -20,7 +20,14 @@ from quick import examples
 from aioduco.errors import ParameterError, Unreachable
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import singular_values
-from aioduco.kinematics.inverse import BRANCHES, closed_form, residual, wrap
+from aioduco.kinematics.inverse import (
+    BRANCHES,
+    closed_form,
+    refine,
+    residual,
+    shortfall,
+    wrap,
+)
 from aioduco.kinematics.single import nearest_turns, pose_error, solutions
 from aioduco.models.pose import Pose
 
@@ -330,6 +337,34 @@ def test_out_of_reach_says_by_how_much() -> None:
     with pytest.raises(Unreachable, match=r"by at least 0\.1405 m"):
         FIVE.ikine(Pose(0.0, 0.0, 0.5, math.pi, 0, 0), home)
     assert FIVE.ikine_all(Pose(2.0, 0.0, 0.4, 0, 0, 0)).shape == (0, 6)
+
+
+@pytest.mark.parametrize("up", [-1.2, 0.0, 0.4, 1.3])
+def test_a_wrist_beyond_the_stretched_arm_is_out_of_reach_by_the_way_to_it(up: float) -> None:
+    g = FIVE.geometry
+    reach = g.a2 + g.a3 + g.d5
+    ahead, high = (reach + 0.1) * math.cos(up), (reach + 0.1) * math.sin(up)
+    flange = np.eye(4)
+    flange[:3, 3] = math.hypot(ahead, g.d2), 0.0, g.d1 + high + g.d6
+    assert shortfall(g, flange) == pytest.approx(0.1, abs=1e-12)
+
+
+def test_a_solution_that_is_a_little_off_is_improved_alone_and_with_others() -> None:
+    q = np.array([[0.3, -0.4, 1.2, 0.2, -1.0, 0.5], [1.0, 0.2, -1.5, -0.3, 0.8, -2.0]])
+    flanges = np.stack([FIVE.fkine(each) for each in q])
+    near = q + 1e-3 * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+    assert refine(FIVE.geometry, near, flanges) == pytest.approx(q, abs=1e-9)
+    assert refine(FIVE.geometry, near[0], flanges[0]) == pytest.approx(q[0], abs=1e-9)
+
+
+def test_a_stretched_arm_beside_the_wrists_singularity_has_its_solution_among_all() -> None:
+    """Rounding turns joint 6 there, and the wrist with it out of reach."""
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        q = rng.uniform(-2.0, 2.0, 6)
+        q[2], q[4] = 0.0, 1e-9
+        found = closed_form(FIVE.geometry, FIVE.fkine(q), q[5])
+        assert not np.isnan(found).any(axis=1).all()
 
 
 def test_how_far_out_of_reach_is_never_exaggerated() -> None:

@@ -110,6 +110,23 @@ def test_a_counter_ahead_of_its_slot_is_harmless() -> None:
     assert second is None
 
 
+def test_a_slot_that_still_has_the_point_of_a_round_before_is_not_the_next_one() -> None:
+    memory = bytearray(Ring.size(1))
+    ring = Ring(memoryview(memory), 1)
+    ring.put([1.0] * 6, 1)
+    assert ring.take() is not None
+    memoryview(memory)[:8].cast("Q")[0] = 2
+    assert ring.take() is None
+
+
+@pytest.mark.parametrize("extra", range(17))
+def test_a_ring_takes_no_more_room_than_its_points(extra: int) -> None:
+    slot = Ring.size(4, extra) - Ring.size(3, extra)
+    assert slot % 8 == 0  # the numbers in a slot are aligned
+    assert 0 <= slot - (80 + extra) < 8
+    assert Ring.size(3, extra) == 16 + 3 * slot
+
+
 @contextmanager
 def hammered(
     capacity: int, count: int, *, latest: bool
