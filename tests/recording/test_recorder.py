@@ -90,8 +90,12 @@ async def test_gaps_while_the_arm_moved_are_counted_and_reported(
         recording._gaps.sampled(1.5, [0.1] * 6)
     assert recording.statistics().longest_gap >= 0.5
     assert recording.statistics().gaps >= 1
-    (line,) = [each.message for each in caplog.records if "without a sample" in each.message]
-    assert f"aioduco play {recording.path} --check" in line
+
+    def lines() -> list[str]:
+        return [each.message for each in caplog.records if "without a sample" in each.message]
+
+    await eventually_async(lambda: bool(lines()))
+    assert f"aioduco play {recording.path} --check" in lines()[0]
     assert read(recording.path)._texts["aioduco.end"]["gaps"] != "0"
 
 

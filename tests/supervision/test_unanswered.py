@@ -71,6 +71,21 @@ def test_the_last_look_begins_after_the_watch() -> None:
     assert one.step(2.1) is NextStep.LOOK
 
 
+def test_an_arm_that_stood_for_two_looks_and_moves_is_stopped_at_once() -> None:
+    """It is not one that still brakes: the motion has come, however soon after the stop."""
+    one = motion()
+    one.dissolved(0.0)
+    stand(one, 0.0, 0.1)
+    look(one, 0.2, moving=True)
+    assert one.step(0.2) is NextStep.STOP
+    braking = motion()
+    braking.dissolved(0.0)
+    braking.stopped(0.0, 0.1)
+    look(braking, 0.1)
+    look(braking, 0.2, moving=True)
+    assert braking.step(0.2) is NextStep.LOOK
+
+
 def test_an_arm_that_begins_to_move_in_the_watch_is_stopped_and_watched_anew() -> None:
     one = motion()
     one.connection_reset(0.0)
