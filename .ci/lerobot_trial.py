@@ -241,7 +241,6 @@ def environments() -> None:
     from lerobot.envs.configs import EnvConfig  # noqa: PLC0415
     from lerobot.envs.factory import make_env  # noqa: PLC0415
     from lerobot.envs.utils import (  # noqa: PLC0415
-        add_envs_task,
         close_envs,
         env_to_policy_features,
         preprocess_observation,
@@ -267,7 +266,7 @@ def environments() -> None:
             if feature.type is not FeatureType.ACTION
         }
         action = config.features["action"].shape == env.single_action_space.shape
-        said = add_envs_task(env, {})["task"]
+        said = env.call("task_description")
         check(
             f"environment {task}: {shapes}, actions {env.single_action_space.shape}, {said[0]!r}",
             shapes == declared
