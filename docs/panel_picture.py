@@ -1,8 +1,10 @@
 """Write `docs/images/panel.png`: the panel's page, as a browser shows it while an arm moves.
 
-python docs/panel_picture.py
+python docs/panel_picture.py [FOLDER]
 
-It needs Chromium, and takes a while where that draws in software.
+With a folder, the page is also drawn there while its picture loads, and in the widths of a small
+screen and of a phone, from its top and its end. It needs Chromium, and takes a while where that
+draws in software.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 
 PICTURE = Path(__file__).resolve().parent / "images" / "panel.png"
 WIDTH, HEIGHT = 1440, 900
+SMALLER = ((1020, 768), (390, 844))
 SOFTWARE = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -72,7 +75,18 @@ async def shown(page: Page) -> None:
     await page.wait_for_function("() => state.sample.joints[0] * DEGREE < -32")
 
 
-async def drawn(sim: Simulator, lines: LineServer) -> None:
+async def also(page: Page, folder: Path) -> None:
+    """Draw the page in other widths, from its top and from its end."""
+    for width, height in SMALLER:
+        await page.set_viewport_size({"width": width, "height": height})
+        await page.wait_for_timeout(1500)
+        await page.screenshot(path=folder / f"panel-{width}.png")
+        await page.evaluate("for (const each of [document.body, document.querySelector('main')]) "
+                            "each.scrollTo(0, each.scrollHeight)")  # fmt: skip
+        await page.screenshot(path=folder / f"panel-{width}-end.png")
+
+
+async def drawn(sim: Simulator, lines: LineServer, folder: Path | None) -> None:
     """Draw the page."""
     scene = Scene("gcr5_910", AROUND)
     envelope = Envelope(
@@ -97,21 +111,31 @@ async def drawn(sim: Simulator, lines: LineServer) -> None:
         page.set_default_timeout(180_000)
         await page.goto(panel.link)
         await page.wait_for_function("() => state !== null && state.sample !== null")
-        await page.wait_for_timeout(4000)  # the 3D picture loads
+        if folder is not None:
+            await page.screenshot(path=folder / "panel-loading.png")
+        await page.wait_for_selector("#scene-wait", state="hidden")
+        await page.wait_for_timeout(1500)
         await shown(page)
-        await page.screenshot(path=PICTURE)
+        await page.screenshot(path=PICTURE if folder is None else folder / f"panel-{WIDTH}.png")
+        if folder is not None:
+            await also(page, folder)
         await page.mouse.up()
         await browser.close()
+    if folder is not None:
+        return
     with Image.open(PICTURE) as image:
         image.convert("P", palette=Image.Palette.ADAPTIVE, colors=256).save(PICTURE, optimize=True)
 
 
 def main() -> int:
     """Write the picture."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else None
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
     with Simulator(joints=HOME, scene=AROUND) as sim:
         lines = LineServer(Console(sim).answer, 0)
         try:
-            anyio.run(drawn, sim, lines)
+            anyio.run(drawn, sim, lines, folder)
         finally:
             lines.close()
     return 0

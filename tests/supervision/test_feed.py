@@ -326,7 +326,7 @@ def test_of_a_busy_loop_one_line_is_told_and_the_calls_are_for_debugging() -> No
         seen.append(blocking_calls(sys._getframe()))
 
     async def program() -> None:
-        sorted([1], key=lambda _: look())  # type: ignore[func-returns-value]
+        sorted([1], key=lambda _: look())  # type: ignore[func-returns-value,return-value]
         seen.append(blocking_calls(sys._getframe().f_back))
 
     async def main() -> None:

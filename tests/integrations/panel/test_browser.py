@@ -115,6 +115,106 @@ async def test_jog_by_press_and_hold_then_move_and_switch() -> None:
         await page.wait_for_selector("#outputs .lamp.on:nth-child(3)")
 
 
+#: texts whose contrast to what is behind them is too low to be read, as in WCAG 2
+UNREADABLE = """() => {
+  const rgba = (text) => text.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => [r, g, b].map((v) => v / 255)
+    .map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const behind = (element) => {
+    for (let each = element; each; each = each.parentElement) {
+      const colour = rgba(getComputedStyle(each).backgroundColor);
+      if (colour.length < 4 || colour[3] > 0.5) return colour;
+    }
+    return [255, 255, 255];
+  };
+  const found = [];
+  for (const element of document.querySelectorAll("body *:not(option)")) {
+    const own = [...element.childNodes].filter((n) => n.nodeType === 3).map((n) => n.data).join("");
+    if (!own.trim() || !element.checkVisibility({opacityProperty: true})) continue;
+    const style = getComputedStyle(element);
+    const [low, high] = [light(rgba(style.color)), light(behind(element))].sort((a, b) => a - b);
+    const ratio = (high + 0.05) / (low + 0.05), large = parseFloat(style.fontSize) >= 18;
+    if (ratio < (large ? 3 : 4.5) || +style.opacity < 1) found.push(`${own.trim()}: ${ratio}`);
+  }
+  return found;
+}"""
+
+#: pairs of controls of which one lies over the other
+OVERLAPS = """() => {
+  const seen = [...document.querySelectorAll("button, select, input, footer, #events")]
+    .filter((each) => each.checkVisibility() && !each.closest("dialog, #lost"));
+  const found = [];
+  for (const one of seen) for (const other of seen) {
+    if (one === other || one.contains(other) || other.contains(one)) continue;
+    const a = one.getBoundingClientRect(), b = other.getBoundingClientRect();
+    const main = document.querySelector("main").getBoundingClientRect();
+    const clip = (each, box) => each.closest("main") ? [Math.max(box.top, main.top),
+      Math.min(box.bottom, main.bottom)] : [box.top, box.bottom];
+    const [top, bottom] = clip(one, a), [top2, bottom2] = clip(other, b);
+    if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+        && Math.min(bottom, bottom2) - Math.max(top, top2) > 1)
+      found.push(`${one.id || one.textContent} over ${other.id || other.textContent}`);
+  }
+  return found;
+}"""
+
+
+async def test_every_text_can_be_read_also_of_what_is_pressed_or_off() -> None:
+    async with arm_and_panel() as (_, panel), browser() as chromium:
+        watching = await opened(chromium, panel.url)
+        assert await watching.evaluate(UNREADABLE) == []
+        await watching.close()
+        page = await commanding(chromium, panel)
+        assert await page.evaluate(UNREADABLE) == []
+        await press(page, '[data-jog="1+"]')
+        await page.wait_for_selector("button.hold.down")
+        assert await page.evaluate(UNREADABLE) == []
+        await page.mouse.up()
+        await page.wait_for_function("state.motion === null")
+        await page.click("[data-tab=move]")
+        assert "target" in await page.inner_text("#move")
+        await page.fill("#targets .target:nth-child(6) input[type=number]", "20")
+        await page.wait_for_selector("#move:enabled")
+        assert await page.evaluate(UNREADABLE) == []
+        await press(page, "#move")
+        await page.wait_for_selector("#move.down")
+        assert await page.evaluate(UNREADABLE) == []
+        await page.mouse.up()
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1020, 768), (390, 844)])
+async def test_nothing_lies_over_anything_and_the_head_is_small(width: int, height: int) -> None:
+    async with arm_and_panel() as (_, panel), browser() as chromium:
+        page = await opened(chromium, panel.url)
+        await page.set_viewport_size({"width": width, "height": height})
+        await page.evaluate("document.querySelector('[data-tab=simulator]').hidden = false")
+        for tab in ("jog", "move", "signals", "simulator"):
+            await page.click(f"[data-tab={tab}]")
+            for end in (0, 100_000):
+                await page.evaluate(f"document.querySelector('main').scrollTo(0, {end})")
+                assert await page.evaluate(OVERLAPS) == [], (tab, end)
+                wide = "document.scrollingElement.scrollWidth - innerWidth"
+                assert await page.evaluate(wide) <= 0, (tab, end)
+        head = await page.locator("header").bounding_box()
+        stop = await page.locator("#stop").bounding_box()
+        assert head is not None
+        assert head["height"] < 0.16 * height
+        assert stop is not None
+        assert stop["y"] + stop["height"] <= height
+        assert stop["height"] >= 60
+
+
+async def test_the_place_of_the_picture_says_that_it_is_loading() -> None:
+    async with arm_and_panel() as (_, panel), browser() as chromium:
+        page = await opened(chromium, panel.url)  # its picture never comes
+        assert "is loading" in await page.inner_text("#scene-wait")
+        covered = "document.elementFromPoint(...['x', 'y'].map((side, i) => {"
+        covered += "const box = document.getElementById('scene').getBoundingClientRect();"
+        covered += "return box[side] + [box.width, box.height][i] / 2; })).id"
+        assert await page.evaluate(covered) == "scene-wait"
+
+
 async def test_stop_in_mid_motion_needs_no_lease() -> None:
     """Whoever moves the arm, and from a page that only watches."""
     async with (
@@ -203,6 +303,7 @@ async def test_the_picture_shows_the_arm_where_it_is() -> None:
         page = await opened(chromium, panel.url, scene=True)
         frame = page.frame_locator("#scene")
         await frame.locator("canvas").first.wait_for(state="visible")
+        await page.wait_for_selector("#scene-wait", state="hidden")  # a body of the arm is drawn
         await frame.locator("[data-floating-window]").first.wait_for(state="hidden")
         # To the browser it is another site's, and so drawn in a process of its own.
         (picture,) = (each for each in page.frames if each != page.main_frame)

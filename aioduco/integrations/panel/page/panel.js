@@ -269,7 +269,9 @@ function begin(message) {
   message.events.forEach(showEvent);
   seldom = message.seldom;
   showSeldom(); showSpeeds(); showMeasured(message.measured);
-  if (message.scene_port !== null) {
+  if (message.scene_port === null) pictureSays("This panel draws no picture of the arm.");
+  else {
+    pictureSays("The picture of the arm is loading…");
     // By this computer's other name the picture is another site's to the browser, which draws it in
     // a process of its own: however long that takes, the stop does not wait for it.
     const names = {"127.0.0.1": "localhost", "localhost": "127.0.0.1"};
@@ -278,8 +280,13 @@ function begin(message) {
     $("scene").src = `${location.protocol}//${host}/scene?darkMode&websocket=${encodeURIComponent(where)}`;
   }
 }
-// The picture takes the keys once it was clicked: the stop's works there, too.
-addEventListener("message", (event) => { if (event.source === $("scene").contentWindow && event.data === "Escape") stop(); });
+addEventListener("message", (event) => {
+  if (event.source !== $("scene").contentWindow) return;
+  if (event.data === "Escape") stop();  // the picture takes the keys once it was clicked
+  else if (event.data === "drawn") $("scene-wait").hidden = true;
+  else if (event.data === "no WebGL") { pictureSays("This browser draws no picture of the arm: it has no WebGL."); }
+});
+function pictureSays(text) { $("scene-wait").hidden = false; $("scene-wait").textContent = text; }
 
 function pill(id, text, kind) { const box = $(id); if (box.textContent !== text) box.textContent = text; box.parentElement.className = `pill ${kind}`; }
 const fixed = (value, digits) => (value === null || value === undefined ? "–" : (Math.round(value * 10 ** digits) / 10 ** digits + 0).toFixed(digits));
@@ -300,6 +307,7 @@ function showState() {
     const off = !mine || (control.id === "move" && !aimed);
     if (control.disabled !== off && control !== held) control.disabled = off;
   });
+  $("move").textContent = held === $("move") ? "Moving: let go to stop" : !mine ? "Take control to move" : !aimed ? "Set a target first" : "Hold to move";
   if (now === null) return;
   pill("robot", now.robot, now.robot === "ENABLE" ? "good" : "warn");
   pill("program", now.program, now.program === "STOPPED" ? "" : "on");
