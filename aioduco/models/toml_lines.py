@@ -46,11 +46,11 @@ def statements(text: str) -> Iterator[Statement]:
     """
     table: TomlPath = ()
     counts: dict[TomlPath, int] = {}
-    lines = text.removeprefix("\ufeff").split("\n")
+    lines = [each.removesuffix("\r") for each in text.removeprefix("\ufeff").split("\n")]
     begin = 0
     while begin < len(lines):
         end, read = _complete(lines, begin)
-        whole = "\n".join(lines[begin:end]).removesuffix("\r")
+        whole = "\n".join(lines[begin:end])
         if read and whole.lstrip().startswith("["):
             many = whole.lstrip().startswith("[[")
             table = _numbered(_keys(read), counts, many=many)

@@ -63,8 +63,11 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> Non
         ("[home]\njoints = [1, 2, 3]", "six"),
         ("[home]\njoints = [1, 2, 3, 4, 5, nan]", "finite"),
         ("[home]\njoints = [1, 2, 3, 4, 5, true]", "six numbers"),
-        ("[home]\nangles = [1, 2, 3, 4, 5, 6]", "either joints or a pose"),
-        ("[home]\njoints = [0,0,0,0,0,0]\npose = [0,0,0,0,0,0]", "either joints or a pose"),
+        ("[home]\nangles = [1, 2, 3, 4, 5, 6]", "joints, joints_deg, pose"),
+        (
+            "[home]\njoints = [0,0,0,0,0,0]\npose = [0,0,0,0,0,0]",
+            "joints, joints_deg, pose or pose_mm_deg",
+        ),
         ("[home", "a TOML file"),
     ],
 )

@@ -156,7 +156,7 @@ async def test_all_robots_of_a_cell_are_connected_and_move_within_its_limits() -
             assert list(robots) == ["left", "right"]
             await robots["left"].bring_up()
             with pytest.raises(aioduco.EnvelopeViolated, match="plane"):
-                await robots["left"].motion.movej2(Joints.deg(0, 60, 90, 0, -90, 0), v=1, a=1)
+                await robots["left"].motion.movej2(Joints.deg(0, 60, 90, 0, -90, 0), v=0.3, a=0.5)
 
 
 @pytest.mark.parametrize(

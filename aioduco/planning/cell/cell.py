@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco.errors import CellFileError, ParameterError, WaypointFileError
 from aioduco.models.points import Point, TaughtPoints, key_text
@@ -64,18 +64,23 @@ class Cell(Mapping[str, Point]):
         CellFileError: the text is no TOML, or a field is wrong.
     """
 
+    path: Path
+    text: str
+    arm: str
+    robots: dict[str, CellRobot]
+    tool: CellTool
+    gripper: CellGripper | None
+    frames: dict[str, Pose]
+    waypoints: WaypointFile
+
     def __init__(self, text: str, path: str | os.PathLike[str] = "cell.toml") -> None:
-        self.path: Path = Path(path)
+        self.path = Path(path)
         self._take(text)
 
     def _take(self, text: str) -> None:
         """Read everything, or nothing."""
         try:
-            found = parse_toml(text)
-        except ValueError as error:
-            raise CellFileError(f"{self.path} is no TOML: {error}") from error
-        try:
-            read = self._sections(found)
+            found = _contents(parse_toml(text), self.path.parent)
             waypoints = WaypointFile(text, str(self.path), beside=_OWN)
         except WrongField as error:
             where = ".".join(map(_shown, error.place))
@@ -83,48 +88,12 @@ class Cell(Mapping[str, Point]):
             raise CellFileError(f"{self.path}, line {line}: {where}: {error}") from error.__cause__
         except WaypointFileError as error:
             raise CellFileError(str(error)) from error
-        self.text: str = text
-        self.waypoints: WaypointFile = waypoints
-        (self.arm, self.robots, self._default, self.tool, self.gripper, self.frames, self._points,
-         self._scene, self._limits) = read  # fmt: skip
-
-    def _sections(
-        self, found: dict[str, Any]
-    ) -> tuple[
-        str,
-        dict[str, CellRobot],
-        str,
-        CellTool,
-        CellGripper | None,
-        dict[str, Pose],
-        dict[str, CellPoint],
-        sections.CellScene,
-        list[tuple[str, EnvelopeLimit]],
-    ]:
-        folder = self.path.parent
-        sections.only((), found, _SECTIONS)
-        arm = sections.model(("arm",), found["arm"]) if "arm" in found else ""
-        robots, default = sections.robots(found.get("robots", {}), arm)
-        gripper = None
-        if "gripper" in found:
-            from aioduco.planning.cell.grippers import gripper as gripper_of  # noqa: PLC0415
-
-            gripper = gripper_of(found["gripper"])
-        frames = sections.frames(found.get("frames", {}))
-        limits = sections.limits(found.get("limit", []), robots)
-        if not arm and not robots and {"limit", "scene", "waypoint"} & found.keys():
-            sections.wrong((), 'arm is missing: the model of the arm, such as arm = "gcr5_910"')
-        return (
-            arm,
-            robots,
-            default,
-            sections.tool(found.get("tool", {}), folder),
-            gripper,
-            frames,
-            sections.points(found.get("points", {}), frames),
-            sections.scene(found.get("scene", {}), folder),
-            limits,
-        )
+        except ValueError as error:
+            raise CellFileError(f"{self.path} is no TOML: {error}") from error
+        self.text, self.waypoints = text, waypoints
+        self.arm, self.robots, self._default = found.arm, found.robots, found.default
+        self.tool, self.gripper, self.frames = found.tool, found.gripper, found.frames
+        self._points, self._scene, self._limits = found.points, found.scene, found.limits
 
     def __repr__(self) -> str:
         named = f"{len(self.robots)} robots, {len(self)} points"
@@ -358,6 +327,50 @@ class Cell(Mapping[str, Point]):
         if not self.arm:
             raise ParameterError("arm", self.arm, f"given in {self.path}")
         return CellRobot(name="", host="", port=0, model=self.arm)
+
+
+class _Contents(NamedTuple):
+    """What the sections of a file say."""
+
+    arm: str
+    robots: dict[str, CellRobot]
+    default: str
+    tool: CellTool
+    gripper: CellGripper | None
+    frames: dict[str, Pose]
+    points: dict[str, CellPoint]
+    scene: sections.CellScene
+    limits: list[tuple[str, EnvelopeLimit]]
+
+
+def _contents(found: dict[str, Any], folder: Path) -> _Contents:
+    """Read the sections, but for those of waypoints.
+
+    Raises:
+        WrongField: a field is wrong.
+    """
+    sections.only((), found, _SECTIONS)
+    arm = sections.model(("arm",), found["arm"]) if found.get("arm", "") != "" else ""
+    robots, default = sections.robots(found.get("robots", {}), arm)
+    if not arm and not robots and {"limit", "scene"} & found.keys():
+        sections.wrong((), 'arm is missing: the model of the arm, such as arm = "gcr5_910"')
+    gripper = None
+    if "gripper" in found:
+        from aioduco.planning.cell.grippers import gripper as gripper_of  # noqa: PLC0415
+
+        gripper = gripper_of(found["gripper"])
+    frames = sections.frames(found.get("frames", {}))
+    return _Contents(
+        arm,
+        robots,
+        default,
+        sections.tool(found.get("tool", {}), folder),
+        gripper,
+        frames,
+        sections.points(found.get("points", {}), frames),
+        sections.scene(found.get("scene", {}), folder),
+        sections.limits(found.get("limit", []), robots),
+    )
 
 
 @asynccontextmanager

@@ -54,7 +54,7 @@ class _Child:
         self.recorder = RunRecorder(self.clock)
         self.variation = Variation.of(options.get("vary", ()), options.get("seed", 0))
         self._random = random.Random(options.get("seed", 0))
-        self._cell = patches.Cell(self._make, self._attached)
+        self._cell = patches.ProgramSimulator(self._make, self._attached)
         self._served = 0
         self._spawned: list[Simulator] = []
         self._over = threading.Event()

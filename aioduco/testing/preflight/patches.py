@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from aioduco.testing.preflight.program_clock import ProgramClock, Wait
     from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder
 
-__all__ = ["Cell", "install"]
+__all__ = ["ProgramSimulator", "install"]
 
 #: modules between the program and the functions that it calls
 _BETWEEN = frozenset(
@@ -64,7 +64,7 @@ _HEARTBEAT = 30.0
 _LOOK = 0.01
 
 
-class Cell:
+class ProgramSimulator:
     """The simulator that the program runs on: its own, if it starts one, else the preflight's.
 
     Args:
@@ -142,7 +142,7 @@ def _by_program() -> bool:
 
 
 def install(
-    clock: ProgramClock, recorder: RunRecorder, cell: Cell, serve: Callable[..., Any]
+    clock: ProgramClock, recorder: RunRecorder, cell: ProgramSimulator, serve: Callable[..., Any]
 ) -> None:
     """Replace all of these functions, for the rest of this process.
 
@@ -332,7 +332,7 @@ def _threads(clock: ProgramClock) -> None:
     condition.wait, condition.notify, thread.join = waited, notified, joined
 
 
-def _addresses(clock: ProgramClock, cell: Cell) -> None:
+def _addresses(clock: ProgramClock, cell: ProgramSimulator) -> None:
     robot: Any = robot_module.Robot
     wire: Any = connection.Connection
     of_robot, of_wire = robot.__init__, wire.__init__
