@@ -114,3 +114,10 @@ def test_type_checkers_know_that_it_is_not_there() -> None:
     """`mypy` says so of this line if it takes every name for one that is there."""
     with pytest.raises(NamedElsewhere):
         _ = ROBOTS[0].movej2  # type: ignore[attr-defined]  # what this is about
+
+
+def test_a_wait_of_blocking_programs_is_named_in_those_with_async() -> None:
+    robot: Any = aioduco.connect("192.0.2.1")
+    for one in (robot, robot.motion):
+        with pytest.raises(NamedElsewhere, match=r"asyncio\.sleep"):
+            _ = one.sleep

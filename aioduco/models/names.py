@@ -39,6 +39,10 @@ CLIENT_SIDE: Final = {
 }
 
 
+#: function of blocking robots alone -> its replacement in a program with `async`
+_BLOCKING_ALONE: Final = {"sleep": "`await asyncio.sleep(seconds)` in a program with `async`"}
+
+
 def place(name: str) -> str | None:
     """Return the notation of a function in a program, such as `robot.motion.movel`.
 
@@ -61,7 +65,7 @@ def _meant(name: str) -> str:
     if where is not None:
         wire = SPELLINGS.get(name)
         return where if wire is None else f"{where}: the controller calls it {wire}"
-    return BY_ITSELF.get(name) or CLIENT_SIDE.get(name, "")
+    return BY_ITSELF.get(name) or CLIENT_SIDE.get(name) or _BLOCKING_ALONE.get(name, "")
 
 
 class ManualNames:
