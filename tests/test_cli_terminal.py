@@ -67,6 +67,7 @@ ROWS = [
     ),
     Row("tool touch {at}", (*YES, (b"touch 1", b"q\r")), b"0 touches gave no tip", 1),
     Row("payload {at}", (*YES, (b"pose 1", b"q\r")), b"0 poses", 1),
+    Row("init {here}/project", shows=b"written to"),
     Row("preflight {here}/main.py", shows=b"main.py"),
     Row("export urdf -o {here}/urdf", shows=b"urdf"),
     Row("doctor {at} --seconds 0.1"),

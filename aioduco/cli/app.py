@@ -13,6 +13,7 @@ from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.export import export
 from aioduco.cli.fleet import fleet
+from aioduco.cli.init import init
 from aioduco.cli.io import io
 from aioduco.cli.jog import jog
 from aioduco.cli.monitor.monitor import monitor
@@ -88,6 +89,7 @@ app.command(
 )(ros2)
 app.command(rich_help_panel=_CONNECT)(tap)
 app.command(rich_help_panel=_CONNECT)(export)
+app.command(rich_help_panel=_PREPARE)(init)
 app.command(rich_help_panel=_PREPARE)(doctor)
 app.command(rich_help_panel=_PREPARE)(check)
 app.command(rich_help_panel=_PREPARE)(calibrate)

@@ -1,0 +1,61 @@
+"""`aioduco init`: the project is green as it is written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from patient import COMMAND_LINE
+from test_cli import run
+
+from aioduco import Cell
+from aioduco.kinematics import check, models
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(400)
+def test_the_project_is_green_as_written(tmp_path: Path) -> None:
+    made = run("init", str(tmp_path / "demo"))
+    assert made.exit_code == 0, made.output
+    here = tmp_path / "demo"
+    kept = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("PYTEST_", "AIODUCO_HOST"))
+    }
+    environment = {**kept, "XDG_CONFIG_HOME": str(tmp_path)}
+    steps = (
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        [*COMMAND_LINE, "check", "cell.toml"],
+        [*COMMAND_LINE, "preflight", "main.py"],
+        [*COMMAND_LINE, "preflight", "main.py", "--cell", "cell.toml"],
+    )
+    for step in steps:
+        done = subprocess.run(
+            step, cwd=here, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, (step, done.stdout, done.stderr)
+
+
+@pytest.mark.parametrize("model", models())
+def test_every_arm_reaches_its_points(model: str, tmp_path: Path) -> None:
+    assert run("init", str(tmp_path / "demo"), "--model", model).exit_code == 0
+    cell = Cell.load(tmp_path / "demo" / "cell.toml")
+    assert cell.arm == model
+    report = check(cell, arm=model, near=cell.joints("ready"))
+    assert report.ok, str(report)
+    assert len((tmp_path / "demo" / "README.md").read_text().splitlines()) <= 10
+
+
+def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
+    answer = run("init", str(tmp_path))
+    assert (answer.exit_code, list(tmp_path.iterdir())) == (1, [])
+    assert "nothing was written" in answer.output
+    assert run("init", str(tmp_path / "a"), "--host", "no host").exit_code == 2
+    assert not (tmp_path / "a").exists()
