@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.output import print_json, say
@@ -56,6 +56,7 @@ class Mounting(enum.StrEnum):
 def payload(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     sensor: Annotated[
         Sensor, typer.Option(help="The joints' torques, or the force sensor at the flange.")
     ] = Sensor.TORQUE,
@@ -107,7 +108,7 @@ def payload(
     """
     if held and tool is not None:
         raise typer.BadParameter("--tool and --held write the result in two ways: give one of them")
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     known_arm = None if model is None else arm_named(model)
     file = None if poses is None else _file(poses)
     if file is None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
@@ -37,6 +37,7 @@ in between."""
 def touch(
     host: Host = None,
     port: Port = None,
+    cell: CellFile = None,
     name: Annotated[
         str | None,
         typer.Option(help="Define a tool of this name on the controller: it asks first."),
@@ -72,7 +73,7 @@ def touch(
     Exit codes: 0 it was found; 1 it was not, or no controller; 2 wrong options; 3 not confirmed:
     nothing was written; 4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM.
     """
-    address = robot_at(host, port)
+    address = robot_at(host, port, cell)
     say(_HOW.format(count=touches), error=True)
     if guide:
         ask(
