@@ -74,12 +74,12 @@ def test_the_last_look_begins_after_the_watch() -> None:
 def test_an_arm_that_stood_for_two_looks_and_moves_is_stopped_at_once() -> None:
     """It is not one that still brakes: the motion has come, however soon after the stop."""
     one = motion()
-    one.dissolved(0.0)
+    one.connection_reset(0.0)
     stand(one, 0.0, 0.1)
     look(one, 0.2, moving=True)
     assert one.step(0.2) is NextStep.STOP
     braking = motion()
-    braking.dissolved(0.0)
+    braking.connection_reset(0.0)
     braking.stopped(0.0, 0.1)
     look(braking, 0.1)
     look(braking, 0.2, moving=True)
