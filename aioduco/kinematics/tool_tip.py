@@ -93,7 +93,7 @@ def calibrate_tool_tip(
     turns, places = hands[:, :3, :3], hands[:, :3, 3]
     _check_turns(turns)
     rows = np.hstack([turns.reshape(-1, 3), np.tile(-np.eye(3), (count, 1))])
-    inverse = np.linalg.inv(rows.T @ rows)
+    inverse: Array = np.linalg.inv(rows.T @ rows).astype(np.float64)
     found = -inverse @ rows.T @ places.ravel()
     errors = (rows @ found + places.ravel()).reshape(-1, 3)
     distances = np.linalg.norm(errors, axis=1)

@@ -111,10 +111,7 @@ class Parts:
         Raises:
             ParameterError: there is no such thing.
         """
-        if name not in self._joints:
-            names = sorted(self._joints)
-            raise ParameterError("name", name, f"one of the things that may move: {names}")
-        start = int(self._model.jnt_qposadr[self._joints[name]])
+        start = int(self._model.jnt_qposadr[self._joint(name)])
         return slice(start, start + 7)
 
     def where(self, name: str, positions: Array) -> PartPlace:
@@ -135,18 +132,25 @@ class Parts:
         return PartPlace(pose_of(at), held, tuple(sorted(touched)))
 
     def put(self, name: str, pose: Pose) -> None:
-        """Put a thing at a pose in the world, at rest; it sticks to nothing any more."""
+        """Put a thing at a pose in the world, at rest; it sticks to nothing any more.
+
+        Raises:
+            ParameterError: there is no such thing.
+        """
         body = self._body(name)
         mine = (self._model.eq_obj1id == body) | (self._model.eq_obj2id == body)
         self._data.eq_active[mine & self._between_parts] = False
         rotation = quaternion_from_matrix(pose.matrix[:3, :3])
         self._data.qpos[self.place(name)] = [*pose[:3], *rotation]
-        start = int(self._model.jnt_dofadr[self._joints[name]])
+        start = int(self._model.jnt_dofadr[self._joint(name)])
         self._data.qvel[start : start + 6] = 0.0
 
     def mass(self, name: str) -> float:
-        """Give a thing's mass [kg]."""
-        self.place(name)
+        """Give a thing's mass [kg].
+
+        Raises:
+            ParameterError: there is no such thing.
+        """
         return float(self._model.body_mass[self._body(name)])
 
     def set_mass(self, name: str, mass: float) -> None:
@@ -163,7 +167,6 @@ class Parts:
         Raises:
             ParameterError: there is no such thing, or there are too many.
         """
-        self.place(one), self.place(other)
         kind, bodies = mujoco.mjtObj.mjOBJ_EQUALITY, [self._body(name) for name in (one, other)]
         first, second = (self._model.body(body).name for body in bodies)
         found = max(
@@ -191,5 +194,11 @@ class Parts:
         model.eq_data[weld, 6:10] = quaternion_from_matrix(turns[0].T @ turns[1])
         data.eq_active[weld] = stuck
 
+    def _joint(self, name: str) -> int:
+        if name not in self._joints:
+            names = sorted(self._joints)
+            raise ParameterError("name", name, f"one of the things that may move: {names}")
+        return self._joints[name]
+
     def _body(self, name: str) -> int:
-        return int(self._model.jnt_bodyid[self._joints[name]])
+        return int(self._model.jnt_bodyid[self._joint(name)])
