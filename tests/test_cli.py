@@ -27,8 +27,10 @@ from aioduco.cli.app import app
 from aioduco.cli.call import function_of
 from aioduco.cli.demo.run import LEFT
 from aioduco.cli.sim_do import control_port_of
+from aioduco.compat import DucoCobot
 from aioduco.kinematics import models
 from aioduco.models.enums import RobotState
+from aioduco.models.force_sample import FORCE_REQUEST
 from aioduco.models.names import SPELLINGS, place
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
@@ -146,6 +148,30 @@ def test_sim_pushes_status_frames_where_it_says() -> None:
             sim.send_signal(signal.SIGTERM)
             sim.communicate(timeout=20)
     assert sim.returncode == 0
+
+
+@pytest.mark.slow
+def test_sim_plays_the_generation_and_streams_the_forces_that_it_is_told() -> None:
+    with process("sim", "--port", "0", "--generation", "4.3", "--force-port", "0") as sim:
+        assert sim.stdout is not None
+        said = sim.stdout.readline()
+        host, port = said.split()[3].rstrip(",").split(":")
+        with DucoCobot(host, int(port)) as robot:
+            assert robot.get_robot_version().startswith("4.3")
+        forces = int(said.partition("forces from UDP ")[2].split(",")[0])
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
+            asking.settimeout(20.0)
+            asking.sendto(FORCE_REQUEST, (host, forces))
+            assert len(asking.recv(256)) == 48
+        sim.send_signal(signal.SIGTERM)
+        sim.communicate(timeout=20)
+    assert sim.returncode == 0
+
+
+def test_a_generation_that_there_is_not() -> None:
+    answer = run("sim", "--port", "0", "--generation", "5")
+    assert answer.exit_code == 1
+    assert "4.3" in answer.output
 
 
 @pytest.mark.slow
