@@ -12,8 +12,9 @@ from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.number_lists import numbers
-from aioduco.cli.output import say
+from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.status import look
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,6 +58,15 @@ def check(
         Path | None,
         typer.Option("--output", "-o", help="Also write the report to a .md or .json file."),
     ] = None,
+    bundle: Annotated[
+        Path | None,
+        typer.Option(
+            help="Also write the report as one file to send, .zip: without addresses, names, keys."
+        ),
+    ] = None,
+    ids: Annotated[
+        bool, typer.Option("--ids", help="In the bundle, keep the numbers of devices.")
+    ] = False,
     model: Annotated[str, typer.Option(help="Arm, for points.")] = "gcr5_910",
     start: Annotated[
         str | None,
@@ -81,6 +91,8 @@ def check(
 
     aioduco check 192.168.1.10 --move -o report.md
 
+    aioduco check 192.168.1.10 --bundle report.zip
+
     With --motions: record the arm while it moves, for `aioduco calibrate`; nothing is compared.
 
     aioduco check 192.168.1.10 --motions run.mcap
@@ -90,16 +102,27 @@ def check(
     if target.endswith(".toml") or Path(target).is_file():
         _points(Path(target), model, start, tool, wobj)
     elif motions is not None:
-        _motions(robot_at(target, port), motions, reach, power=power, yes=yes)
+        _motions(robot_at(target, port, cell), motions, reach, power=power, yes=yes)
     else:
-        _controller(robot_at(target, port, cell), move=move, yes=yes, output=output)
+        address = robot_at(target, port, cell)
+        _controller(address, move=move, yes=yes, output=output, bundle=bundle, ids=ids)
 
 
-def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | None) -> None:
+def _controller(
+    address: RobotAddress,
+    *,
+    move: bool,
+    yes: bool,
+    output: Path | None,
+    bundle: Path | None,
+    ids: bool,
+) -> None:
     from aioduco.testing.conformance import check_controller  # noqa: PLC0415 - for this command alone
 
     if output is not None and output.suffix not in (".md", ".json"):
         raise typer.BadParameter("a name that ends in .md or .json", param_hint="--output")
+    if bundle is not None and bundle.suffix != ".zip":
+        raise typer.BadParameter("a name that ends in .zip", param_hint="--bundle")
     if move:
         what = (
             f"The last joint of the arm at {address} will turn by up to 17 degrees and the first "
@@ -119,6 +142,11 @@ def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | 
         text = report.json() if output.suffix == ".json" else report.markdown()
         output.write_text(text, encoding="utf-8")
         say(f"written to {output}")
+    if bundle is not None:
+        from aioduco.testing.conformance.bundle import write_bundle  # noqa: PLC0415 - for this alone
+
+        write_bundle(bundle, report, plain(look(address)), ids=ids)
+        say(f"written to {bundle}; read it before you send it")
     if not report.ok:
         raise typer.Exit(1)
 
