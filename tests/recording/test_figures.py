@@ -67,7 +67,7 @@ def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
     angles = values["panels"][0]
     joints = run.arrays("/joint_states")
     assert len(angles["curves"]) == 12  # of both recordings
-    assert angles["unit"] == "°"
+    assert str(angles["unit"]) == "°"
     degrees = np.degrees(joints["position"][:, 0])
     assert angles["curves"][0]["y"] == pytest.approx(degrees, rel=1e-6, abs=1e-7)
     assert angles["curves"][0]["x"] == pytest.approx(joints["time"], abs=1e-4)
@@ -150,7 +150,7 @@ def test_no_legend_and_no_name_of_a_mark_lies_over_a_curve() -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
 
     figure = drawn(Plain())  # type: ignore[arg-type]
-    FigureCanvasAgg(figure).draw()
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
     strip, *rest = figure.axes
     assert [text.get_text() for text in strip.texts] == ["movej2", "movej2"]
     assert not strip.lines or all(len(set(line.get_xdata())) == 1 for line in strip.lines)  # type: ignore[arg-type]

@@ -322,11 +322,12 @@ def test_of_a_busy_loop_one_line_is_told_and_the_calls_are_for_debugging() -> No
     """The program's line is the innermost within the loop; of asyncio's own calls none is."""
     seen: list[BlockingCalls] = []
 
-    def look() -> None:
+    def look() -> int:
         seen.append(blocking_calls(sys._getframe()))
+        return 0
 
     async def program() -> None:
-        sorted([1], key=lambda _: look())  # type: ignore[func-returns-value,return-value]
+        sorted([1], key=lambda _: look())
         seen.append(blocking_calls(sys._getframe().f_back))
 
     async def main() -> None:
