@@ -136,27 +136,44 @@ def preflight(
 
 
 def _show(console: SafeConsole, report: PreflightReport) -> None:
+    """Show what was found first: the table below it may be longer than the terminal."""
     from rich.table import Table  # noqa: PLC0415 - for this command alone
 
+    for finding in report.findings:
+        console.print(str(finding), style="bold red", highlight=False, markup=False, soft_wrap=True)
     table = Table(title="what the program did", title_justify="left")
     for head in ("line", "call", "start [s]", "took [s]", "end"):
         table.add_column(head, justify="right" if "[s]" in head else "left")
     for call in report.motions:
         took = f"{call['ended'] - call['started']:.2f}" if call["ended"] >= 0.0 else ""
-        where = f"{Path(call['where']['file']).name}:{call['where']['line']}"
-        table.add_row(
-            where, _plain(call["text"]), f"{call['begin']:.2f}", took, call["state"].lower()
-        )
+        table.add_row(_where(call["where"]), _plain(call["text"]), f"{call['begin']:.2f}", took,
+                      _end(call))  # fmt: skip
     console.print(table)
     for margin in report.margins:
         console.print(f"smallest margin, {margin}", highlight=False, markup=False)
     console.print(
         f"{report.duration:.1f} s of the program, tried in {report.took:.1f} s", highlight=False
     )
-    for finding in report.findings:
-        console.print(str(finding), style="bold red", highlight=False, markup=False, soft_wrap=True)
     if report.ok:
         console.print("nothing was found", style="green")
+    else:
+        count = len(report.findings)
+        told = f"found: {count} {'problem' if count == 1 else 'problems'}, above the table"
+        console.print(told, style="bold red", highlight=False)
+
+
+def _where(place: dict[str, Any]) -> str:
+    """Line of a call, and the line from which its function was called."""
+    line = f"{Path(place['file']).name}:{place['line']}"
+    file, _, number = place["caller"].rpartition(":")
+    return f"{line}, from {Path(file).name}:{number}" if file else line
+
+
+def _end(call: dict[str, Any]) -> str:
+    """How a motion ended. The controller calls one that blended into the next interrupted."""
+    if call["state"] == "INTERRUPT":
+        return "blended" if call["radius"] > 0.0 else "interrupted"
+    return str(call["state"]).lower()
 
 
 def _plain(text: str) -> str:

@@ -50,6 +50,7 @@ class PreflightFinding:
         file: path of the program's file; empty if the line is not known.
         line: number of the line, from 1; 0 if it is not known.
         function: name of the function with the line.
+        caller: file and line from which that function was called; empty if unknown.
         sample: number of the sample that shows it, for a picture; -1 for none.
     """
 
@@ -59,11 +60,13 @@ class PreflightFinding:
     file: str = ""
     line: int = 0
     function: str = ""
+    caller: str = ""
     sample: int = -1
 
     def __str__(self) -> str:
         where = f"{self.file}:{self.line}: " if self.line else ""
-        return f"{where}{self.kind}: {self.text}"
+        called = f" (called from {self.caller})" if self.caller else ""
+        return f"{where}{self.kind}: {self.text}{called}"
 
     def as_json(self) -> dict[str, Any]:
         """The finding as values for JSON."""
@@ -91,9 +94,9 @@ def findings(
         *more,
     ]  # fmt: skip
     found.sort(key=lambda one: one.time)
-    seen: dict[tuple[str, int, str], PreflightFinding] = {}
+    seen: dict[tuple[str, int, str, str], PreflightFinding] = {}
     for one in found:
-        seen.setdefault((one.kind, one.line, one.file if one.line else one.text), one)
+        seen.setdefault((one.kind, one.line, one.file if one.line else one.text, one.caller), one)
     return tuple(seen.values())
 
 

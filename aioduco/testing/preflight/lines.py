@@ -39,11 +39,14 @@ class ProgramLine(NamedTuple):
         file: path of the file.
         line: number of the line, from 1.
         function: name of the function.
+        caller: file and line from which the program called that function; empty if it is unknown,
+            or if the function is a task of its own.
     """
 
     file: str
     line: int
     function: str
+    caller: str = ""
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}"
@@ -73,20 +76,39 @@ def current() -> CallOrigin | None:
     frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         if is_program(frame.f_code.co_filename):
-            return CallOrigin(_line(frame.f_code, frame.f_lineno), _actor())
+            line = _line(frame.f_code, frame.f_lineno)
+            return CallOrigin(line._replace(caller=_caller(frame)), _actor())
         if frame.f_code is _RUN_ONCE:
             break  # the frames below belong to the code that runs the loop
         frame = frame.f_back
     return TASK_ORIGIN.get()
 
 
+def _caller(frame: FrameType) -> str:
+    """File and line of the program from which it called the function of a frame."""
+    above: FrameType | None = frame.f_back
+    while above is not None and not _of_asyncio(above.f_code):
+        if is_program(above.f_code.co_filename):
+            return str(_line(above.f_code, above.f_lineno))
+        above = above.f_back
+    return ""
+
+
+def _of_asyncio(code: CodeType) -> bool:
+    """Whether it is asyncio's: what is called through that is a task, or begins the program."""
+    return Path(code.co_filename).parent.name == "asyncio"
+
+
 def of_error(error: BaseException) -> ProgramLine | None:
     """The innermost line of the program in an error's traceback."""
-    found, traceback = None, error.__traceback__
+    found, caller, traceback = None, "", error.__traceback__
     while traceback is not None:
         code = traceback.tb_frame.f_code
         if is_program(code.co_filename):
-            found = _line(code, traceback.tb_lineno)
+            found = _line(code, traceback.tb_lineno)._replace(caller=caller)
+            caller = str(found)
+        elif _of_asyncio(code):
+            caller = ""
         traceback = traceback.tb_next
     return found
 

@@ -6,7 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from aioduco.cli.app import app
 from aioduco.sim.scene import Box, Rod, Table, Thing
 from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.findings import KINDS
@@ -77,3 +79,37 @@ def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -
     report = preflight(path, (), PreflightSettings(patience=5.0, timeout=110), quiet=True)
     assert report.ok, report.findings
     assert report.duration > 8.0
+
+
+CALLS = """
+import asyncio
+import aioduco
+
+async def go(robot, x):
+    try:
+        await robot.motion.movel((x, 0.0, 0.5, 3.14, 0.0, 0.0), v=0.2, a=0.5)
+    except aioduco.DucoError:
+        pass
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        await robot.bring_up()
+        await go(robot, 5.0)
+        await robot.motion.movej2((0.0, -0.3, 1.8, 0.0, -1.57, 0.0), v=1.0, a=1.0)
+        await go(robot, -5.0)
+
+asyncio.run(main())
+"""
+
+
+def test_a_fault_in_a_function_is_shown_with_each_line_that_calls_it(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(CALLS, encoding="utf-8")
+    done = CliRunner().invoke(app, ["preflight", str(program), "--quiet"])
+    assert done.exit_code == 1, done.output
+    for line in (14, 16):
+        assert f"{program}:7: unreachable: " in done.output
+        assert f"(called from {program}:{line})" in done.output.replace("\n", "")
+    # before the table, which may be longer than the terminal
+    assert done.output.index("unreachable") < done.output.index("what the program did")
+    assert "found: 2 problems" in done.output
