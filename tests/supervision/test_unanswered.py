@@ -71,11 +71,14 @@ def test_the_last_look_begins_after_the_watch() -> None:
     assert one.step(2.1) is NextStep.LOOK
 
 
-def test_an_arm_that_stood_for_two_looks_and_moves_is_stopped_at_once() -> None:
+@pytest.mark.parametrize("more", [0, 1, 5])
+def test_an_arm_that_stood_for_two_looks_or_more_and_moves_is_stopped_at_once(more: int) -> None:
     """It is not one that still brakes: the motion has come, however soon after the stop."""
     one = motion()
     one.connection_reset(0.0)
     stand(one, 0.0, 0.1)
+    for _ in range(more):
+        look(one, 0.15)
     look(one, 0.2, moving=True)
     assert one.step(0.2) is NextStep.STOP
     braking = motion()
@@ -84,6 +87,17 @@ def test_an_arm_that_stood_for_two_looks_and_moves_is_stopped_at_once() -> None:
     look(braking, 0.1)
     look(braking, 0.2, moving=True)
     assert braking.step(0.2) is NextStep.LOOK
+
+
+def test_it_shows_what_is_known_of_the_motion_and_the_arm() -> None:
+    one = motion()
+    assert repr(one) == "<UnansweredMotion open, seen standing 0 times>"
+    one.dissolved(1.0)
+    assert "dissolved" in repr(one)
+    one = motion()
+    one.answered(1.0)
+    stand(one, 1.0, 1.1)
+    assert repr(one) == "<UnansweredMotion answered, seen standing 2 times>"
 
 
 def test_an_arm_that_begins_to_move_in_the_watch_is_stopped_and_watched_anew() -> None:
