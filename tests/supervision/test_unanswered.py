@@ -92,8 +92,8 @@ def test_an_arm_that_stood_for_two_looks_or_more_and_moves_is_stopped_at_once(mo
 def test_it_shows_what_is_known_of_the_motion_and_the_arm() -> None:
     one = motion()
     assert repr(one) == "<UnansweredMotion open, seen standing 0 times>"
-    one.dissolved(1.0)
-    assert "dissolved" in repr(one)
+    one.connection_reset(1.0)
+    assert "reset" in repr(one)
     one = motion()
     one.answered(1.0)
     stand(one, 1.0, 1.1)
