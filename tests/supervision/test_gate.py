@@ -46,6 +46,24 @@ def test_a_permit_ends_with_the_next_stop() -> None:
         gate.check(before, 0.3)
 
 
+def test_a_permit_shows_whether_it_is_valid_and_what_ended_it() -> None:
+    gate = beating()
+    permit = gate.ask("movej2", 0.1)
+    assert repr(permit) == "<Permit movej2 valid>"
+    with gate.stop():
+        assert repr(permit) == "<Permit movej2 stopped>"
+
+
+def test_a_program_that_was_silent_for_just_the_limit_does_not_count_as_hung() -> None:
+    gate = Gate(None, 2.0, 0.0)
+    permit = gate.ask("movel", 1.0)
+    gate.look(2.0)
+    gate.check(permit, 2.0)
+    gate.look(2.25)
+    with pytest.raises(RobotStateError):
+        gate.check(permit, 2.25)
+
+
 def test_what_waits_for_a_stop_that_is_not_confirmed_is_refused_once() -> None:
     gate = beating()
     with contextlib.suppress(StopUnconfirmed), gate.stop():
