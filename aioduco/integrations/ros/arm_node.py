@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import logging
+import math
 import time
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, Protocol, get_args
+from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
 import anyio
+import numpy as np
 
 from aioduco import connect
 from aioduco.errors import DucoError, ParameterError
-from aioduco.integrations.ros.arm_readings import diagnosis, joint_reading, placed_frames
+from aioduco.integrations.ros.arm_readings import (
+    diagnosis,
+    joint_reading,
+    placed_frames,
+    tool_data_fields,
+)
 from aioduco.integrations.ros.arm_services import ArmServices
+from aioduco.integrations.ros.freedrive import Freedrive
 from aioduco.integrations.ros.joint_commands import JointCommands
 from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
-from aioduco.integrations.ros.trajectory_server import Through, TrajectoryServer
+from aioduco.integrations.ros.trajectory_server import Progress, Through, TrajectoryServer
+from aioduco.integrations.ros.twist_commands import TwistCommands
 from aioduco.models.rules import Number, stored
 
 if TYPE_CHECKING:
@@ -129,6 +138,20 @@ class StateSink(Protocol):
     def states(self, snapshot: Snapshot) -> None:
         """Take the whole sample, for states, inputs and outputs."""
 
+    def speed(self, percent: float) -> None:
+        """Take the global speed, which scales motions and goals [percent]."""
+
+    def tool(self, fields: dict[str, Any]) -> None:
+        """Take the data of the tool in use, once a second, as fields of ToolData."""
+
+    def progress(self, place: Progress, factor: float) -> None:
+        """Take where the arm is and is to be, at the rate of feedback.
+
+        Args:
+            place: where it is on the path of its goal; without a goal, it is to be where it is.
+            factor: factor of their speed at which goals are followed.
+        """
+
     def diagnosis(self, found: Diagnosis) -> None:
         """Take the diagnosis of the arm, once a second."""
 
@@ -141,6 +164,8 @@ class ArmNode:
         goals: trajectory goals of the arm.
         services: services of the arm.
         commands: joint positions that are followed as they arrive.
+        twists: speeds of the tool that are followed as they arrive.
+        freedrive: hand guiding while it is asked for.
     """
 
     def __init__(
@@ -163,28 +188,49 @@ class ArmNode:
             options=options,
             stop_at_loss=bool(settings.guard),
         )
-        self.services: ArmServices = ArmServices(robot, self.goals)
+        self.services: ArmServices = ArmServices(robot, self.goals, self._allow)
         self.commands: JointCommands = JointCommands(
             robot,
             settings.profile,
-            busy=lambda: self.goals.busy,
+            busy=lambda: self.goals.busy or self.twists.following,
             rate=settings.command_rate,
             timeout=settings.command_timeout,
             hold=settings.hold_commands,
             reach=2.0 * settings.rules.start,
             options=options,
         )
+        self.twists: TwistCommands = TwistCommands(
+            robot,
+            base=settings.base_frame,
+            tips=[settings.prefix + tip for tip in ("tcp_controller", "tcp", "tool0")],
+            busy=lambda: self.goals.busy or self.commands.following,
+            timeout=settings.command_timeout,
+            options=options,
+        )
+        self.freedrive: Freedrive = Freedrive(
+            robot, busy=lambda: self.goals.busy or self.commands.following or self.twists.following
+        )
         self._tcp_offset: Pose | None = None
+        self._position: tuple[float, ...] = ()
         self._newest: Snapshot | None = None
         self._count = 0  # joint states since the last diagnosis
+
+    def _allow(self) -> None:
+        """Follow commands again: the arm was brought up or recovered."""
+        self.commands.allow()
+        self.twists.allow()
 
     async def run(self, sink: StateSink) -> None:
         """Publish and serve until this is cancelled."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self.goals.run)
             tasks.start_soon(self.commands.run)
+            tasks.start_soon(self.twists.run)
+            tasks.start_soon(self.freedrive.run)
             tasks.start_soon(self._publish_joints, sink)
+            tasks.start_soon(self._publish_progress, sink)
             tasks.start_soon(self._publish_states, sink)
+            tasks.start_soon(self._watch_speed, sink)
             tasks.start_soon(self._diagnose, sink)
 
     async def _publish_joints(self, sink: StateSink) -> None:
@@ -194,9 +240,11 @@ class ArmNode:
         while True:
             try:
                 status = await state.getRobotStatus()
+                reading = joint_reading(status)
+                self._position = reading.position
                 sink.joints(
                     status.received_at,
-                    joint_reading(status),
+                    reading,
                     placed_frames(status, self._tcp_offset, prefix) if sink.wants_frames() else [],
                 )
                 self._count += 1
@@ -211,6 +259,19 @@ class ArmNode:
             number = max(number + 1, int((now - start) / period))
             await anyio.sleep(max(start + number * period - now, 0.0))
 
+    async def _publish_progress(self, sink: StateSink) -> None:
+        """Publish where the arm is and is to be."""
+        start, number, period = anyio.current_time(), 0, 1.0 / self.settings.feedback_rate
+        while True:
+            place = self.goals.progress
+            if place is None and self._position:
+                here = np.array(self._position)
+                place = Progress(0.0, here, here, np.zeros_like(here))
+            if place is not None:
+                sink.progress(place, self.goals.factor)
+            number = max(number + 1, math.ceil((anyio.current_time() - start) / period))
+            await anyio.sleep_until(start + number * period)
+
     async def _publish_states(self, sink: StateSink) -> None:
         """Pass whole samples to the sink; a slow sink loses samples, and causes no delay."""
         with self.robot.feed.subscribe("latest") as samples:
@@ -218,12 +279,31 @@ class ArmNode:
                 self._newest = snapshot
                 sink.states(snapshot)
 
+    async def _watch_speed(self, sink: StateSink) -> None:
+        """Publish the global speed, and let goals follow it."""
+        start, number, period = anyio.current_time(), 0, 1.0 / self.settings.slow_rate
+        while True:
+            try:
+                before = self.goals.factor
+                percent = float(await self.robot.settings.get_global_speed())
+                sink.speed(percent)
+                # whole numbers on the wire: a fraction that a service has set stays
+                if self.goals.factor == before and abs(percent - 100.0 * before) >= 1.0:
+                    self.goals.scale(min(max(percent, 1.0), 100.0) / 100.0)
+            except DucoError as error:
+                _log.debug("no speed: %s", error)
+            number = max(number + 1, math.ceil((anyio.current_time() - start) / period))
+            await anyio.sleep_until(start + number * period)
+
     async def _diagnose(self, sink: StateSink) -> None:
         feed, start, number = self.robot.feed, anyio.current_time(), 0
         asked = start
         while True:
             try:
                 self._tcp_offset = await self.robot.frames.get_tcp_offset()
+                if self._newest is not None:
+                    load = await self.robot.frames.get_tool_load()
+                    sink.tool(tool_data_fields(self._newest, self._tcp_offset, load))
             except DucoError:
                 self._tcp_offset = None  # the tool may have changed: do not use an old offset
             now = anyio.current_time()

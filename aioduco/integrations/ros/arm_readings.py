@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from aioduco import ProgramState, RobotState, SafetyState
 
 if TYPE_CHECKING:
-    from aioduco import Pose, RobotStatus, Snapshot
+    from aioduco import Load, Pose, RobotStatus, Snapshot
     from aioduco.errors import DucoError
 
 __all__ = [
+    "STATE_NAMES",
     "ArmReading",
     "Diagnosis",
     "DiagnosisLevel",
@@ -22,7 +23,18 @@ __all__ = [
     "joint_reading",
     "placed_frames",
     "robot_state_fields",
+    "state_names",
+    "tool_data_fields",
 ]
+
+
+#: topics of the states' names
+STATE_NAMES = (
+    "io_and_status_controller/robot_mode",
+    "io_and_status_controller/safety_mode",
+    "io_and_status_controller/program_state",
+    "io_and_status_controller/operation_mode",
+)
 
 
 class ArmReading(NamedTuple):
@@ -203,6 +215,32 @@ def robot_state_fields(snapshot: Snapshot) -> dict[str, Any]:
         "collision_joint": int(status.collision_axis),
         "emergency_stop": bool(status.emergency_stop),
         "error": int(status.error),
+    }
+
+
+def state_names(snapshot: Snapshot) -> dict[str, str]:
+    """The names of the states by their topics."""
+    states = snapshot.states
+    each = (states.robot, states.safety, states.program, states.mode)
+    return {topic: state.name for topic, state in zip(STATE_NAMES, each, strict=True)}
+
+
+def tool_data_fields(snapshot: Snapshot, offset: Pose, load: Load) -> dict[str, Any]:
+    """The fields of a message of the tool in use.
+
+    Args:
+        snapshot: a sample.
+        offset: pose of the tool's tip in the flange's frame.
+        load: mass and centre of mass of the tool.
+    """
+    mass, *centre = load
+    io = snapshot.io
+    return {
+        "offset": [float(each) for each in offset],
+        "mass": float(mass),
+        "centre": [float(each) for each in centre],
+        "inputs": [bool(each) for each in io.tool_inputs],
+        "outputs": [bool(each) for each in io.tool_outputs],
     }
 
 

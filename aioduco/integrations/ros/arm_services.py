@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco import Joints, Pose
+from aioduco import Joints, Pose, ProgramState
 from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco import Robot
     from aioduco.integrations.ros.trajectory_server import TrajectoryServer
 
 __all__ = ["ArmServices", "ServiceReply"]
+
+_DIGITAL, _ANALOG = 1, 3  # functions of the UR driver's set_io
+_TOOL_PIN = 16  # number of the tool's first output there
+_DAMPING = (1500.0,) * 3 + (57.0,) * 3  # usual by the manual's section 1.3.10
+_FORCE_SPEED = (0.05,) * 3 + (0.2,) * 3
 
 
 class ServiceReply(NamedTuple):
@@ -34,34 +39,58 @@ class ArmServices:
     Args:
         robot: the robot, open.
         goals: trajectory goals of the arm.
+        recovered: called when the arm was brought up or recovered.
     """
 
-    def __init__(self, robot: Robot, goals: TrajectoryServer) -> None:
+    def __init__(
+        self, robot: Robot, goals: TrajectoryServer, recovered: Callable[[], None]
+    ) -> None:
         self._robot = robot
         self._goals = goals
+        self._recovered = recovered
+        self._program = ""  # the program that `play` runs
+        self._force_mode = False
 
     async def bring_up(self) -> ServiceReply:
         """Power on, enable and clear, so that the arm can move."""
-        return await _answered(self._robot.bring_up())
+        return await self._recovering(self._robot.bring_up())
+
+    async def power_on(self) -> ServiceReply:
+        """Power the arm on; its brakes stay closed until it is enabled."""
+        return await _answered(self._robot.system.power_on(), "powered on")
+
+    async def power_off(self) -> ServiceReply:
+        """Power the arm off. It must not be carrying out a goal."""
+        return await self._unless_busy(self._robot.system.power_off, "powered off")
+
+    async def enable(self) -> ServiceReply:
+        """Enable the arm, which releases its brakes."""
+        return await _answered(self._robot.system.enable(), "enabled")
+
+    async def disable(self) -> ServiceReply:
+        """Disable the arm, which closes its brakes. It must not be carrying out a goal."""
+        return await self._unless_busy(self._robot.system.disable, "disabled")
 
     async def recover(self) -> ServiceReply:
         """Recover the arm from a stop."""
-        return await _answered(self._robot.recover())
+        return await self._recovering(self._robot.recover())
 
     async def stop(self) -> ServiceReply:
         """Stop the arm, and wait until it stands. A running goal is aborted."""
+        self._goals.stopped()
         return await _answered(self._robot.stop(), "the arm stands")
 
     async def pause(self) -> ServiceReply:
-        """Pause a movej or movel; during a trajectory goal the request is refused."""
+        """Pause a trajectory goal, or a movej or movel."""
         if self._goals.busy:
-            return ServiceReply(
-                False, "a trajectory goal cannot be paused, nothing was done: cancel it, or stop"
-            )
+            paused = await self._goals.pause()
+            return ServiceReply(paused, "the goal is paused" if paused else "the goal has ended")
         return await _answered(self._robot.pause(), "paused")
 
     async def resume(self) -> ServiceReply:
-        """Resume a paused motion."""
+        """Go on with what was paused."""
+        if self._goals.resume():
+            return ServiceReply(True, "the goal goes on")
         return await _answered(self._robot.resume(), "resumed")
 
     async def set_digital_output(self, num: int, value: bool) -> ServiceReply:
@@ -72,9 +101,147 @@ class ArmServices:
         """Set an output at the tool, 1 or 2."""
         return await _answered(self._robot.io.set_tool_digital_out(num, value), "set")
 
+    async def set_analog_output(self, num: int, value: float, *, current: bool) -> ServiceReply:
+        """Set an analog output of the cabinet, 1 to 4: 0 to 10 V, or 4 to 20 mA."""
+        io = self._robot.io
+        change = (
+            io.set_standard_analog_current_out if current else io.set_standard_analog_voltage_out
+        )
+        return await _answered(change(num, value), "set")
+
+    async def set_io(self, fun: int, pin: int, state: float) -> ServiceReply:
+        """Set an output by the numbers of the UR driver.
+
+        Args:
+            fun: 1 for a digital output, 3 for a voltage.
+            pin: from 0; digital outputs 16 and 17 are the tool's.
+            state: 0 or 1, or the voltage [V].
+        """
+        if fun == _ANALOG:
+            return await self.set_analog_output(pin + 1, state, current=False)
+        if fun != _DIGITAL or state not in (0.0, 1.0):
+            return ServiceReply(
+                False, f"fun {fun} with state {state:g}: 1 with 0 or 1, or 3; nothing was sent"
+            )
+        if pin >= _TOOL_PIN:
+            return await self.set_tool_output(pin - _TOOL_PIN + 1, bool(state))
+        return await self.set_digital_output(pin + 1, bool(state))
+
+    async def zero_sensor(self) -> ServiceReply:
+        """Set the present reading of the force sensor to zero."""
+        tare = self._robot.force.fc_force_set_value((True,) * 6, (0.0,) * 6)
+        return await _answered(tare, "the sensor reads zero here")
+
+    async def start_force_mode(
+        self,
+        selection: Sequence[bool],
+        wrench: Sequence[float],
+        damping: Sequence[float],
+        speed_limits: Sequence[float],
+        frame: int,
+    ) -> ServiceReply:
+        """Let the arm give way to the force at the tool, until `stop_force_mode`.
+
+        Args:
+            selection: whether the arm gives way in each direction. Shape (6,).
+            wrench: force that it maintains [N, N·m]. Shape (6,).
+            damping: damping; all 0: 1500 and 57 [N/(m/s), N·m/(rad/s)]. Shape (6,).
+            speed_limits: largest speeds; all 0: 0.05 and 0.2 [m/s, rad/s]. Shape (6,).
+            frame: 0: the tool's, 1: the work object's.
+        """
+
+        async def run() -> None:
+            force = self._robot.force
+            await force.fc_config(
+                selection,
+                wrench,
+                damping if any(damping) else _DAMPING,
+                speed_limits if any(speed_limits) else _FORCE_SPEED,
+                frame=frame,
+            )
+            await force.fc_start()
+            self._force_mode = True
+            await force.fc_move().start()
+
+        return await self._unless_busy(run, "the arm gives way")
+
+    async def stop_force_mode(self) -> ServiceReply:
+        """End what `start_force_mode` began: the arm stands, and then ends force control."""
+
+        async def run() -> None:
+            await self._robot.stop()
+            await self._robot.force.fc_stop()
+            self._force_mode = False
+
+        if not self._force_mode:
+            return ServiceReply(False, "force mode was not started here; nothing was sent")
+        return await _answered(run(), "force mode has ended")
+
+    async def load_program(self, name: str) -> ServiceReply:
+        """Choose the stored program that `play` runs; the controller is not asked for it."""
+        if not name:
+            return ServiceReply(False, "the name is empty; nothing was changed")
+        self._program = name
+        return ServiceReply(True, f"loaded: {name}")
+
+    async def loaded_program(self) -> ServiceReply:
+        """The name of the program that `play` runs."""
+        return ServiceReply(bool(self._program), self._program or "no program is loaded")
+
+    async def play(self) -> ServiceReply:
+        """Run the loaded program, or go on with what was paused."""
+        states = await self._robot.state.get_robot_state()
+        if self._goals.busy or states.program is ProgramState.PAUSED:
+            return await self.resume()
+
+        async def run() -> None:
+            await self._robot.program.run_program(self._program).start(on_cancel="stop")
+
+        if not self._program:
+            return ServiceReply(False, "no program is loaded: call load_program first")
+        return await _answered(run(), f"running: {self._program}")
+
+    async def popup(self, text: str) -> ServiceReply:
+        """Show a message on the pendant; the controller pauses all tasks then."""
+        return await self._unless_busy(lambda: self._robot.log.log_error(text), "shown")
+
+    async def add_to_log(self, text: str) -> ServiceReply:
+        """Write a message into the controller's log."""
+        return await _answered(self._robot.log.log_info(text), "written")
+
+    async def robot_mode(self) -> ServiceReply:
+        """The robot's state, by its name."""
+        return await self._named("robot")
+
+    async def safety_mode(self) -> ServiceReply:
+        """The safety controller's state, by its name."""
+        return await self._named("safety")
+
+    async def program_state(self) -> ServiceReply:
+        """The program's state, by its name."""
+        return await self._named("program")
+
+    async def _recovering(self, step: Awaitable[object]) -> ServiceReply:
+        reply = await _answered(step)
+        if reply.success:
+            self._recovered()
+        return reply
+
+    async def _named(self, state: str) -> ServiceReply:
+        async def run() -> str:
+            return str(getattr(await self._robot.state.get_robot_state(), state).name)
+
+        return await _answered(run())
+
+    async def _unless_busy(self, step: Callable[[], Awaitable[object]], text: str) -> ServiceReply:
+        return _BUSY if self._goals.busy else await _answered(step(), text)
+
     async def set_speed(self, percent: float) -> ServiceReply:
-        """Set the global speed, which scales motions: 1 to 100 percent."""
-        return await _answered(self._robot.settings.speed(percent), "set")
+        """Set the global speed, which scales motions and goals: 1 to 100 percent."""
+        reply = await _answered(self._robot.settings.speed(percent), "set")
+        if reply.success:
+            self._goals.scale(percent / 100.0)
+        return reply
 
     async def set_tool(
         self, name: str, offset: Sequence[float], mass: float, centre: Sequence[float]
@@ -87,14 +254,12 @@ class ArmServices:
             mass: mass of the tool [kg].
             centre: centre of mass of the tool [m], three.
         """
-        if self._goals.busy:
-            return _BUSY
 
         async def run() -> None:
             tip = Pose.of(list(offset))
             await self._robot.frames.set_tool_data(name, tip, (mass, *centre))
 
-        return await _answered(run(), "set")
+        return await self._unless_busy(run, "set")
 
     async def set_load(self, mass: float, centre: Sequence[float]) -> ServiceReply:
         """Set the load that the tool holds: mass [kg], centre of mass [m], three."""
@@ -112,13 +277,11 @@ class ArmServices:
             v: highest joint speed [rad/s].
             a: highest joint acceleration [rad/s²].
         """
-        if self._goals.busy:
-            return _BUSY
 
         async def run() -> None:
             await self._robot.motion.movej2(Joints.of(list(joints)), v, a)
 
-        return await _answered(run(), "the arm is there")
+        return await self._unless_busy(run, "the arm is there")
 
     async def movel(
         self, pose: Sequence[float], v: float, a: float, tool: str = "", wobj: str = ""
@@ -132,13 +295,11 @@ class ArmServices:
             tool: name of the tool; empty: the one in use.
             wobj: name of the work object; empty: the one in use.
         """
-        if self._goals.busy:
-            return _BUSY
 
         async def run() -> None:
             await self._robot.motion.movel(Pose.of(list(pose)), v, a, tool=tool, wobj=wobj)
 
-        return await _answered(run(), "the arm is there")
+        return await self._unless_busy(run, "the arm is there")
 
 
 _BUSY = ServiceReply(False, "a trajectory goal is carried out; nothing was sent: cancel it first")

@@ -1,7 +1,8 @@
 """Follow joint positions as they arrive, for example from ros2_control or a teleoperation.
 
 Guarantees:
-- The arm does not move before a command arrives that is close to its position.
+- The arm does not move before a command arrives that is close to its position. The commands after
+  it may move at once: what comes while the stream opens is kept, and followed faster then.
 - When commands cease, the arm stands at the last one; the stream ends, unless it must be held.
 - After a stop, further commands are ignored. They are followed again only after they have ceased,
   or after the arm was brought up or recovered.
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections import deque
 from typing import TYPE_CHECKING
 
 import anyio
@@ -31,6 +33,9 @@ __all__ = ["JointCommands", "check_command"]
 _log = logging.getLogger(__name__)
 _LOOK = 0.1  # seconds between two polls of the arm, and between two checks whether commands ceased
 _SAY_AGAIN = 2.0  # seconds before the same message is logged again
+_BEFORE = 2.0  # age of the oldest command with which the arm's position is compared at first [s]
+_KEPT = 5000  # commands kept at most while the stream opens
+_FASTER = 2.0  # factor of their speed at which these are followed then
 
 
 def check_command(
@@ -105,14 +110,17 @@ class JointCommands:
         self._reach = reach
         self._options = options
         self.following: bool = False
-        self._newest: tuple[float, ...] | None = None
+        #: commands that are not followed yet, with the time of each
+        self._waiting: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_KEPT)
+        #: whether a command was close to the arm, so that those after it are followed
+        self._near = False
         self._came = -math.inf
         self._blocked = False
         self._changed = anyio.Event()
         self._said: dict[str, float] = {}
 
     def take(self, names: Sequence[str], positions: Sequence[float]) -> bool:
-        """Take a command; only the newest counts. Return whether it may be followed.
+        """Take a command. Return whether it may be followed.
 
         Args:
             names: names of the joints.
@@ -133,7 +141,7 @@ class JointCommands:
         if not self.following and self._busy():
             self._say("busy", "joint command ignored: a trajectory goal is carried out")
             return False
-        self._newest = target
+        self._waiting.append((now, target))
         self._changed.set()
         return True
 
@@ -145,44 +153,52 @@ class JointCommands:
         """Follow commands until this is cancelled; the arm then comes to rest."""
         while True:
             await self._wait()
-            if self._hold or self._newest is not None:
+            if self._hold or self._waiting:
                 try:
                     await self._begin()
                 except DucoError as error:
                     self._blocked = True
+                    self._waiting.clear()
                     _log.warning("joint commands: %s", error)
-                self._newest = None
 
     async def _wait(self) -> None:
         """Wait for a command, or until the next poll is due."""
-        if self._newest is None:
+        if not self._waiting:
             self._changed = anyio.Event()
             with anyio.move_on_after(_LOOK):
                 await self._changed.wait()
 
     async def _begin(self) -> None:
-        """Follow commands if the arm can, and the first is close to where it is."""
+        """Follow commands if the arm can, and one is close to where it is."""
         if not (self._blocked or self._busy()):
             states = await self._robot.state.get_robot_state()
             if states.robot is RobotState.ENABLE:
                 place = tuple(await self._robot.state.get_actual_joints_position())
-                if self._hold or self._is_close(self._newest, place):
+                if self._hold or self._is_near(place):
                     await self._follow(place)
                     return
         await anyio.sleep_until(anyio.current_time() + _LOOK)
 
-    def _is_close(self, newest: tuple[float, ...] | None, place: tuple[float, ...]) -> bool:
-        if newest is None:
-            return False
-        away = max(abs(a - b) for a, b in zip(newest, place, strict=True))
-        if away > self._reach:
-            self._say(
-                "far",
-                "joint command ignored: %.3g rad from where the arm is, %.3g allowed at first",
-                away,
-                self._reach,
-            )
-        return away <= self._reach
+    def _is_near(self, place: tuple[float, ...]) -> bool:
+        """Whether commands lead from a place; those before the one that is there are dropped."""
+        oldest = anyio.current_time() - _BEFORE
+        while not self._near and self._waiting and self._waiting[0][0] < oldest:
+            self._waiting.popleft()
+        if not self._near and self._waiting:
+            ways = [_way(target, place) for _, target in self._waiting]
+            first = next((index for index, way in enumerate(ways) if way <= self._reach), None)
+            if first is None:
+                self._say(
+                    "far",
+                    "joint command ignored: %.3g rad from where the arm is, %.3g allowed at first",
+                    *(ways[-1], self._reach),
+                )
+                self._waiting.clear()
+                return False
+            for _ in range(first):
+                self._waiting.popleft()
+            self._near = True
+        return self._near
 
     async def _follow(self, target: tuple[float, ...]) -> None:
         """Follow commands in one stream, from where the arm stands, until they cease."""
@@ -195,19 +211,25 @@ class JointCommands:
                 source_rate=self._rate,
                 options=self._options,
             ) as stream:
-                self.following, near = True, False
+                self.following = True
                 await stream.send(target)
                 while self._hold or anyio.current_time() - self._came < self._timeout:
-                    newest, self._newest = self._newest, None
-                    near = near or self._is_close(newest, target)
+                    came, newest = math.inf, target
+                    if self._is_near(target) and self._waiting:
+                        came, newest = self._waiting.popleft()
                     try:
-                        await stream.send(newest if near and newest else target)
-                        target = newest if near and newest else target
+                        await stream.send(newest)
+                        target = newest
                     except SetPointTooFar as error:
                         self._say("step", "joint command left out: %s", error)
+                    if self._waiting:
+                        ahead = max(self._waiting[0][0] - came, 0.0) / _FASTER
+                        await anyio.sleep_until(anyio.current_time() + ahead)
                     await self._wait()
         finally:
-            self.following = False  # the stream has ended, so that the arm is free
+            # the stream has ended, so that the arm is free
+            self.following = self._near = False
+            self._waiting.clear()
 
     def _say(self, what: str, text: str, *values: object) -> None:
         """Log a message that may occur with every command, at a limited rate."""
@@ -215,3 +237,8 @@ class JointCommands:
         if now - self._said.get(what, -math.inf) > _SAY_AGAIN:
             self._said[what] = now
             _log.warning(text, *values)
+
+
+def _way(one: tuple[float, ...], other: tuple[float, ...]) -> float:
+    """Largest distance of a joint between two places [rad]."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))

@@ -31,6 +31,7 @@ __all__ = [
     "ArmProfile",
     "CheckedGoal",
     "ErrorCode",
+    "GoalEnded",
     "GoalPoint",
     "GoalRefused",
     "GoalRules",
@@ -76,6 +77,18 @@ class GoalRefused(DucoError):
         self.code = code
 
 
+class GoalEnded(DucoError):
+    """The driver ended a goal: it was late, or the arm was too fast. The arm was brought to rest.
+
+    Attributes:
+        code: the code of the result.
+    """
+
+    def __init__(self, code: ErrorCode, reason: str) -> None:
+        super().__init__(f"{reason}; the arm was brought to rest")
+        self.code = code
+
+
 class GoalPoint(NamedTuple):
     """A point of a trajectory, its numbers in the order of the goal's joints.
 
@@ -100,8 +113,9 @@ class NamedTolerance(NamedTuple):
     Attributes:
         name: name of the joint.
         position: tolerance of the position [rad].
-        velocity: tolerance of the speed [rad/s]; not supported: a value above 0 is refused.
-        acceleration: tolerance of the acceleration [rad/s²]; not supported either.
+        velocity: tolerance of the speed [rad/s]; 0: not checked.
+        acceleration: tolerance of the acceleration [rad/s²]; not supported: the controller's
+            accelerations are not those of the joints. A value above 0 is refused.
     """
 
     name: str
@@ -120,7 +134,8 @@ class TrajectoryGoal:
         stamp: start time, on the middleware's clock [s]; 0: now.
         path_tolerance: tolerances on the way.
         goal_tolerance: tolerances at the end.
-        goal_time_tolerance: time after the end for reaching the goal [s]; 0: the default.
+        goal_time_tolerance: time after its own end within which the arm must be there [s]; 0: the
+            default.
     """
 
     joint_names: Sequence[str]
@@ -196,7 +211,7 @@ class GoalRules:
     Attributes:
         path: default tolerance on the way [rad]; 0: none.
         goal: default tolerance at the end [rad].
-        goal_time: default time after the end for reaching the goal [s].
+        goal_time: default time after a goal's own end within which the arm must be there [s].
         start: largest distance of a joint from a first point that is due at once [rad].
         max_stamp_age: largest age of a stamp [s].
         max_stamp_ahead: largest time of a stamp in the future [s].
@@ -206,7 +221,7 @@ class GoalRules:
 
     path: float = 0.1
     goal: float = 0.01
-    goal_time: float = 1.0
+    goal_time: float = 2.0
     start: float = 0.02
     max_stamp_age: float = 1.0
     max_stamp_ahead: float = 60.0
@@ -222,11 +237,15 @@ class CheckedGoal:
         trajectory: trajectory in the arm's order of joints.
         tolerances: tolerances, with the defaults filled in.
         begin: start time, on the middleware's clock [s]; 0: at once.
+        path_speed: largest differences of the joints' speeds from the path's [rad/s]; None: any.
+        goal_speed: largest speeds of the joints at the end [rad/s]; None: any.
     """
 
     trajectory: JointTrajectory
     tolerances: Tolerances
     begin: float
+    path_speed: tuple[float, ...] | None = None
+    goal_speed: tuple[float, ...] | None = None
 
 
 def check_goal(
@@ -272,7 +291,13 @@ def check_goal(
     if last is not None and np.abs(last[-1]).max() > _REST:
         raise GoalRefused(ErrorCode.INVALID_GOAL, "the last point is not at rest")
     _check_curve(trajectory, positions[0], profile)
-    return CheckedGoal(trajectory, tolerances, goal.stamp)
+    return CheckedGoal(
+        trajectory,
+        tolerances,
+        goal.stamp,
+        _speed_tolerance(goal.path_tolerance, profile),
+        _speed_tolerance(goal.goal_tolerance, profile),
+    )
 
 
 def check_start(
@@ -309,7 +334,7 @@ def code_of(error: Exception) -> ErrorCode:
 
     If something else stopped the arm on its way, the path tolerance counts as violated.
     """
-    if isinstance(error, GoalRefused):
+    if isinstance(error, (GoalRefused, GoalEnded)):
         return error.code
     if isinstance(error, PathToleranceViolated):
         return ErrorCode.PATH_TOLERANCE_VIOLATED
@@ -400,18 +425,27 @@ def _tolerance(
             raise GoalRefused(
                 ErrorCode.INVALID_JOINTS, f"{kind} tolerance: no joint is named {one.name!r}"
             )
-        if not math.isfinite(one.position):
+        if not (math.isfinite(one.position) and math.isfinite(one.velocity)):
             raise GoalRefused(
                 ErrorCode.INVALID_GOAL, f"{kind} tolerance of {one.name} is not finite"
             )
-        if not (one.velocity <= 0.0 and one.acceleration <= 0.0):
+        if not one.acceleration <= 0.0:
             raise GoalRefused(
                 ErrorCode.INVALID_GOAL,
-                f"{kind} tolerance of {one.name}: only that of the position is looked at",
+                f"{kind} tolerance of {one.name}: accelerations are not looked at",
             )
         if one.position != 0.0:
             found[one.name] = _ANYWHERE if one.position < 0.0 else one.position
     return tuple(found.values())
+
+
+def _speed_tolerance(
+    given: Sequence[NamedTolerance], profile: ArmProfile
+) -> tuple[float, ...] | None:
+    """Tolerances of the joints' speeds, of a list that `_tolerance` has checked; None for none."""
+    found = dict.fromkeys(profile.joint_names, math.inf)
+    found |= {one.name: one.velocity for one in given if one.velocity > 0.0}
+    return tuple(found.values()) if min(found.values()) < math.inf else None
 
 
 def _goal_time(given: float, rules: GoalRules) -> float:

@@ -2,8 +2,10 @@
 
 Guarantees:
 - A refused goal moves nothing, and does not disturb the running goal.
-- A goal that is cancelled, superseded by a newer one, or whose client has gone, ends with the arm
-  at rest. Its result is sent only after that.
+- A goal that is cancelled, superseded by a newer one, late, or whose client has gone, ends with the
+  arm at rest. Its result is sent only after that.
+- A goal that succeeded was there within its own times, stretched by the global speed, and its
+  goal time tolerance.
 - No goal can end the server: each goal gets exactly one result.
 """
 
@@ -11,16 +13,21 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
+from collections import deque
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 
 import anyio
+import numpy as np
 
 from aioduco import RobotState
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.goal_queue import GoalQueue
+from aioduco.integrations.ros.path_parts import PathPart, nearest_time, rest_of_path, whole_path
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
+    GoalEnded,
     GoalRefused,
     check_goal,
     check_start,
@@ -28,9 +35,8 @@ from aioduco.integrations.ros.trajectory_goals import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from aioduco import Robot, WorkerOptions
@@ -41,14 +47,16 @@ if TYPE_CHECKING:
         TrajectoryGoal,
     )
 
-__all__ = ["GoalHandle", "PathFeedback", "Through", "TrajectoryServer"]
+__all__ = ["GoalHandle", "PathFeedback", "Progress", "Through", "TrajectoryServer"]
 
 Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 """How set-points reach the controller."""
 
 _log = logging.getLogger(__name__)
-_LOOK_AT_CLIENT = 0.02  # seconds between two checks whether a goal's client is present
+_LOOK = 0.02  # seconds between two checks of a goal's client, time and speed
 _MOST_FEEDBACK = 50.0  # largest rate: as often as the arm is compared with its path [Hz]
+_LAG = 0.3  # seconds by which the arm may lag behind its set-points
+_RECENT = 0.5  # age of a measured position from which a newer goal may begin [s]
 
 
 class PathFeedback(Protocol):
@@ -73,6 +81,22 @@ class PathFeedback(Protocol):
     def error(self) -> NDArray[np.float64]:
         """`actual` less `desired` [rad]. Shape (6,)."""
         ...
+
+
+class Progress(NamedTuple):
+    """Place of the arm on the path of its goal: a `PathFeedback`.
+
+    Attributes:
+        time: time on the goal's trajectory [s].
+        desired: the closest place of the path [rad]. Shape (6,).
+        actual: position of the arm [rad]. Shape (6,).
+        error: `actual` less `desired` [rad]. Shape (6,).
+    """
+
+    time: float
+    desired: NDArray[np.float64]
+    actual: NDArray[np.float64]
+    error: NDArray[np.float64]
 
 
 class GoalHandle(Protocol):
@@ -108,8 +132,19 @@ class GoalHandle(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Job:
+    """A goal.
+
+    Attributes:
+        handle: messages to its client.
+        checked: the goal, checked.
+        arrived: when it arrived, on the event loop's clock [s].
+        joins: whether its first point was a position of the arm on the way of an earlier goal.
+    """
+
     handle: GoalHandle
     checked: CheckedGoal
+    arrived: float
+    joins: bool
 
 
 class TrajectoryServer:
@@ -152,6 +187,22 @@ class TrajectoryServer:
         self._changed = anyio.Event()
         self._scope: anyio.CancelScope | None = None
         self._why = ""
+        self._error: GoalEnded | None = None
+        #: the part of the goal that the arm follows; a pause, or another speed, ends it
+        self._part: anyio.CancelScope | None = None
+        self._factor = 1.0
+        self._paused = False
+        self._at_rest = anyio.Event()
+        self._resumed = anyio.Event()
+        #: when the arm has to be at its goal at the latest, on the event loop's clock [s]
+        self._due = math.inf
+        self._progress: Progress | None = None
+        self._path: Any = None
+        self._rising = False  # whether the arm gains the path's speed from rest
+        #: positions of the arm on its way, with the time of each
+        self._recent: deque[tuple[float, NDArray[np.float64]]] = deque(
+            maxlen=round(_RECENT * _MOST_FEEDBACK)
+        )
 
     @property
     def busy(self) -> bool:
@@ -165,12 +216,61 @@ class TrajectoryServer:
         except GoalRefused as refusal:
             handle.rejected(refusal.code, str(refusal))
             return
-        dropped = self._queue.submit(_Job(handle, checked))
+        now, first = anyio.current_time(), checked.trajectory.positions[0]
+        joins = checked.trajectory.times[0] == 0.0 and any(
+            now - at < _RECENT and np.abs(first - place).max() <= self._rules.start
+            for at, place in self._recent
+        )
+        dropped = self._queue.submit(_Job(handle, checked, now, joins))
         if dropped is not None:
             dropped.handle.cancelled("a newer goal came before it began")
         if self._queue.superseded:
             self._halt("a newer goal came")
         self._changed.set()
+
+    @property
+    def progress(self) -> Progress | None:
+        """Where the arm is on the path of the running goal; None without one."""
+        return self._progress
+
+    @property
+    def factor(self) -> float:
+        """Factor of their speed at which goals are followed, above 0 to 1."""
+        return self._factor
+
+    def scale(self, factor: float) -> None:
+        """Follow goals at a factor of their speed: a running one comes to rest, and goes on.
+
+        Args:
+            factor: above 0 to 1.
+        """
+        if factor != self._factor:
+            self._factor = factor
+            self._end_part()
+
+    async def pause(self) -> bool:
+        """Bring the arm to rest on the path of the running goal, which goes on by `resume`.
+
+        Returns:
+            Whether a goal is paused; otherwise it had ended.
+        """
+        if self._queue.running is not None and not self._paused:
+            self._paused, self._resumed, self._at_rest = True, anyio.Event(), anyio.Event()
+            if self._part is not None:
+                self._part.cancel()
+                await self._at_rest.wait()
+        return self._paused
+
+    def resume(self) -> bool:
+        """Go on with a paused goal. Return whether there was one."""
+        was, self._paused = self._paused, False
+        self._resumed.set()
+        return was
+
+    def stopped(self) -> None:
+        """The arm was stopped: a paused goal has ended."""
+        if self._paused:
+            self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, "stopped while paused"))
 
     def cancel(self, handle: GoalHandle) -> None:
         """Cancel a goal: the arm comes to rest on its way."""
@@ -218,25 +318,34 @@ class TrajectoryServer:
         finally:
             self.cancel_all("the driver ends")
 
-    def _halt(self, why: str) -> None:
+    def _halt(self, why: str, error: GoalEnded | None = None) -> None:
+        """End the running goal, with an error or, without one, as cancelled."""
         if self._scope is not None:
-            self._why = self._why or why
+            if not self._scope.cancel_called:
+                self._why, self._error = why, error
             self._scope.cancel()
+
+    def _end_part(self) -> None:
+        if self._part is not None:
+            self._part.cancel()
 
     async def _carry_out(self, job: _Job) -> None:
         """Carry out one goal, from its acceptance to its result."""
         handle, begun, finished = job.handle, False, False
         error: Exception | None = None
-        self._why = ""
+        self._why, self._error = "", None
         with anyio.CancelScope() as scope:
             self._scope = scope
             try:
-                await self._ready(job.checked)
+                actual = await self._ready(job)
                 handle.accepted()
                 begun = True
                 async with anyio.create_task_group() as tasks:
                     tasks.start_soon(self._watch_client, handle)
-                    error = await self._follow(job)
+                    tasks.start_soon(self._watch_time, job.checked)
+                    if job.checked.path_speed is not None:
+                        tasks.start_soon(self._watch_speed, np.array(job.checked.path_speed))
+                    error = await self._follow(job, actual)
                     finished = error is None
                     tasks.cancel_scope.cancel()
             except Exception as exc:  # any kind of error: the goal has failed, the driver continues
@@ -245,8 +354,11 @@ class TrajectoryServer:
                 self._why = self._why or "the driver ends"
                 raise
             finally:
-                self._scope = None
-                self._tell(handle, error, begun=begun, finished=finished)
+                self._scope = self._part = self._progress = None
+                self._due = math.inf
+                self._paused = False
+                self._at_rest.set()
+                self._tell(handle, error or self._error, begun=begun, finished=finished)
 
     def _tell(
         self, handle: GoalHandle, error: Exception | None, *, begun: bool, finished: bool
@@ -264,35 +376,91 @@ class TrajectoryServer:
             code = error.code if isinstance(error, GoalRefused) else ErrorCode.INVALID_GOAL
             handle.rejected(code, str(error) or repr(error))
 
-    async def _ready(self, checked: CheckedGoal) -> None:
-        """Wait for the start time of a goal, and check that the arm is ready and at its start."""
-        if checked.begin:
-            await anyio.sleep(max(0.0, checked.begin - self._wall()))
+    async def _ready(self, job: _Job) -> Sequence[float]:
+        """Wait for the start time of a goal, and check that the arm is ready and at its start.
+
+        Returns:
+            Position of the arm [rad]. Shape (6,).
+        """
+        if job.checked.begin:
+            await anyio.sleep(max(0.0, job.checked.begin - self._wall()))
+        actual = await self._standing()
+        if not job.joins:
+            check_start(job.checked, actual, self._profile, self._rules)
+        return actual
+
+    async def _standing(self) -> Sequence[float]:
+        """The position of an arm that can move [rad]. Shape (6,)."""
         states = await self._robot.state.get_robot_state()
         if states.robot is not RobotState.ENABLE:
             raise GoalRefused(
                 ErrorCode.INVALID_GOAL,
                 f"the arm cannot move: {states}; call bring_up, or recover after a stop",
             )
-        actual = await self._robot.state.get_actual_joints_position()
-        check_start(checked, actual, self._profile, self._rules)
+        return await self._robot.state.get_actual_joints_position()
 
-    async def _follow(self, job: _Job) -> Exception | None:
+    async def _follow(self, job: _Job, actual: Sequence[float]) -> Exception | None:
         """Follow a goal to its end. Return the error that ended it early, except a cancellation."""
+        path = job.checked.trajectory.curve(actual)
+        away = float(np.abs(path.at(path.times[:1])[0] - np.asarray(actual)).max())
+        part, self._rising = whole_path(job.checked.trajectory, self._factor), False
+        if job.joins and away > self._rules.start:
+            # the arm went on while the earlier goal came to rest
+            passed = anyio.current_time() - job.arrived + _LAG
+            part = self._rest(path, actual, nearest_time(path, actual, 0.0, passed))
+        self._path = path
+        begin = anyio.current_time()
+        if job.checked.begin:
+            begin -= max(0.0, self._wall() - job.checked.begin)
+        tolerances = job.checked.tolerances
+        while True:
+            self._due = begin + part.trajectory.duration + tolerances.goal_time
+            try:
+                if await self._follow_part(job, part):
+                    await self._come_to_rest(job.checked)
+                    return None
+                if self._paused:
+                    self._due = math.inf
+                    self._at_rest.set()
+                    await self._resumed.wait()
+                actual = await self._standing()
+            except DucoError as error:
+                return error
+            begin = anyio.current_time()
+            reached = 0.0 if self._progress is None else self._progress.time
+            at = nearest_time(path, actual, reached - _LAG, reached + _LAG)
+            away = np.abs(path.at(np.array([at]))[0] - np.asarray(actual))
+            if tolerances.path and np.any(away > tolerances.path):
+                text = f"a joint is {away.max():.4g} rad from the path on which it paused"
+                return GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, text)
+            part = self._rest(path, actual, at)
+
+    def _rest(self, path: Any, actual: Sequence[float], begin: float) -> PathPart:
+        self._rising = True
+        return rest_of_path(path, actual, begin=begin, factor=self._factor, profile=self._profile)
+
+    async def _follow_part(self, job: _Job, part: PathPart) -> bool:
+        """Follow a part of a path. Return whether to its end, or until a pause or another speed."""
         due = 0.0
         period = self._period
 
         def feedback(found: PathFeedback) -> None:
             nonlocal due
             now = anyio.current_time()
+            place = Progress(part.path_time(found.time), found.desired, found.actual, found.error)
+            self._progress = place
+            self._recent.append((now, found.actual))
             if now >= due:
                 # Keep the schedule of the first feedback; missed ones are skipped.
                 due = max(due + period, now - period) if due else now + period
-                job.handle.feedback(found)
+                job.handle.feedback(place)
 
-        try:
+        with anyio.CancelScope() as scope:
+            self._part = scope
+            if self._paused:
+                scope.cancel()
             await self._robot.motion.follow_joint_trajectory(
-                job.checked.trajectory,
+                part.trajectory,
                 v=max(self._profile.velocity),
                 a=self._profile.acceleration,
                 tolerances=job.checked.tolerances,
@@ -301,16 +469,56 @@ class TrajectoryServer:
                 through=self._through,
                 options=self._options,
             )
-        except DucoError as error:
-            return error
-        return None
+            return True
+        return False
+
+    async def _come_to_rest(self, checked: CheckedGoal) -> None:
+        """Wait until the joints are as slow as a goal asks for."""
+        start, number = anyio.current_time(), 0
+        while checked.goal_speed is not None:
+            speeds = np.abs(await self._robot.state.get_actual_joints_speed())
+            if np.all(speeds <= checked.goal_speed):
+                return
+            number += 1
+            await anyio.sleep_until(start + number * _LOOK)
+
+    async def _watch_time(self, checked: CheckedGoal) -> None:
+        """End a goal that is late by its own times."""
+        start, number = anyio.current_time(), 0
+        while anyio.current_time() < self._due:
+            number += 1
+            await anyio.sleep_until(start + number * _LOOK)
+        text = f"not there {checked.tolerances.goal_time:g} s after the goal's own end"
+        self._halt("", GoalEnded(ErrorCode.GOAL_TOLERANCE_VIOLATED, text))
+
+    async def _watch_speed(self, most: NDArray[np.float64]) -> None:
+        """End a goal whose joints have other speeds than its path, by more than `most` [rad/s]."""
+        start, number = anyio.current_time(), 0
+        while True:
+            number += 1
+            await anyio.sleep_until(start + number * _LOOK)
+            place = self._progress
+            speeds = await self._robot.state.get_actual_joints_speed()
+            if place is None or self._part is None or self._part.cancel_called:
+                continue
+            # the arm lags behind: each speed that the path had since then is right
+            times = np.linspace(place.time - _LAG, place.time + _LOOK, 16)
+            wanted = self._path.velocity(np.clip(times, 0.0, self._path.times[-1])) * self._factor
+            low, high = wanted.min(axis=0), wanted.max(axis=0)
+            if self._rising:
+                low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+            over = np.maximum(speeds - high, low - speeds) - most
+            if over.max() > 0.0:
+                name = self._profile.joint_names[int(over.argmax())]
+                text = f"the speed of {name} is {over.max():.3g} rad/s beyond its path tolerance"
+                self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, text))
 
     async def _watch_client(self, handle: GoalHandle) -> None:
         """End a goal whose client has gone: no client could cancel it."""
         start, number = anyio.current_time(), 0
         while handle.alive():
             number += 1
-            await anyio.sleep_until(start + number * _LOOK_AT_CLIENT)
+            await anyio.sleep_until(start + number * _LOOK)
         _log.warning("the client of the goal is gone: the arm comes to rest")
         if self._stop_at_loss:
             with contextlib.suppress(DucoError):

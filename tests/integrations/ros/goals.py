@@ -94,8 +94,12 @@ WRONG: dict[str, tuple[Callable[[], TrajectoryGoal], ErrorCode]] = {
     "far ahead": (lambda: goal(stamp=NOW + 3600.0), INVALID),
     "tolerance of none": (lambda: goal(path_tolerance=[NamedTolerance("elbow", 0.1)]), JOINTS),
     "tolerance nan": (lambda: goal(goal_tolerance=[NamedTolerance(NAMES[0], math.nan)]), INVALID),
-    "tolerance of speed": (
-        lambda: goal(path_tolerance=[NamedTolerance(NAMES[0], 0.1, velocity=0.1)]),
+    "tolerance of acceleration": (
+        lambda: goal(path_tolerance=[NamedTolerance(NAMES[0], 0.1, acceleration=0.1)]),
+        INVALID,
+    ),
+    "tolerance of speed nan": (
+        lambda: goal(goal_tolerance=[NamedTolerance(NAMES[0], velocity=math.nan)]),
         INVALID,
     ),
     "goal time": (lambda: goal(goal_time_tolerance=-1.0), INVALID),

@@ -6,16 +6,23 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     import contextlib
+    from collections.abc import Callable
 
-__all__ = ["HERE", "ROOT", "START", "Programs", "processor_time"]
+    from aioduco.sim import Simulator
+
+__all__ = ["HERE", "ROOT", "START", "WAVE", "Programs", "processor_time", "ur_services"]
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
 START = [0.0, 0.3, 1.2, 0.1, -1.5, 0.0]
+#: a program of the controller, which takes minutes
+WAVE = {"wave": [["movej2", [turn, *START[1:]], 0.3, 5.0] for turn in (1.0, 0.0) * 30]}
 
 
 def processor_time(pid: int) -> float:
@@ -73,3 +80,54 @@ def _end(process: subprocess.Popen[str]) -> None:
     process.wait()
     assert process.stdout is not None
     process.stdout.close()
+
+
+def ur_services(
+    ask: Callable[[list[tuple[str, dict[str, Any]]]], list[dict[str, Any]]], sim: Simulator
+) -> None:
+    """Call what a user of the Universal Robots driver knows, on an arm that stands enabled.
+
+    Args:
+        ask: calls services, and returns what they answer.
+        sim: the arm, which has the programs WAVE.
+    """
+
+    def call(*services: str | tuple[str, dict[str, Any]]) -> list[str]:
+        asked = [(each, {}) if isinstance(each, str) else each for each in services]
+        replies = ask(asked)
+        assert all(reply["success"] for reply in replies), list(zip(asked, replies, strict=True))
+        return [reply["message"] for reply in replies]
+
+    pressing = {
+        "selection": [False, False, True, False, False, False],
+        "wrench": [0.0, 0.0, -5.0, 0.0, 0.0, 0.0],
+    }
+    *_, robot, safety = call(
+        "dashboard_client/power_off",
+        "dashboard_client/power_on",
+        "dashboard_client/brake_release",
+        "dashboard_client/unlock_protective_stop",
+        ("io_and_status_controller/set_io", {"fun": 1, "pin": 3, "state": 1.0}),
+        ("set_analog_output", {"number": 1, "value": 2.5, "current": False}),
+        ("io_and_status_controller/set_payload", {"mass": 0.5, "centre": [0.0, 0.0, 0.1]}),
+        ("io_and_status_controller/set_speed_slider", {"speed_slider_fraction": 1.0}),
+        "io_and_status_controller/zero_ftsensor",
+        ("force_mode_controller/start_force_mode", pressing),
+        "force_mode_controller/stop_force_mode",
+        "dashboard_client/get_robot_mode",
+        "dashboard_client/get_safety_mode",
+    )
+    assert (robot, safety) == ("ENABLE", "RUN")
+    assert sim.get_digital_output(4)
+    load = ("dashboard_client/load_program", {"text": "wave"})
+    _, name, _ = call(load, "dashboard_client/get_loaded_program", "dashboard_client/play")
+    assert name == "wave"
+    eventually(lambda: sim.moving)
+    call("dashboard_client/pause")
+    assert not sim.moving
+    call("dashboard_client/play")
+    eventually(lambda: sim.moving)
+    call("dashboard_client/stop")
+    assert not sim.moving
+    texts = ("dashboard_client/add_to_log", "dashboard_client/popup")
+    call(*((each, {"text": "change the part"}) for each in texts), "stop")

@@ -6,7 +6,10 @@ python ros1_client.py malformed      # sixty more, of which any part may be anyt
 python ros1_client.py tight          # two with tolerances that no arm keeps
 python ros1_client.py states SECONDS BAG  # how many joint states come, and a bag of them
 python ros1_client.py call SERVICE [ARGUMENTS AS JSON]
+python ros1_client.py calls [[SERVICE, ARGUMENTS], …] AS JSON
+python ros1_client.py guide          # hand guiding, speeds of the tool, and what is told by names
 python ros1_client.py ready [JOINTS AS JSON]  # recover, and move there
+python ros1_client.py press          # the button "next" of RViz
 python ros1_client.py frame NAME     # until a transform to this frame comes
 """
 
@@ -31,13 +34,17 @@ from aioduco.integrations.ros.ros1.message_classes import install
 
 install()
 
+import aioduco_msgs.msg  # noqa: E402
 import aioduco_msgs.srv  # noqa: E402
 from control_msgs.msg import (  # noqa: E402
     FollowJointTrajectoryAction,
     FollowJointTrajectoryGoal,
     JointTolerance,
+    JointTrajectoryControllerState,
 )
-from sensor_msgs.msg import JointState  # noqa: E402
+from geometry_msgs.msg import Twist  # noqa: E402
+from sensor_msgs.msg import JointState, Joy  # noqa: E402
+from std_msgs.msg import Bool, String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 from tf2_msgs.msg import TFMessage  # noqa: E402
 from trajectory_msgs.msg import JointTrajectoryPoint  # noqa: E402
@@ -55,8 +62,8 @@ def say(**found: Any) -> None:
     sys.stdout.flush()
 
 
-def here() -> list[float]:
-    return list(rospy.wait_for_message("joint_states", JointState, 60.0).position)
+def here(patience: float = 60.0) -> list[float]:
+    return list(rospy.wait_for_message("joint_states", JointState, patience).position)
 
 
 def goal(
@@ -103,14 +110,18 @@ def run_goal(count: int, duration: float, far: float, cancel_after: float) -> No
         return
     found = action.get_result()
     end = asked.trajectory.points[-1].positions
+    try:
+        place = here(5.0)
+    except rospy.ROSException:  # the driver has ended
+        place = list(asked.trajectory.points[0].positions)
     say(
         state=action.get_state(),
         code=found.error_code,
         text=found.error_string,
         feedback=len(seen),
         span=seen[-1][0] - seen[0][0] if seen else 0.0,
-        error=max(abs(a - b) for a, b in zip(here(), end, strict=True)),
-        went=abs(here()[0] - asked.trajectory.points[0].positions[0]),
+        error=max(abs(a - b) for a, b in zip(place, end, strict=True)),
+        went=abs(place[0] - asked.trajectory.points[0].positions[0]),
     )
 
 
@@ -289,15 +300,68 @@ def call(name: str, given: dict[str, Any]) -> None:
     kinds = {
         "set_digital_output": "SetOutput",
         "set_tool_output": "SetOutput",
+        "set_speed": "SetSpeed",
         "set_tool": "SetTool",
         "set_load": "SetLoad",
         "movej": "MoveJ",
         "movel": "MoveL",
+        "set_analog_output": "SetAnalogOutput",
+        "io_and_status_controller/set_io": "SetIO",
+        "io_and_status_controller/set_speed_slider": "SetSpeedFraction",
+        "io_and_status_controller/set_payload": "SetLoad",
+        "dashboard_client/load_program": "SetText",
+        "dashboard_client/popup": "SetText",
+        "dashboard_client/add_to_log": "SetText",
+        "force_mode_controller/start_force_mode": "StartForceMode",
     }
+    whole = f"/{PREFIX}{name}" if "/" in name else f"{NODE}/{name}"
     kind = getattr(aioduco_msgs.srv, kinds[name]) if name in kinds else Trigger
-    rospy.wait_for_service(f"{NODE}/{name}", 60.0)
-    reply = rospy.ServiceProxy(f"{NODE}/{name}", kind)(**given)
+    rospy.wait_for_service(whole, 60.0)
+    reply = rospy.ServiceProxy(whole, kind)(**given)
     say(success=reply.success, message=reply.message)
+
+
+def guide() -> None:
+    """Ask for hand guiding, then move the tool by speeds; tell what the topics said meanwhile."""
+    newest: dict[str, Any] = {}
+    for topic, kind in (
+        ("io_and_status_controller/robot_mode", String),
+        ("io_and_status_controller/safety_mode", String),
+        ("tool_data", aioduco_msgs.msg.ToolData),
+        ("joint_trajectory_controller/state", JointTrajectoryControllerState),
+    ):
+        rospy.Subscriber(PREFIX + topic, kind, functools.partial(newest.__setitem__, topic))
+    guided = rospy.Publisher(
+        f"{PREFIX}freedrive_mode_controller/enable_freedrive_mode", Bool, queue_size=1
+    )
+    twist = rospy.Publisher(f"{PREFIX}twist_controller/command", Twist, queue_size=1)
+    rate, asked = rospy.Rate(50), Twist()
+    asked.linear.z = 0.05
+    start = here()
+    for _ in range(50):
+        guided.publish(True)
+        rate.sleep()
+    guided.publish(False)
+    while max(abs(a - b) for a, b in zip(here(), start, strict=True)) < 0.03 or len(newest) < 4:
+        twist.publish(asked)
+        rate.sleep()
+    say(
+        robot=newest["io_and_status_controller/robot_mode"].data,
+        safety=newest["io_and_status_controller/safety_mode"].data,
+        offset=len(newest["tool_data"].offset),
+        names=newest["joint_trajectory_controller/state"].joint_names,
+    )
+
+
+def press() -> None:
+    """Press "next" of RvizVisualToolsGui once somebody listens."""
+    panel = rospy.Publisher("/rviz_visual_tools_gui", Joy, queue_size=1)
+    rate = rospy.Rate(20)
+    while not panel.get_num_connections():
+        rate.sleep()
+    panel.publish(Joy(buttons=[0, 1, 0, 0, 0]))
+    rate.sleep()
+    say(pressed=True)
 
 
 def await_frame(name: str) -> None:
@@ -327,6 +391,13 @@ def main() -> None:
     elif what == "ready":
         call("recover", {})
         call("movej", {"joints": json.loads(rest[0]), "v": 2.0, "a": 10.0})
+    elif what == "calls":
+        for name, given in json.loads(rest[0]):
+            call(name, given)
+    elif what == "guide":
+        guide()
+    elif what == "press":
+        press()
     elif what == "frame":
         await_frame(rest[0])
     else:

@@ -4,14 +4,21 @@ python ros2_client.py goal [COUNT] [DURATION] [FAR] [CANCEL_AFTER]
 python ros2_client.py wrong          # ten goals that are to be refused
 python ros2_client.py tight          # two whose tolerances no arm keeps
 python ros2_client.py states SECONDS # how many joint states come, and what else does
+python ros2_client.py late           # one that no arm reaches by its own times
+python ros2_client.py replace        # two, the second from where the arm is on its way
+python ros2_client.py speeds         # two with tolerances of the speed: wide, and too tight
 python ros2_client.py stream HOW     # lead the arm by the topic: trajectory, command
+python ros2_client.py move           # and by set-points that move at once
 python ros2_client.py call SERVICE [ARGUMENTS AS JSON]
-python ros2_client.py lifecycle TRANSITION …
+python ros2_client.py calls [[SERVICE, ARGUMENTS], …] AS JSON
+python ros2_client.py guide          # hand guiding, speeds of the tool, and what is told by names
+python ros2_client.py lifecycle TRANSITION …  # by their labels, or their numbers
 python ros2_client.py set NAME VALUE AS JSON
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 import math
@@ -22,10 +29,11 @@ from typing import TYPE_CHECKING, Any
 
 import aioduco_msgs.srv
 import rclpy
-from aioduco_msgs.msg import IOState, RobotState
+from aioduco_msgs.msg import IOState, RobotState, ToolData
 from control_msgs.action import FollowJointTrajectory
-from control_msgs.msg import JointTolerance
+from control_msgs.msg import JointTolerance, JointTrajectoryControllerState
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.srv import SetParameters
@@ -34,7 +42,7 @@ from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -83,10 +91,10 @@ class Peer:
             raise SystemExit("no answer")
         return future.result()
 
-    def here(self) -> list[float]:
-        """Where the arm is, by a state that comes from now on."""
+    def here(self, patience: float = PATIENT) -> list[float]:
+        """Where the arm is, by a state that comes from now on; the last one if the driver ended."""
         self._joints = None
-        if not self.until(lambda: self._joints):
+        if not self.until(lambda: self._joints, patience) and patience == PATIENT:
             raise SystemExit("no joint states")
         return self.place
 
@@ -136,7 +144,7 @@ def run_goal(peer: Peer, count: int, duration: float, far: float, cancel_after: 
     if cancel_after:
         peer.result(handle.cancel_goal_async())
     found = peer.result(ended)
-    end, here = asked.trajectory.points[-1].positions, peer.here()
+    end, here = asked.trajectory.points[-1].positions, peer.here(1.0)
     say(
         status=found.status,
         code=found.result.error_code,
@@ -176,11 +184,53 @@ def tight_goals(peer: Peer) -> dict[str, Any]:
     return {"path": path, "goal": end}
 
 
+def speed_goals(peer: Peer) -> dict[str, Any]:
+    """Two with tolerances of the speed: as clients of other drivers send them, and too tight."""
+    wide, tight = peer.goal(50, 1.0, -0.1), peer.goal(50, 1.0, -0.1)
+    wide.path_tolerance = [JointTolerance(name=name, velocity=2.0) for name in NAMES]
+    wide.goal_tolerance = [JointTolerance(name=n, position=0.02, velocity=0.02) for n in NAMES]
+    tight.path_tolerance = [JointTolerance(name=name, velocity=1e-9) for name in NAMES]
+    back = [point.positions for point in reversed(wide.trajectory.points)]
+    for point, place in zip(tight.trajectory.points, back, strict=True):
+        point.positions = place
+    return {"wide": wide, "tight": tight}
+
+
+def late_goals(peer: Peer) -> dict[str, Any]:
+    """One that is right, but leaves no time for anything but the motion."""
+    asked = peer.goal(50, 0.5, -0.1)
+    asked.goal_time_tolerance = Duration(nanoseconds=1000).to_msg()
+    return {"late": asked}
+
+
+def replace_goal(peer: Peer) -> None:
+    """Send a goal, and on its way another that begins where the arm is, and goes elsewhere."""
+    action, progress = peer.action(), [0.0]
+    first = peer.goal(200, 8.0, 1.2)
+
+    def feedback(message: Any) -> None:
+        progress[0] = message.feedback.desired.time_from_start.sec
+
+    old = peer.result(action.send_goal_async(first, feedback_callback=feedback))
+    peer.until(lambda: progress[0] >= 2)
+    second = peer.goal(100, 3.0, -0.3)
+    new = peer.result(action.send_goal_async(second))
+    found, before = (peer.result(each.get_result_async()) for each in (new, old))
+    end = second.trajectory.points[-1].positions
+    say(
+        status=found.status,
+        text=found.result.error_string,
+        before=before.status,
+        error=max(abs(a - b) for a, b in zip(peer.here(), end, strict=True)),
+    )
+
+
 def run_wrong(peer: Peer, kind: str) -> None:
     action = peer.action()
-    for name, asked in (wrong_goals(peer) if kind == "wrong" else tight_goals(peer)).items():
+    kinds = {"wrong": wrong_goals, "tight": tight_goals, "late": late_goals, "speeds": speed_goals}
+    for name, asked in kinds[kind](peer).items():
         before = peer.here()
-        if kind == "tight":
+        if kind in ("tight", "speeds"):
             asked.trajectory.points[0].positions = before
         handle = peer.result(action.send_goal_async(asked))
         found = peer.result(handle.get_result_async())
@@ -207,9 +257,9 @@ def count_states(peer: Peer, seconds: float) -> None:
 
     for topic, kind, quality in (
         ("/tf", TFMessage, 100),
-        ("robot_state", RobotState, latched),
-        ("io_states", IOState, latched),
-        ("speed_scaling", Float64, latched),
+        (f"{PREFIX}robot_state", RobotState, latched),
+        (f"{PREFIX}io_states", IOState, latched),
+        (f"{PREFIX}speed_scaling", Float64, latched),
         ("/diagnostics", DiagnosticArray, 10),
     ):
         peer.node.create_subscription(kind, topic, keep(topic), quality)
@@ -218,7 +268,7 @@ def count_states(peer: Peer, seconds: float) -> None:
     peer.node.create_subscription(
         JointState,
         "joint_states",
-        lambda message: came.append((time.monotonic(), message)),
+        lambda message: list(message.name) == NAMES and came.append((time.monotonic(), message)),
         qos_profile_sensor_data,
     )
     peer.until(lambda: came)
@@ -230,9 +280,12 @@ def count_states(peer: Peer, seconds: float) -> None:
         rising=all(a < b for a, b in itertools.pairwise(stamps)),
         names=list(came[0][1].name),
         frames=frames,
-        ready=others["robot_state"].enabled,
-        outputs=len(others["io_states"].digital_outputs),
-        speed=others["speed_scaling"].data,
+        bases=sorted(
+            {others[f"{PREFIX}{name}"].header.frame_id for name in ("robot_state", "io_states")}
+        ),
+        ready=others[f"{PREFIX}robot_state"].enabled,
+        outputs=len(others[f"{PREFIX}io_states"].digital_outputs),
+        speed=others[f"{PREFIX}speed_scaling"].data,
         diagnosis=others["/diagnostics"].status[0].message,
     )
 
@@ -268,6 +321,65 @@ def stream(peer: Peer, how: str) -> None:
     say(arrived=arrived, off=abs(peer.here()[0] - start[0] - 0.2))
 
 
+def move(peer: Peer) -> None:
+    """Set-points of joint 1 that move at once, at 0.3 rad/s, until the arm has followed."""
+    start = peer.here()
+    publisher = peer.node.create_publisher(JointState, f"{PREFIX}joint_commands", 1)
+    peer.until(publisher.get_subscription_count)
+    begun, farthest = time.monotonic(), start[0]
+
+    def send() -> None:
+        nonlocal farthest
+        phase = (time.monotonic() - begun) % 6.0
+        lead = start[0] + 0.3 * min(phase, 6.0 - phase)
+        publisher.publish(JointState(name=NAMES, position=[lead, *start[1:]]))
+        farthest = max(farthest, peer.place[0])
+
+    peer.node.create_timer(0.02, send)
+    peer.until(lambda: farthest - start[0] > 0.5)
+    say(moved=farthest - start[0])
+
+
+def guide(peer: Peer) -> None:
+    """Ask for hand guiding, then move the tool by speeds; tell what the topics said meanwhile."""
+    newest: dict[str, Any] = {}
+    for topic, kind in (
+        ("io_and_status_controller/robot_mode", String),
+        ("io_and_status_controller/safety_mode", String),
+        ("tool_data", ToolData),
+        ("joint_trajectory_controller/controller_state", JointTrajectoryControllerState),
+    ):
+        keep = functools.partial(newest.__setitem__, topic)
+        peer.node.create_subscription(kind, PREFIX + topic, keep, 5)
+    guided = peer.node.create_publisher(
+        Bool, f"{PREFIX}freedrive_mode_controller/enable_freedrive_mode", 5
+    )
+    twist = peer.node.create_publisher(Twist, f"{PREFIX}twist_controller/command", 1)
+    start, asked, sent = peer.here(), Twist(), 0
+    asked.linear.z = 0.05
+
+    def send() -> None:
+        nonlocal sent
+        sent += 1
+        if sent <= 50:
+            guided.publish(Bool(data=sent < 50))
+        else:
+            twist.publish(asked)
+
+    def gone() -> bool:
+        return max(abs(a - b) for a, b in zip(peer.place, start, strict=True)) > 0.03
+
+    peer.until(twist.get_subscription_count)
+    peer.node.create_timer(0.02, send)
+    peer.until(lambda: gone() and len(newest) == 4)
+    say(
+        robot=newest["io_and_status_controller/robot_mode"].data,
+        safety=newest["io_and_status_controller/safety_mode"].data,
+        offset=len(newest["tool_data"].offset),
+        names=list(newest["joint_trajectory_controller/controller_state"].joint_names),
+    )
+
+
 def call(peer: Peer, name: str, given: dict[str, Any]) -> None:
     kinds = {
         "set_digital_output": "SetOutput",
@@ -277,16 +389,26 @@ def call(peer: Peer, name: str, given: dict[str, Any]) -> None:
         "set_load": "SetLoad",
         "movej": "MoveJ",
         "movel": "MoveL",
+        "set_analog_output": "SetAnalogOutput",
+        "io_and_status_controller/set_io": "SetIO",
+        "io_and_status_controller/set_speed_slider": "SetSpeedFraction",
+        "io_and_status_controller/set_payload": "SetLoad",
+        "dashboard_client/load_program": "SetText",
+        "dashboard_client/popup": "SetText",
+        "dashboard_client/add_to_log": "SetText",
+        "force_mode_controller/start_force_mode": "StartForceMode",
     }
+    whole = f"/{PREFIX}{name}" if "/" in name else f"{NODE}/{name}"
     kind = getattr(aioduco_msgs.srv, kinds[name]) if name in kinds else Trigger
-    reply = peer.ask(kind, f"{NODE}/{name}", kind.Request(**given))
+    reply = peer.ask(kind, whole, kind.Request(**given))
     say(success=reply.success, message=reply.message)
 
 
 def change(peer: Peer, transitions: list[str]) -> None:
     """Make transitions, and say what each led to."""
     for label in transitions:
-        request = ChangeState.Request(transition=Transition(label=label))
+        named = {"id": int(label)} if label.isdigit() else {"label": label}
+        request = ChangeState.Request(transition=Transition(**named))
         done = peer.ask(ChangeState, f"{NODE}/change_state", request).success
         state = peer.ask(GetState, f"{NODE}/get_state", GetState.Request()).current_state.label
         say(done=done, state=state)
@@ -309,6 +431,15 @@ def main() -> None:
         count_states(peer, float(rest[0]))
     elif what == "stream":
         stream(peer, rest[0])
+    elif what == "calls":
+        for name, given in json.loads(rest[0]):
+            call(peer, name, given)
+    elif what == "guide":
+        guide(peer)
+    elif what == "move":
+        move(peer)
+    elif what == "replace":
+        replace_goal(peer)
     elif what == "call":
         call(peer, rest[0], json.loads(rest[1]) if rest[1:] else {})
     elif what == "lifecycle":

@@ -50,7 +50,7 @@ class Domain(Programs):
             environment: more of it.
         """
         # the controller's queue holds a tenth of a second, and this machine may be busy
-        given = ("through:=servoj", *given)
+        given = ("through:=servoj", "goal_time_tolerance:=60.0", *given)
         words = [
             word for each in given for word in (each.split() if each[0] == "-" else ["-p", each])
         ]

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_node import ArmNode
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.trajectory_server import Progress
 
 
 class Sink:
@@ -50,6 +51,9 @@ class Sink:
         self.reading: ArmReading | None = None
         self.snapshot: Snapshot | None = None
         self.diagnoses: list[Diagnosis] = []
+        self.percent = self.factor = 0.0
+        self.tool_fields: dict[str, Any] = {}
+        self.place: Progress | None = None
         self.forces: list[list[float]] = []
 
     def wants_frames(self) -> bool:
@@ -64,6 +68,15 @@ class Sink:
 
     def states(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
+
+    def speed(self, percent: float) -> None:
+        self.percent = percent
+
+    def tool(self, fields: dict[str, Any]) -> None:
+        self.tool_fields = fields
+
+    def progress(self, place: Progress, factor: float) -> None:
+        self.place, self.factor = place, factor
 
     def diagnosis(self, found: Diagnosis) -> None:
         self.diagnoses.append(found)
@@ -84,7 +97,12 @@ def sink() -> Sink:
 async def node(sim: Simulator, sink: Sink) -> AsyncIterator[ArmNode]:
     # servoj: the controller's queue holds a tenth of a second, and this machine may be busy
     settings = NodeSettings(
-        host=sim.host, port=sim.port, wrench=True, heartbeat=20.0, through="servoj"
+        host=sim.host,
+        port=sim.port,
+        wrench=True,
+        heartbeat=20.0,
+        through="servoj",
+        rules=GoalRules(goal_time=60.0),  # this machine may be busy
     )
     async with arm_node(settings) as node:
         # not a task group: a fixture may be left in another task than it was entered in
@@ -164,6 +182,50 @@ async def test_a_goal_that_is_given_up_ends_at_rest(
 
 
 @pytest.mark.slow
+async def test_a_newer_goal_may_begin_where_the_arm_was_on_its_way(
+    node: ArmNode, sim: Simulator
+) -> None:
+    older = Client(goal(count=50, duration=3.0, far=0.8))
+    node.goals.submit(older)
+    await moving(older)
+    begin = older.seen[-1].actual
+    points = [GoalPoint(tuple(begin)), GoalPoint(START, time=2.0)]
+    newer = Client(goal(points=points, goal_time_tolerance=60.0))
+    await settled(node, newer)
+    assert (older.told, newer.told) == (["accepted", "cancelled"], ["accepted", "succeeded"])
+    np.testing.assert_allclose(sim.joints, START, atol=0.011)
+
+
+@pytest.mark.slow
+async def test_a_goal_that_is_late_by_its_own_times_has_its_code(
+    node: ArmNode, sim: Simulator
+) -> None:
+    # not even the stream is open by then
+    client = Client(goal(duration=0.5, goal_time_tolerance=1e-6))
+    await settled(node, client)
+    assert (client.told, client.code) == (
+        ["accepted", "aborted"],
+        ErrorCode.GOAL_TOLERANCE_VIOLATED,
+    )
+    assert not sim.moving
+
+
+@pytest.mark.slow
+async def test_tolerances_of_speeds(node: ArmNode) -> None:
+    wide = [NamedTolerance(name, 0.0, 2.0) for name in NAMES]
+    slow = [NamedTolerance(name, 0.02, 0.02) for name in NAMES]
+    client = Client(goal(count=50, path_tolerance=wide, goal_tolerance=slow))
+    await settled(node, client)
+    assert client.told == ["accepted", "succeeded"], client.text
+    assert (await node.services.movej(START, 3.0, 20.0)).success
+    tight = [NamedTolerance(NAMES[2], 0.0, 1e-9)]
+    client = Client(goal(count=50, path_tolerance=tight))
+    await settled(node, client)
+    assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED
+    assert "speed of joint_3" in client.text
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("lost", ["client", "middleware"])
 async def test_a_goal_that_is_left_is_stopped_at_once_if_asked_for(
     node: ArmNode, sim: Simulator, lost: str
@@ -197,7 +259,6 @@ async def test_a_stop_ends_a_goal_and_waits_behind_nothing(node: ArmNode, sim: S
     node.goals.submit(client)
     await moving(client)
     assert not (await node.services.movej(START, 1.0, 1.0)).success
-    assert not (await node.services.pause()).success
     assert not (await node.services.set_tool("t", (0.0,) * 6, 0.0, (0.0,) * 3)).success
     assert (await node.services.stop()).success
     assert not sim.moving
@@ -284,6 +345,9 @@ async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> N
     sink.listens = False
     await eventually_async(lambda: not sink.frames)  # joints go on, without them
     await eventually_async(lambda: sink.snapshot)
+    await eventually_async(lambda: sink.percent == 100.0 and sink.factor == 1.0)
+    await eventually_async(lambda: sink.tool_fields and sink.place is not None)
+    assert len(sink.tool_fields["offset"]) == 6
     await eventually_async(lambda: sink.diagnoses[-1].level == DiagnosisLevel.OK)
     sim.emergency_stop()
     try:

@@ -98,6 +98,14 @@ def test_tolerances_are_those_of_the_goal_or_the_default_or_erased() -> None:
     assert (found.goal[0], found.goal[5], found.goal_time) == (RULES.goal, 0.002, 3.0)
 
 
+def test_tolerances_of_speeds_are_those_of_the_joints_that_have_one() -> None:
+    none = check(goal(path_tolerance=[NamedTolerance(NAMES[0], 0.1, -1.0)]))
+    assert (none.path_speed, none.goal_speed) == (None, None)
+    some = check(goal(goal_tolerance=[NamedTolerance(NAMES[1], 0.0, 0.02)]))
+    assert some.path_speed is None
+    assert some.goal_speed == (math.inf, 0.02, *(math.inf,) * 4)
+
+
 @pytest.mark.parametrize(("first", "far", "taken"), [(0, 0.01, True), (0, 0.05, False)])
 def test_a_trajectory_begins_where_the_arm_is(first: float, far: float, taken: bool) -> None:
     checked = check(goal())

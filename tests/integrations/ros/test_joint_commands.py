@@ -124,6 +124,21 @@ async def test_a_stop_is_not_undone_by_commands_that_go_on(sim: Simulator) -> No
 
 
 @pytest.mark.slow
+async def test_commands_may_move_at_once(sim: Simulator) -> None:
+    async with running(sim) as node:
+        farthest = 0.0
+        begin = anyio.current_time()
+        with anyio.fail_after(90.0):
+            async for _ in ticks(50.0):
+                phase = (anyio.current_time() - begin) % 6.0
+                lead = START[0] + 0.3 * min(phase, 6.0 - phase)
+                node.commands.take(NAMES, (lead, *START[1:]))
+                farthest = max(farthest, sim.joints[0] - START[0])
+                if farthest > 0.5:
+                    break
+
+
+@pytest.mark.slow
 async def test_commands_may_hold_the_arm(sim: Simulator) -> None:
     async with running(sim, hold_commands=True) as node:
         await eventually_async(lambda: node.commands.following)

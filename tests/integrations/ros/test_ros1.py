@@ -11,6 +11,7 @@ import io
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,7 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 from aioduco.testing import eventually
 
+from .programs import WAVE, ur_services
 from .ros1_graph import HERE, ROOT, Graph
 
 if TYPE_CHECKING:
@@ -51,7 +53,9 @@ def start_node(graph: Graph, sim: Any, *given: str) -> subprocess.Popen[str]:
     """A driver that forgives a busy machine."""
     program = (str(HERE.parents[1] / "patient.py"), str(HERE / "ros1_node.py"))
     # the controller's queue holds a tenth of a second, and this machine may be busy
-    return graph.start_node(sim, "_through:=servoj", *given, program=program)
+    return graph.start_node(
+        sim, "_through:=servoj", "_goal_time_tolerance:=60.0", *given, program=program
+    )
 
 
 @pytest.fixture
@@ -62,7 +66,7 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
 
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
-    with Simulator() as sim:
+    with Simulator(programs=WAVE) as sim:
         yield sim
 
 
@@ -129,6 +133,27 @@ def test_services(graph: Graph, sim: Simulator, node: subprocess.Popen[str]) -> 
     assert not sim.moving
     found = json.loads(client.communicate(timeout=PATIENT)[0].splitlines()[-1])
     assert (found["state"], found["code"]) == (ABORTED, -4)
+
+
+def test_what_a_user_of_the_ur_driver_knows(
+    graph: Graph, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    ur_services(lambda asked: graph.ask("calls", json.dumps(asked)), sim)
+    graph.make_ready("/duco")
+    found = graph.last("guide")
+    assert (found["robot"], found["safety"], found["offset"]) == ("ENABLE", "RUN", 6)
+    assert found["names"][0] == "joint_1"
+
+
+def test_a_goal_has_its_result_when_the_driver_ends(
+    graph: Graph, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    client = graph.moving_client("200", "60.0", "2.0")
+    node.send_signal(signal.SIGINT)
+    found = json.loads(client.communicate(timeout=PATIENT)[0].splitlines()[-1])
+    assert found["state"] == PREEMPTED
+    assert "the driver ends" in found["text"]
+    assert not sim.moving
 
 
 def test_joint_states_and_a_bag_of_them(

@@ -21,7 +21,7 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 from aioduco.testing import eventually
 
-from .programs import ROOT, processor_time
+from .programs import ROOT, WAVE, processor_time, ur_services
 from .ros2_domain import Domain
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def domain(tmp_path: Path, worker_id: str) -> Iterator[Domain]:
 
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
-    with Simulator() as sim:
+    with Simulator(programs=WAVE) as sim:
         yield sim
 
 
@@ -137,6 +137,65 @@ def test_set_points_by_topics(
     assert found["status"] == SUCCEEDED, found
 
 
+def test_goals_that_are_late_replaced_or_too_fast(
+    domain: Domain, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    (found,) = domain.ask("late")
+    assert (found["status"], found["code"]) == (ABORTED, -5), found
+    assert "own end" in found["text"]
+    assert not sim.moving
+    domain.go_to_start()
+    found = domain.last("replace")
+    assert (found["status"], found["before"]) == (SUCCEEDED, ABORTED), found
+    assert found["error"] <= 0.0101
+    domain.go_to_start()
+    replies = {each["name"]: (each["status"], each["code"]) for each in domain.ask("speeds")}
+    assert replies == {"wide": (SUCCEEDED, 0), "tight": (ABORTED, -4)}
+
+
+def test_set_points_that_move_at_once(
+    domain: Domain, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    assert domain.last("move")["moved"] > 0.5, domain.errors
+
+
+def test_what_a_user_of_the_ur_driver_knows(
+    domain: Domain, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    ur_services(lambda asked: domain.ask("calls", json.dumps(asked)), sim)
+    domain.ready("recover")
+    domain.go_to_start()
+    found = domain.last("guide")
+    assert (found["robot"], found["safety"], found["offset"]) == ("ENABLE", "RUN", 6)
+    assert found["names"][0] == "joint_1"
+
+
+def test_wrong_transitions_end_nothing(
+    domain: Domain, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    wrong = ["99", "1", "3", "255", "destroy", "transition_success"]  # 3: it is active already
+    assert domain.ask("lifecycle", *wrong) == [{"done": False, "state": "active"}] * len(wrong)
+    assert domain.last("call", "bring_up")["success"]
+    assert node.poll() is None
+
+
+@pytest.mark.parametrize("how", ["signal", "transition"])
+def test_a_goal_has_its_result_when_the_driver_ends(
+    domain: Domain, sim: Simulator, node: subprocess.Popen[str], how: str
+) -> None:
+    client = domain.client("goal", "200", "60.0", "2.0")
+    assert client.stdout is not None
+    assert json.loads(client.stdout.readline()) == {"moving": True}
+    if how == "signal":
+        node.send_signal(signal.SIGINT)
+    else:
+        assert domain.last("lifecycle", "shutdown") == {"done": True, "state": "finalized"}
+    found = json.loads(client.stdout.readline())
+    assert found["status"] == ABORTED
+    assert "the driver ends" in found["text"]
+    assert not sim.moving
+
+
 def test_transitions_and_parameters(domain: Domain, sim: Simulator) -> None:
     domain.start_node(sim, "autostart:=false", "heartbeat:=10.0", "feedback_rate:=10")
     assert not domain.last("call", "bring_up")["success"]
@@ -216,6 +275,9 @@ def test_two_arms_under_prefixes(domain: Domain, sim: Simulator) -> None:
         found = domain.last("goal", "20", "1.0", "0.1", PREFIX="left_")
         assert found["status"] == SUCCEEDED, found
         assert other.joints.almost_equal(before, 1e-3)
+        # Each arm's states are its own, and say whose they are.
+        found = domain.last("states", "0.1", PREFIX="right_")
+        assert found["bases"] == ["right_base_link"], found
 
 
 def test_the_demonstration_goes_round_an_obstacle(domain: Domain) -> None:

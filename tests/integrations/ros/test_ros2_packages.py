@@ -24,8 +24,6 @@ ROOT = Path(__file__).parents[3]
 PACKAGES = ROOT / "integrations" / "ros2"
 CHOSEN = {"host": "127.0.0.1", "port": "7003", "model": "gcr5_910"}
 SHELL = Path(aioduco.__file__).parent / "integrations" / "ros" / "ros2"
-#: messages that the driver has in ROS 2 alone
-NEW = {"SetSpeed"}
 
 
 def fields(text: str) -> list[str]:
@@ -46,7 +44,7 @@ def test_messages_are_those_of_ros_1() -> None:
         for name, text in ours.items()
         if name.startswith("aioduco_msgs/")
     }
-    assert {name: found[name] for name in found if name not in NEW} == wanted
+    assert found == wanted
     built = (PACKAGES / "aioduco_msgs" / "CMakeLists.txt").read_text()
     assert set(re.findall(r"(?:msg|srv)/(\w+)\.", built)) == found.keys()
 

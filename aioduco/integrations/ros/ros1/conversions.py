@@ -9,8 +9,12 @@ import functools
 import struct
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco_msgs.msg import IOState, RobotState
-from control_msgs.msg import FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
+from aioduco_msgs.msg import IOState, RobotState, ToolData
+from control_msgs.msg import (
+    FollowJointTrajectoryFeedback,
+    FollowJointTrajectoryResult,
+    JointTrajectoryControllerState,
+)
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped, WrenchStamped
 from rospy import Duration, Time
@@ -28,6 +32,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_server import PathFeedback
 
 __all__ = [
+    "controller_state",
     "diagnostics",
     "feedback",
     "goal",
@@ -35,7 +40,9 @@ __all__ = [
     "joint_state",
     "result",
     "robot_state",
+    "tool_data",
     "transforms",
+    "twist",
     "wrench",
 ]
 
@@ -73,7 +80,15 @@ def result(code: ErrorCode, text: str) -> Any:
 
 def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
     """A feedback of FollowJointTrajectory, with joints in the arm's order."""
-    message = FollowJointTrajectoryFeedback(joint_names=list(names))
+    return _filled(FollowJointTrajectoryFeedback(joint_names=list(names)), found, stamp)
+
+
+def controller_state(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
+    """Where the arm is and is to be."""
+    return _filled(JointTrajectoryControllerState(joint_names=list(names)), found, stamp)
+
+
+def _filled(message: Any, found: PathFeedback, stamp: float) -> Any:
     message.header.stamp = Time.from_sec(stamp)
     time = Duration.from_sec(found.time)
     for part in ("desired", "actual", "error"):
@@ -82,12 +97,12 @@ def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
     return message
 
 
-def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> Any:
-    """Joint states."""
+def joint_state(names: tuple[str, ...], reading: ArmReading, frame: str, stamp: float) -> Any:
+    """Joint states of the arm with that base."""
     message = _SixJoints()
     message.name, message.position = names, reading.position
     message.velocity, message.effort = reading.velocity, reading.effort
-    message.header.stamp = Time.from_sec(stamp)
+    message.header.frame_id, message.header.stamp = frame, Time.from_sec(stamp)
     return message
 
 
@@ -139,17 +154,32 @@ def wrench(frame: str, force: list[float], stamp: float) -> Any:
     return message
 
 
-def robot_state(snapshot: Snapshot, stamp: float) -> Any:
-    """States of robot, program, safety and mode."""
-    message = RobotState(**robot_state_fields(snapshot))
-    message.header.stamp = Time.from_sec(stamp)
+def twist(message: Any) -> tuple[list[float], str]:
+    """A speed of the tool, and the frame of its axes: of a Twist or a TwistStamped."""
+    frame = "" if not hasattr(message, "header") else message.header.frame_id
+    inner = getattr(message, "twist", message)
+    push, turn = inner.linear, inner.angular
+    return [push.x, push.y, push.z, turn.x, turn.y, turn.z], frame
+
+
+def tool_data(fields: dict[str, Any], frame: str, stamp: float) -> Any:
+    """Data of the tool in use."""
+    message = ToolData(**fields)
+    message.header.frame_id, message.header.stamp = frame, Time.from_sec(stamp)
     return message
 
 
-def io_state(snapshot: Snapshot, stamp: float) -> Any:
+def robot_state(snapshot: Snapshot, frame: str, stamp: float) -> Any:
+    """States of robot, program, safety and mode."""
+    message = RobotState(**robot_state_fields(snapshot))
+    message.header.frame_id, message.header.stamp = frame, Time.from_sec(stamp)
+    return message
+
+
+def io_state(snapshot: Snapshot, frame: str, stamp: float) -> Any:
     """Inputs and outputs; the first of each list has the number 1."""
     message = IOState(**io_state_fields(snapshot))
-    message.header.stamp = Time.from_sec(stamp)
+    message.header.frame_id, message.header.stamp = frame, Time.from_sec(stamp)
     return message
 
 

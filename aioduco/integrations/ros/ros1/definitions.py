@@ -76,12 +76,34 @@ float64[] voltage_outputs
 float64[] current_inputs
 float64[] current_outputs
 """,
+    "aioduco_msgs/ToolData": """\
+Header header
+float64[6] offset
+float64 mass
+float64[3] centre
+bool[] inputs
+bool[] outputs
+""",
+    "control_msgs/JointTrajectoryControllerState": """\
+Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint desired
+trajectory_msgs/JointTrajectoryPoint actual
+trajectory_msgs/JointTrajectoryPoint error
+""",
 }
 
 _REPLY = "---\nbool success\nstring message\n"
 
 #: services by their full name
 SERVICES = {
+    "aioduco_msgs/SetAnalogOutput": "uint8 number\nfloat64 value\nbool current\n" + _REPLY,
+    "aioduco_msgs/SetIO": "int8 fun\nint8 pin\nfloat32 state\n" + _REPLY,
+    "aioduco_msgs/SetSpeed": "int32 percent\n" + _REPLY,
+    "aioduco_msgs/SetSpeedFraction": "float64 speed_slider_fraction\n" + _REPLY,
+    "aioduco_msgs/SetText": "string text\n" + _REPLY,
+    "aioduco_msgs/StartForceMode": "bool[6] selection\nfloat64[6] wrench\nfloat64[6] damping\n"
+    "float64[6] speed_limits\nuint8 frame\n" + _REPLY,
     "aioduco_msgs/SetOutput": "uint8 number\nbool value\n" + _REPLY,
     "aioduco_msgs/SetLoad": "float64 mass\nfloat64[3] centre\n" + _REPLY,
     "aioduco_msgs/SetTool": "string name\nfloat64[6] offset\nfloat64 mass\nfloat64[3] centre\n"

@@ -17,48 +17,42 @@ import time
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+import aioduco_msgs.srv
 import anyio
 import rosgraph
 import rospy
+import std_srvs.srv
 from actionlib import ActionServer
-from aioduco_msgs.msg import IOState, RobotState
-from aioduco_msgs.srv import (
-    MoveJ,
-    MoveJResponse,
-    MoveL,
-    MoveLResponse,
-    SetLoad,
-    SetLoadResponse,
-    SetOutput,
-    SetOutputResponse,
-    SetTool,
-    SetToolResponse,
-)
+from aioduco_msgs.msg import IOState, RobotState, ToolData
 from anyio.from_thread import BlockingPortal
-from control_msgs.msg import FollowJointTrajectoryAction
+from control_msgs.msg import FollowJointTrajectoryAction, JointTrajectoryControllerState
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Twist, TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger, TriggerResponse
 from tf2_msgs.msg import TFMessage
 
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.integrations.ros.arm_readings import STATE_NAMES, state_names
 from aioduco.integrations.ros.node_parameters import settings_of
 from aioduco.integrations.ros.ros1 import conversions
+from aioduco.integrations.ros.service_table import service_table
 from aioduco.integrations.ros.shutdown import cancel_on_signal
 from aioduco.integrations.ros.trajectory_goals import ErrorCode
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Callable, Sequence
 
     from anyio.abc import SocketStream, TaskGroup
 
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
     from aioduco.integrations.ros.arm_services import ServiceReply
+    from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import PathFeedback
+    from aioduco.integrations.ros.trajectory_server import PathFeedback, Progress
 
 __all__ = ["NodeError", "main"]
 
@@ -149,12 +143,6 @@ async def _after(due: float, call: Callable[[], object]) -> None:
         call()
 
 
-def _without_request(
-    call: Callable[[], Awaitable[ServiceReply]],
-) -> Callable[[Any], Awaitable[ServiceReply]]:
-    return lambda _: call()
-
-
 class _Goal:
     """A goal of actionlib, in the interface of the driver's core."""
 
@@ -215,9 +203,15 @@ class _Shell:
 
         self._joints = publisher("joint_states", JointState)
         self._transforms = publisher("/tf", TFMessage)
-        self._wrench = publisher("wrench", WrenchStamped)
-        self._robot_state = publisher("robot_state", RobotState)
-        self._io = publisher("io_states", IOState)
+        self._wrench = publisher(f"{prefix}wrench", WrenchStamped)
+        self._robot_state = publisher(f"{prefix}robot_state", RobotState)
+        self._io = publisher(f"{prefix}io_states", IOState)
+        self._speed = publisher(f"{prefix}speed_scaling", Float64)
+        self._tool = publisher(f"{prefix}tool_data", ToolData)
+        self._names = {name: publisher(prefix + name, String) for name in STATE_NAMES}
+        self._progress = publisher(
+            f"{prefix}joint_trajectory_controller/state", JointTrajectoryControllerState
+        )
         self._diagnostics = publisher("/diagnostics", DiagnosticArray)
         self._services: list[Any] = []
         self._action = ActionServer(
@@ -235,9 +229,9 @@ class _Shell:
 
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         stamp = at + self._ahead
-        self._joints.publish(conversions.joint_state(self.names, reading, stamp))
+        base = self._settings.base_frame
+        self._joints.publish(conversions.joint_state(self.names, reading, base, stamp))
         if frames:
-            base = self._settings.base_frame
             self._transforms.publish(conversions.transforms(base, frames, stamp))
 
     def wrench(self, at: float, force: list[float]) -> None:
@@ -245,9 +239,25 @@ class _Shell:
         self._wrench.publish(conversions.wrench(frame, force, at + self._ahead))
 
     def states(self, snapshot: Snapshot) -> None:
-        stamp = snapshot.received_at + self._ahead
-        self._robot_state.publish(conversions.robot_state(snapshot, stamp))
-        self._io.publish(conversions.io_state(snapshot, stamp))
+        stamp, base = snapshot.received_at + self._ahead, self._settings.base_frame
+        self._robot_state.publish(conversions.robot_state(snapshot, base, stamp))
+        self._io.publish(conversions.io_state(snapshot, base, stamp))
+
+        for name, text in state_names(snapshot).items():
+            self._names[name].publish(text)
+
+    def tool(self, fields: dict[str, Any]) -> None:
+        message = conversions.tool_data(fields, self._settings.base_frame, rospy.get_time())
+        self._tool.publish(message)
+
+    def progress(self, place: Progress, factor: float) -> None:
+        del factor  # no field of this message in ROS 1
+        if self._progress.get_num_connections():
+            message = conversions.controller_state(self.names, place, rospy.get_time())
+            self._progress.publish(message)
+
+    def speed(self, percent: float) -> None:
+        self._speed.publish(percent)
 
     def diagnosis(self, found: Diagnosis) -> None:
         now = rospy.get_time()
@@ -353,58 +363,24 @@ class _Shell:
         await anyio.to_thread.run_sync(self._offer, abandon_on_cancel=True)
 
     def _offer(self) -> None:
-        services = self._node.services
-        for name, call in (
-            ("bring_up", services.bring_up),
-            ("recover", services.recover),
-            ("pause", services.pause),
-            ("resume", services.resume),
-        ):
-            self._serve(name, Trigger, TriggerResponse, _without_request(call))
+        prefix = self._settings.prefix
+        for entry in service_table():
+            kinds = std_srvs.srv if entry.kind == "Trigger" else aioduco_msgs.srv
+            kind, response = (getattr(kinds, entry.kind + part) for part in ("", "Response"))
+            name = entry.name if entry.name[0] == "~" else prefix + entry.name
+            self._serve(name, kind, response, entry)
         self._services.append(rospy.Service("~stop", Trigger, self._stop))
-        self._serve(
-            "set_digital_output",
-            SetOutput,
-            SetOutputResponse,
-            lambda asked: services.set_digital_output(asked.number, asked.value),
-        )
-        self._serve(
-            "set_tool_output",
-            SetOutput,
-            SetOutputResponse,
-            lambda asked: services.set_tool_output(asked.number, asked.value),
-        )
-        self._serve(
-            "set_tool",
-            SetTool,
-            SetToolResponse,
-            lambda asked: services.set_tool(asked.name, asked.offset, asked.mass, asked.centre),
-        )
-        self._serve(
-            "set_load",
-            SetLoad,
-            SetLoadResponse,
-            lambda asked: services.set_load(asked.mass, asked.centre),
-        )
-        self._serve(
-            "movej",
-            MoveJ,
-            MoveJResponse,
-            lambda asked: services.movej(asked.joints, asked.v, asked.a),
-        )
-        self._serve(
-            "movel",
-            MoveL,
-            MoveLResponse,
-            lambda asked: services.movel(asked.pose, asked.v, asked.a, asked.tool, asked.wobj),
-        )
+        for topic, kind, take in (
+            ("twist_controller/command", Twist, self._take_twist),
+            ("delta_twist_cmds", TwistStamped, self._take_twist),
+            ("freedrive_mode_controller/enable_freedrive_mode", Bool, self._take_freedrive),
+        ):
+            rospy.Subscriber(prefix + topic, kind, take, queue_size=1)
         self._action.start()
 
-    def _serve(
-        self, name: str, kind: Any, response: Any, call: Callable[[Any], Awaitable[ServiceReply]]
-    ) -> None:
+    def _serve(self, name: str, kind: Any, response: Any, entry: ServiceEntry) -> None:
         async def answer(asked: Any) -> ServiceReply:
-            return await call(asked)
+            return await entry.call(self._node.services, asked)
 
         def handle(asked: Any) -> Any:
             try:
@@ -412,7 +388,13 @@ class _Shell:
             except RuntimeError:
                 return response(False, "the driver ends; nothing was sent")
 
-        self._services.append(rospy.Service(f"~{name}", kind, handle))
+        self._services.append(rospy.Service(name, kind, handle))
+
+    def _take_twist(self, message: Any) -> None:
+        self._schedule(self._node.twists.take, *conversions.twist(message))
+
+    def _take_freedrive(self, message: Any) -> None:
+        self._schedule(self._node.freedrive.take, bool(message.data))
 
     def _stop(self, _: Any) -> Any:
         """Stop the arm, on rospy's thread: the stop needs no event loop, and nothing delays it."""

@@ -13,17 +13,20 @@ finished them. A stop has a node and a thread of its own, and is sent to the con
 
 from __future__ import annotations
 
+import functools
 import logging
 import math
 import time
 from typing import TYPE_CHECKING, Any
 
+import aioduco_msgs.srv
 import anyio
-from aioduco_msgs.msg import IOState, RobotState
-from aioduco_msgs.srv import MoveJ, MoveL, SetLoad, SetOutput, SetSpeed, SetTool
+from aioduco_msgs.msg import IOState, RobotState, ToolData
 from control_msgs.action import FollowJointTrajectory
+from control_msgs.msg import JointTrajectoryControllerState
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Twist, TwistStamped, WrenchStamped
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -32,28 +35,31 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory
 
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.integrations.ros.arm_readings import STATE_NAMES, state_names
 from aioduco.integrations.ros.arm_services import ServiceReply
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
 from aioduco.integrations.ros.ros2 import conversions
+from aioduco.integrations.ros.service_table import service_table
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
+    from collections.abc import Awaitable, Callable
 
     from anyio.abc import TaskStatus
     from anyio.from_thread import BlockingPortal
 
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import PathFeedback
+    from aioduco.integrations.ros.trajectory_server import PathFeedback, Progress
 
 __all__ = ["DriverNode"]
 
@@ -69,10 +75,15 @@ _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 _NEXT = 0.5  # a trajectory of one point that is due within this time is a command, not a goal [s]
 _CANCEL_PERIOD = 0.002  # seconds between two checks whether rclpy has recorded a cancellation
 _CANCEL_LOOKS = 500  # largest number of these checks
+_LOOK = 0.02  # seconds between two checks whether all results were sent
+_RESULTS = 3.0  # seconds within which that is awaited
+_DELIVERY = 0.3  # seconds for rclpy's thread to send a result; it does not report when it has
 _SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 _OFF = ServiceReply(False, "the driver is not configured: configure it first. Nothing was sent")
 _ENDS = ServiceReply(False, "the driver ends; nothing was sent")
+
+_CONTROLLER_STATE = "joint_trajectory_controller/controller_state"
 
 #: parameters of the node itself, besides those of the driver
 _OWN = {"autostart": True, "watch_clients": True}
@@ -206,6 +217,8 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self._incoming: list[Any] = []
         self._action: Any = None
         self._feedback_topic = ""
+        self._open_goals = 0
+        self._ended_at = -math.inf  # when the last goal ended [s]
         self._group = ReentrantCallbackGroup()
         self._known = parameter_defaults() | _OWN
         for name, default in self._known.items():
@@ -214,6 +227,11 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 # An empty list has no type in ROS: a list with one empty text is a list of texts.
                 self.declare_parameter(name, [""] if default == () else default, kind)
         self.add_on_set_parameters_callback(self._check_parameters)
+        for service in self.services:
+            if service.srv_type is ChangeState:
+                # rclpy's own raises for a transition that this state does not have.
+                service.callback = functools.partial(_change_state, service.callback)
+        self._prefix = str(self.get_parameter("prefix").value)
         self._offer_services()
 
     # -- parameters ------------------------------------------------------------------------------
@@ -285,8 +303,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return _SUCCESS
 
     def on_shutdown(self, state: Any) -> Any:
-        """Bring the arm to rest, and disconnect from it."""
-        return self.on_cleanup(state)
+        """Bring the arm to rest, and disconnect from it; the action stays, to send its results."""
+        del state
+        self._portal.call(self.release)
+        return _SUCCESS
 
     def on_error(self, state: Any) -> Any:
         """Disconnect from the arm after a failed transition."""
@@ -318,9 +338,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             with anyio.CancelScope() as scope:
                 self._running = scope
                 task_status.started()
-                async with anyio.create_task_group() as tasks:
-                    tasks.start_soon(arm.run, self)
-                    tasks.start_soon(self._publish_speed, arm)
+                await arm.run(self)
         except Exception as error:  # any error: a driver must not run with a part failed
             self._fail(error)
         finally:
@@ -339,10 +357,20 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             self._released.set()
             await self._left.wait()
 
+    async def send_results(self) -> None:
+        """Wait until rclpy has sent the results of goals that the driver's end has ended."""
+        start = anyio.current_time()
+        for number in range(int(_RESULTS / _LOOK)):
+            if not self._open_goals and time.monotonic() - self._ended_at > _DELIVERY:
+                return
+            await anyio.sleep_until(start + number * _LOOK)
+
     # -- topics ----------------------------------------------------------------------------------
 
     def _offer_topics(self, settings: NodeSettings) -> None:
-        controller = f"{settings.prefix}joint_trajectory_controller"
+        prefix = settings.prefix
+        controller = f"{prefix}joint_trajectory_controller"
+        shared = ("joint_states", "/tf", "/diagnostics")  # all arms publish these
         for topic, kind, quality in (
             ("joint_states", JointState, _STATES),
             ("/tf", TFMessage, _TRANSFORMS),
@@ -350,10 +378,20 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             ("robot_state", RobotState, _LATCHED),
             ("io_states", IOState, _LATCHED),
             ("speed_scaling", Float64, _LATCHED),
+            ("tool_data", ToolData, _LATCHED),
+            (_CONTROLLER_STATE, JointTrajectoryControllerState, _STATES),
+            *((name, String, _LATCHED) for name in STATE_NAMES),
             ("/diagnostics", DiagnosticArray, QoSProfile(depth=10)),
         ):
-            self._topics[topic] = self.create_lifecycle_publisher(kind, topic, quality)
-        self._listen(JointState, f"{settings.prefix}joint_commands", self._take_command, _NEWEST)
+            if topic == _CONTROLLER_STATE and settings.hold_commands:
+                continue  # the controller of ros2_control publishes it
+            name = topic if topic in shared else prefix + topic
+            self._topics[topic] = self.create_lifecycle_publisher(kind, name, quality)
+        self._listen(JointState, f"{prefix}joint_commands", self._take_command, _NEWEST)
+        self._listen(Twist, f"{prefix}twist_controller/command", self._take_twist, _NEWEST)
+        self._listen(TwistStamped, f"{prefix}delta_twist_cmds", self._take_twist, _NEWEST)
+        freedrive = f"{prefix}freedrive_mode_controller/enable_freedrive_mode"
+        self._listen(Bool, freedrive, self._take_freedrive, 5)
         if settings.hold_commands:
             return  # ros2_control has an action of this name, and carries out its goals itself
         self._listen(JointTrajectory, f"{controller}/joint_trajectory", self._take_trajectory, 5)
@@ -389,6 +427,11 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         if publisher is not None:
             publisher.publish(message)
 
+    @property
+    def _base(self) -> str:
+        """The frame of the arm's base."""
+        return "" if self._settings is None else self._settings.base_frame
+
     # The sink, on the loop.
 
     def wants_frames(self) -> bool:
@@ -398,10 +441,9 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         """Publish joint states, and frames if there are any."""
-        stamp = at + self._ahead
-        self._publish("joint_states", conversions.joint_state(self.names, reading, stamp))
-        if frames and self._settings is not None:
-            base = self._settings.base_frame
+        stamp, base = at + self._ahead, self._base
+        self._publish("joint_states", conversions.joint_state(self.names, reading, base, stamp))
+        if frames:
             self._publish("/tf", conversions.transforms(base, frames, stamp))
 
     def wrench(self, at: float, force: list[float]) -> None:
@@ -412,9 +454,26 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     def states(self, snapshot: Snapshot) -> None:
         """Publish states, inputs and outputs."""
-        stamp = snapshot.received_at + self._ahead
-        self._publish("robot_state", conversions.robot_state(snapshot, stamp))
-        self._publish("io_states", conversions.io_state(snapshot, stamp))
+        stamp, base = snapshot.received_at + self._ahead, self._base
+        self._publish("robot_state", conversions.robot_state(snapshot, base, stamp))
+        self._publish("io_states", conversions.io_state(snapshot, base, stamp))
+        for name, text in state_names(snapshot).items():
+            self._publish(name, String(data=text))
+
+    def tool(self, fields: dict[str, Any]) -> None:
+        """Publish the data of the tool."""
+        self._publish("tool_data", conversions.tool_data(fields, self._base, self.wall()))
+
+    def progress(self, place: Progress, factor: float) -> None:
+        """Publish where the arm is and is to be."""
+        publisher = self._topics.get(_CONTROLLER_STATE)
+        if publisher is not None and publisher.get_subscription_count():
+            state = conversions.controller_state(self.names, place, factor, self.wall())
+            publisher.publish(state)
+
+    def speed(self, percent: float) -> None:
+        """Publish the global speed."""
+        self._publish("speed_scaling", Float64(data=percent))
 
     def diagnosis(self, found: Diagnosis) -> None:
         """Publish the diagnosis of the arm."""
@@ -423,18 +482,6 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         host = "" if self._settings is None else self._settings.host
         name = self.get_fully_qualified_name()
         self._publish("/diagnostics", conversions.diagnostics(name, host, found, now))
-
-    async def _publish_speed(self, arm: ArmNode) -> None:
-        """Publish the global speed, which scales motions [percent]."""
-        start, number, period = anyio.current_time(), 0, 1.0 / arm.settings.slow_rate
-        while True:
-            try:
-                percent = await arm.robot.settings.get_global_speed()
-                self._publish("speed_scaling", Float64(data=float(percent)))
-            except DucoError as error:
-                _log.debug("no speed: %s", error)
-            number = max(number + 1, math.ceil((anyio.current_time() - start) / period))
-            await anyio.sleep_until(start + number * period)
 
     # -- commands and goals: on rclpy's thread ---------------------------------------------------
 
@@ -452,6 +499,12 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     def _take_command(self, message: Any) -> None:
         self._schedule(self._follow_command, list(message.name), list(message.position))
+
+    def _take_twist(self, message: Any) -> None:
+        self._schedule(self._follow_twist, *conversions.twist(message))
+
+    def _take_freedrive(self, message: Any) -> None:
+        self._schedule(self._guide, bool(message.data))
 
     def _judge_goal(self, request: Any) -> Any:
         del request
@@ -474,7 +527,12 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         if not self._schedule(self._submit, goal):
             handle.abort()
             return conversions.result(ErrorCode.INVALID_GOAL, _ENDS.message)
-        return await goal.done
+        self._open_goals += 1
+        try:
+            return await goal.done
+        finally:
+            self._open_goals -= 1
+            self._ended_at = time.monotonic()
 
     def _cancel_goal(self, handle: Any) -> Any:
         goal = getattr(handle, "driver_goal", None)
@@ -515,6 +573,14 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         if self._arm is not None and self._running is not None:
             self._arm.commands.take(names, positions)
 
+    async def _follow_twist(self, twist: list[float], frame: str) -> None:
+        if self._arm is not None and self._running is not None:
+            self._arm.twists.take(twist, frame)
+
+    async def _guide(self, wanted: bool) -> None:
+        if self._arm is not None and self._running is not None:
+            self._arm.freedrive.take(wanted)
+
     def answer(self, future: Any, value: object) -> None:
         """Set the result of a future for which rclpy is waiting."""
         future.set_result(value)
@@ -525,21 +591,17 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     # -- services --------------------------------------------------------------------------------
 
     def _offer_services(self) -> None:
-        for name, kind, call in _services():
-            self.create_service(
-                kind, f"~/{name}", self._server(name, call), callback_group=self._group
-            )
+        for entry in service_table():
+            kind = Trigger if entry.kind == "Trigger" else getattr(aioduco_msgs.srv, entry.kind)
+            name = entry.name.replace("~", "~/") if "~" in entry.name else self._prefix + entry.name
+            self.create_service(kind, name, self._server(entry), callback_group=self._group)
 
-    def _server(
-        self, name: str, call: Callable[[ArmNode, Any], Awaitable[ServiceReply]]
-    ) -> Callable[[Any, Any], Awaitable[Any]]:
+    def _server(self, entry: ServiceEntry) -> Callable[[Any, Any], Awaitable[Any]]:
         async def run(request: Any, done: Any) -> None:
             reply = _ENDS
             try:
                 arm = self._arm
-                reply = _OFF if arm is None else await call(arm, request)
-                if arm is not None and reply.success and name in ("bring_up", "recover"):
-                    arm.commands.allow()
+                reply = _OFF if arm is None else await entry.call(arm.services, request)
             finally:
                 self.answer(done, reply)
 
@@ -571,44 +633,11 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return response
 
 
-def _services() -> Iterator[tuple[str, Any, Callable[[ArmNode, Any], Awaitable[ServiceReply]]]]:
-    """Name, type and function of each service, except `stop`."""
-    yield "bring_up", Trigger, lambda arm, _: arm.services.bring_up()
-    yield "recover", Trigger, lambda arm, _: arm.services.recover()
-    yield "pause", Trigger, lambda arm, _: arm.services.pause()
-    yield "resume", Trigger, lambda arm, _: arm.services.resume()
-    yield (
-        "set_digital_output",
-        SetOutput,
-        lambda arm, asked: arm.services.set_digital_output(asked.number, asked.value),
-    )
-    yield (
-        "set_tool_output",
-        SetOutput,
-        lambda arm, asked: arm.services.set_tool_output(asked.number, asked.value),
-    )
-    yield "set_speed", SetSpeed, lambda arm, asked: arm.services.set_speed(asked.percent)
-    yield (
-        "set_tool",
-        SetTool,
-        lambda arm, asked: arm.services.set_tool(
-            asked.name, list(asked.offset), asked.mass, list(asked.centre)
-        ),
-    )
-    yield (
-        "set_load",
-        SetLoad,
-        lambda arm, asked: arm.services.set_load(asked.mass, list(asked.centre)),
-    )
-    yield (
-        "movej",
-        MoveJ,
-        lambda arm, asked: arm.services.movej(list(asked.joints), asked.v, asked.a),
-    )
-    yield (
-        "movel",
-        MoveL,
-        lambda arm, asked: arm.services.movel(
-            list(asked.pose), asked.v, asked.a, asked.tool, asked.wobj
-        ),
-    )
+def _change_state(change: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+    """Answer a request of a transition; one that the node cannot make is refused."""
+    try:
+        return change(request, response)
+    except Exception as error:  # RCLError, whose module is private
+        _log.warning("transition %s refused: %s", request.transition.id, error)
+        response.success = False
+        return response

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco_msgs.msg import IOState, RobotState
+from aioduco_msgs.msg import IOState, RobotState, ToolData
 from builtin_interfaces.msg import Duration, Time
 from control_msgs.action import FollowJointTrajectory
+from control_msgs.msg import JointTrajectoryControllerState
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped, WrenchStamped
 from sensor_msgs.msg import JointState
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_server import PathFeedback
 
 __all__ = [
+    "controller_state",
     "diagnostics",
     "feedback",
     "goal",
@@ -38,12 +40,20 @@ __all__ = [
     "joint_state",
     "result",
     "robot_state",
+    "tool_data",
     "trajectory",
     "transforms",
+    "twist",
     "wrench",
 ]
 
 _NANO = 1_000_000_000
+#: fields of JointTrajectoryControllerState, in all its versions, for each part of a feedback
+_PARTS = {
+    "desired": ("reference", "desired", "output"),
+    "actual": ("feedback", "actual"),
+    "error": ("error",),
+}
 
 
 def _time(seconds: float) -> Any:
@@ -115,11 +125,27 @@ def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
     return message
 
 
-def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> Any:
-    """Joint states."""
+def controller_state(
+    names: tuple[str, ...], found: PathFeedback, factor: float, stamp: float
+) -> Any:
+    """Where the arm is and is to be, under the present names and those of Humble."""
+    message = JointTrajectoryControllerState(joint_names=list(names))
+    message.header.stamp = _time(stamp)
+    for part, titles in _PARTS.items():
+        point = JointTrajectoryPoint(positions=getattr(found, part).tolist())
+        for title in titles:
+            if hasattr(message, title):
+                setattr(message, title, point)
+    if hasattr(message, "speed_scaling_factor"):
+        message.speed_scaling_factor = factor
+    return message
+
+
+def joint_state(names: tuple[str, ...], reading: ArmReading, frame: str, stamp: float) -> Any:
+    """Joint states of the arm with that base."""
     message = JointState(name=names, position=reading.position)
     message.velocity, message.effort = reading.velocity, reading.effort
-    message.header.stamp = _time(stamp)
+    message.header.frame_id, message.header.stamp = frame, _time(stamp)
     return message
 
 
@@ -146,17 +172,32 @@ def wrench(frame: str, force: list[float], stamp: float) -> Any:
     return message
 
 
-def robot_state(snapshot: Snapshot, stamp: float) -> Any:
-    """States of robot, program, safety and mode."""
-    message = RobotState(**robot_state_fields(snapshot))
-    message.header.stamp = _time(stamp)
+def twist(message: Any) -> tuple[list[float], str]:
+    """A speed of the tool, and the frame of its axes: of a Twist or a TwistStamped."""
+    frame = "" if not hasattr(message, "header") else message.header.frame_id
+    inner = getattr(message, "twist", message)
+    push, turn = inner.linear, inner.angular
+    return [push.x, push.y, push.z, turn.x, turn.y, turn.z], frame
+
+
+def tool_data(fields: dict[str, Any], frame: str, stamp: float) -> Any:
+    """Data of the tool in use."""
+    message = ToolData(**fields)
+    message.header.frame_id, message.header.stamp = frame, _time(stamp)
     return message
 
 
-def io_state(snapshot: Snapshot, stamp: float) -> Any:
+def robot_state(snapshot: Snapshot, frame: str, stamp: float) -> Any:
+    """States of robot, program, safety and mode."""
+    message = RobotState(**robot_state_fields(snapshot))
+    message.header.frame_id, message.header.stamp = frame, _time(stamp)
+    return message
+
+
+def io_state(snapshot: Snapshot, frame: str, stamp: float) -> Any:
     """Inputs and outputs; the first of each list has the number 1."""
     message = IOState(**io_state_fields(snapshot))
-    message.header.stamp = _time(stamp)
+    message.header.frame_id, message.header.stamp = frame, _time(stamp)
     return message
 
 

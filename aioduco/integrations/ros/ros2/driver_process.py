@@ -9,6 +9,8 @@ import logging
 import logging.handlers
 import queue
 import threading
+import time
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -29,6 +31,9 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _LEAVE = 2.0  # seconds within which rclpy's threads must end
+_MOST_RAISED = 1000  # errors of rclpy within a second after which it does not work any more
+
+_log = logging.getLogger(__name__)
 
 
 class _RosLog(logging.Handler):
@@ -107,6 +112,7 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
         finally:
             with anyio.CancelScope(shield=True):
                 await node.release()
+                await node.send_results()
                 for executor, thread in spinning:
                     await anyio.to_thread.run_sync(executor.shutdown, _LEAVE)
                     # The nodes are destroyed next: no thread may be using them then.
@@ -126,12 +132,23 @@ def _spinning(
     executor.add_node(node)
 
     def spin() -> None:
-        try:
-            executor.spin()
-        except ExternalShutdownException:
-            return
-        except BaseException as error:  # a node that no longer answers must not seem alive
-            portal.start_task_soon(fail, error)
+        raised: deque[float] = deque(maxlen=_MOST_RAISED)
+        while True:
+            try:
+                executor.spin()
+            except ExternalShutdownException:
+                return
+            except Exception as error:  # of one message, such as a text that is not UTF-8
+                now = time.monotonic()
+                raised.append(now)
+                if len(raised) == _MOST_RAISED and now - raised[0] < 1.0:
+                    # A node that no longer answers must not seem alive.
+                    portal.start_task_soon(fail, error)
+                    return
+                if len(raised) == 1 or now - raised[-2] > 1.0:
+                    _log.warning("a message was left out: %r", error)
+            else:
+                return
 
     thread = threading.Thread(target=spin, name=f"ros {node.get_name()}", daemon=True)
     thread.start()

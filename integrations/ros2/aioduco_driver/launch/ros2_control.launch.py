@@ -2,9 +2,9 @@
 
 ros2 launch aioduco_driver ros2_control.launch.py host:=192.168.1.10
 
-It needs ros2_control, ros2_controllers, and joint_state_topic_hardware_interface or, as the same
-was called before, topic_based_ros2_control. The driver holds the arm for joint commands all
-the time and has no action of its own: goals are for the controller's.
+It needs ros2_control, ros2_controllers, and joint_state_topic_hardware_interface or, by its former
+name, topic_based_ros2_control. The driver holds the arm for joint commands all the time and has no
+action of its own: goals are for the controller's.
 """
 
 from __future__ import annotations

@@ -1,0 +1,123 @@
+"""Parts of a goal's path: the whole, or what remains of it for an arm at rest. No I/O, no clock."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco import JointTrajectory
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.integrations.ros.trajectory_goals import ArmProfile
+
+__all__ = ["PathPart", "nearest_time", "rest_of_path", "whole_path"]
+
+_SAMPLE = 0.02  # time between two points of what remains of a path [s]
+_MOST_SAMPLES = 3000
+_SHORTEST = 0.2  # shortest time in which the arm reaches the path's speed [s]
+_SEARCH = 0.01  # distance of the times among which the nearest is searched [s]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathPart:
+    """A trajectory of the arm, and where on the goal's path it is when.
+
+    Attributes:
+        trajectory: the trajectory.
+        path_time: the time on the goal's path of a time on the trajectory [s].
+    """
+
+    trajectory: JointTrajectory
+    path_time: Callable[[float], float]
+
+
+def whole_path(trajectory: JointTrajectory, factor: float) -> PathPart:
+    """A whole path, at a factor of its speed.
+
+    Args:
+        trajectory: the goal's trajectory.
+        factor: factor of its speed, above 0 to 1.
+    """
+    if factor == 1.0:
+        return PathPart(trajectory, lambda time: time)
+    v, a = trajectory.velocities, trajectory.accelerations
+    slower = JointTrajectory(
+        trajectory.positions,
+        trajectory.times / factor,
+        None if v is None else v * factor,
+        None if a is None else a * factor**2,
+    )
+    return PathPart(slower, lambda time: time * factor)
+
+
+def rest_of_path(
+    path: Any, actual: Sequence[float], *, begin: float, factor: float, profile: ArmProfile
+) -> PathPart:
+    """What remains of a path, from an arm at rest that need not be on it.
+
+    The arm gains the path's speed from rest, and comes onto the path meanwhile, within the joints'
+    speeds: the time for that is at least six times that of its way to the path at full speed.
+
+    Args:
+        path: the curve of the goal's trajectory.
+        actual: position of the arm [rad]. Shape (6,).
+        begin: time on the path with which the arm begins [s].
+        factor: factor of the path's speed, above 0 to 1.
+        profile: limits of the arm.
+    """
+    here = np.asarray(actual, dtype=np.float64)
+    off = here - path.at(np.array([begin]))[0]
+    remains = float(path.times[-1]) - begin
+    speed = np.abs(path.velocity(np.array([begin]))).max() * factor
+    away = float((np.abs(off) / profile.velocity).max())
+    ramp = max(_SHORTEST, 1.5 * speed / profile.acceleration, 6.0 * away)
+    if remains / factor > ramp / 2:
+        duration = remains / factor + ramp / 2
+        moments = _moments(duration)
+        rising = np.minimum(moments / ramp, 1.0)
+        place = begin + factor * (moments - ramp * rising * (1.0 - rising / 2.0))
+        rate = factor * rising
+    else:
+        # so near to the end that it is one smooth motion there
+        ramp = duration = max(_SHORTEST, 1.6 * (remains / factor + away))
+        moments = _moments(duration)
+        share = moments / duration
+        place = begin + remains * share**2 * (3.0 - 2.0 * share)
+        rate = remains * 6.0 * share * (1.0 - share) / duration
+        rising = share
+    place = np.minimum(place, path.times[-1])
+    blend = (1.0 - rising**2 * (3.0 - 2.0 * rising))[:, None]
+    slope = np.where(moments < ramp, -6.0 * rising * (1.0 - rising) / ramp, 0.0)[:, None]
+    positions = path.at(place) + blend * off
+    velocities = path.velocity(place) * rate[:, None] + slope * off
+    velocities[-1] = 0.0
+    low, high = np.asarray(profile.lower), np.asarray(profile.upper)
+    made = JointTrajectory(np.clip(positions, low, high), moments, velocities)
+    return PathPart(made, lambda time: float(np.interp(time, moments, place)))
+
+
+def nearest_time(path: Any, actual: Sequence[float], begin: float, end: float) -> float:
+    """The time of the path's place that is nearest to the arm.
+
+    Args:
+        path: the curve of a trajectory.
+        actual: position of the arm [rad]. Shape (6,).
+        begin: earliest time [s].
+        end: latest time [s].
+    """
+    first, last = np.clip([begin, end], path.times[0], path.times[-1]).tolist()
+    times = np.linspace(first, last, max(2, math.ceil((last - first) / _SEARCH) + 1))
+    away = np.abs(path.at(times) - np.asarray(actual, dtype=np.float64)).sum(axis=1)
+    return float(times[int(np.argmin(away))])
+
+
+def _moments(duration: float) -> NDArray[np.float64]:
+    count = min(_MOST_SAMPLES, max(10, math.ceil(duration / _SAMPLE)))
+    return np.linspace(0.0, duration, count + 1)

@@ -1,0 +1,132 @@
+"""Follow speeds of the tool as they arrive, for example from a joystick or MoveIt Servo.
+
+Guarantees:
+- The arm moves only while commands arrive: the stream ends when they cease, and the controller
+  itself ends the motion when the driver dies.
+- After a stop, further commands are ignored until they have ceased, or the arm was recovered.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import TYPE_CHECKING, Literal
+
+import anyio
+
+from aioduco.errors import DucoError, ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco import Robot, WorkerOptions
+
+__all__ = ["TwistCommands"]
+
+_log = logging.getLogger(__name__)
+_ACCELERATION, _TURN_ACCELERATION = 1.0, 4.0  # m/s², rad/s²
+_STILL = (0.0,) * 6
+
+
+class TwistCommands:
+    """Speeds of the tool of one arm, followed by a speed stream that is open while they arrive.
+
+    Args:
+        robot: the robot, open.
+        base: frame of the arm's base; commands without a frame are in it, too.
+        tips: frames at the tool.
+        busy: returns whether something else uses the arm, such as a trajectory goal.
+        timeout: time without commands after which the stream ends [s].
+        options: options of the stream; None: in a separate process.
+
+    Attributes:
+        following: whether the stream is open.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        base: str,
+        tips: Sequence[str],
+        busy: Callable[[], bool],
+        timeout: float,
+        options: WorkerOptions | None = None,
+    ) -> None:
+        self._robot = robot
+        self._frames: dict[str, Literal["base", "tool"]] = dict.fromkeys(("", base), "base")
+        self._frames |= dict.fromkeys(tips, "tool")
+        self._busy = busy
+        self._timeout = timeout
+        self._options = options
+        self.following: bool = False
+        self._newest: tuple[float, ...] | None = None
+        self._frame: Literal["base", "tool"] = "base"
+        self._came = -math.inf
+        self._blocked = False
+        self._changed = anyio.Event()
+
+    def take(self, twist: Sequence[float], frame: str = "") -> bool:
+        """Take a command; only the newest counts. Return whether it may be followed.
+
+        Args:
+            twist: speed along x, y, z [m/s], and about them [rad/s].
+            frame: frame of the axes: the base's, empty for that, or one at the tool.
+        """
+        now = anyio.current_time()
+        if now - self._came > self._timeout:
+            self._blocked = False
+        self._came = now
+        axes = self._frames.get(frame)
+        if axes is None or not all(map(math.isfinite, twist)):
+            known = ", ".join(self._frames)
+            _log.warning("twist refused: not finite, or frame %r is none of %s", frame, known)
+            return False
+        if self._blocked or (not self.following and self._busy()):
+            return False
+        if self.following and axes != self._frame:
+            self._came = -math.inf  # this stream ends; the next has the other frame
+            return False
+        self._newest, self._frame = tuple(twist), axes
+        self._changed.set()
+        return True
+
+    def allow(self) -> None:
+        """Accept commands again: the arm was brought up or recovered."""
+        self._blocked = False
+
+    async def run(self) -> None:
+        """Follow commands until this is cancelled; the arm then comes to rest."""
+        while True:
+            if self._newest is None or self._newest == _STILL:
+                self._newest, self._changed = None, anyio.Event()
+                await self._changed.wait()
+                continue
+            try:
+                await self._follow()
+            except DucoError as error:
+                self._blocked = True
+                _log.warning("twist commands: %s", error)
+            self._newest = None
+
+    async def _follow(self) -> None:
+        """Follow commands in one stream until they cease."""
+        try:
+            async with self._robot.speed.linear(
+                a=_ACCELERATION,
+                turn_a=_TURN_ACCELERATION,
+                frame=self._frame,
+                hold=2.0 * self._timeout,
+                options=self._options,
+            ) as stream:
+                self.following = True
+                while anyio.current_time() - self._came < self._timeout:
+                    newest, self._changed = self._newest or _STILL, anyio.Event()
+                    try:
+                        await stream.send(newest)
+                    except ParameterError as error:
+                        _log.warning("twist refused: %s", error)
+                    with anyio.move_on_after(self._timeout):
+                        await self._changed.wait()
+        finally:
+            self.following = False

@@ -1,0 +1,59 @@
+"""Parts of a path: the whole at a factor of its speed, and what remains for an arm at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco import JointTrajectory
+from aioduco.integrations.ros.path_parts import nearest_time, rest_of_path, whole_path
+
+from .goals import PROFILE, START
+
+HERE = np.array(START)
+WAY = np.array([0.5, -0.2, 0.1, 0.3, -0.4, 0.6])
+TRAJECTORY = JointTrajectory([HERE, HERE + WAY, HERE - WAY], [0.0, 1.0, 3.0])
+PATH = TRAJECTORY.curve(START)
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.5, 0.01])
+def test_a_whole_path_at_a_factor_of_its_speed(factor: float) -> None:
+    part = whole_path(TRAJECTORY, factor)
+    curve = part.trajectory.curve(START)
+    times = np.linspace(0.0, 3.0 / factor, 50)
+    np.testing.assert_allclose(curve.at(times), PATH.at(times * factor), atol=1e-9)
+    assert part.path_time(times[20]) == pytest.approx(times[20] * factor)
+
+
+@given(
+    st.floats(0.0, 3.0),
+    st.floats(0.01, 1.0),
+    st.lists(st.floats(-0.2, 0.2), min_size=6, max_size=6),
+)
+def test_what_remains_leads_from_rest_onto_the_path(
+    begin: float, factor: float, off: list[float]
+) -> None:
+    actual = PATH.at(np.array([begin]))[0] + off
+    part = rest_of_path(PATH, actual, begin=begin, factor=factor, profile=PROFILE)
+    curve = part.trajectory.curve(actual)
+    times = np.linspace(0.0, part.trajectory.duration, 2000)
+    places, speeds = curve.at(times), curve.velocity(times)
+    np.testing.assert_allclose(places[0], actual, atol=1e-9)
+    np.testing.assert_allclose(places[-1], HERE - WAY, atol=1e-9)
+    assert np.abs(speeds[[0, -1]]).max() < 1e-6
+    assert (np.abs(speeds).max(axis=0) <= np.array(PROFILE.velocity) * 1.02).all()
+    # and is on the path again before long, going forward
+    on_path = [part.path_time(time) for time in times]
+    assert (np.diff(on_path) >= -1e-9).all()
+    assert on_path[0] == pytest.approx(begin, abs=1e-6)
+    late = times > times[-1] / 2 + 2.0
+    np.testing.assert_allclose(places[late], PATH.at(np.array(on_path))[late], atol=2e-3)
+
+
+def test_the_nearest_time_is_looked_for_in_a_window() -> None:
+    there = PATH.at(np.array([2.0]))[0].tolist()
+    assert nearest_time(PATH, there, 1.8, 2.5) == pytest.approx(2.0, abs=0.011)
+    assert nearest_time(PATH, there, 2.3, 2.5) == pytest.approx(2.3, abs=0.011)
+    assert nearest_time(PATH, there, 3.1, 4.0) == 3.0

@@ -1,0 +1,196 @@
+"""What a user of the Universal Robots driver looks for, on a simulated arm, without ROS."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from aioduco import RobotState, WorkerOptions
+from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco.integrations.ros.service_table import service_table
+from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+from .goals import START, Client, goal, way
+from .test_arm_node import Sink
+from .test_joint_commands import ticks
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from aioduco.integrations.ros.arm_node import ArmNode
+    from aioduco.integrations.ros.arm_services import ServiceReply
+
+PROGRAMS = {"wave": [["movej2", list(way(1.0, 0.2)), 1.0, 5.0], ["movej2", list(START), 1.0, 5.0]]}
+TABLE = {entry.name: entry for entry in service_table()}
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator(programs=PROGRAMS) as sim:
+        yield sim
+
+
+@pytest.fixture
+async def node(sim: Simulator) -> AsyncIterator[ArmNode]:
+    settings = NodeSettings(
+        host=sim.host, port=sim.port, heartbeat=20.0, through="servoj", rate=20.0
+    )
+    options = WorkerOptions(timeout=20.0, connect_timeout=30.0)
+    async with arm_node(settings, options=options) as node:
+        task = asyncio.create_task(node.run(Sink()))
+        assert (await node.services.bring_up()).success
+        assert (await node.services.recover()).success
+        assert (await node.services.movej(START, 3.0, 20.0)).success
+        yield node
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await task
+
+
+async def call(node: ArmNode, name: str, **asked: Any) -> ServiceReply:
+    """What a service answers."""
+    return await TABLE[name].call(node.services, SimpleNamespace(**asked))
+
+
+async def done(node: ArmNode, name: str, **asked: Any) -> str:
+    reply = await call(node, name, **asked)
+    assert reply.success, (name, reply.message)
+    return reply.message
+
+
+def test_each_service_has_a_name_of_its_own() -> None:
+    assert len(TABLE) == len(list(service_table()))
+
+
+async def test_power_and_brakes(node: ArmNode) -> None:
+    assert await done(node, "dashboard_client/get_robot_mode") == "ENABLE"
+    assert await done(node, "dashboard_client/get_safety_mode") == "RUN"
+    assert await done(node, "dashboard_client/program_state") == "STOPPED"
+    for name, state in (
+        ("~disable", "DISABLE"),
+        ("dashboard_client/power_off", "POWER_OFF"),
+        ("dashboard_client/power_on", "DISABLE"),
+        ("dashboard_client/brake_release", "ENABLE"),
+    ):
+        await done(node, name)
+        assert await done(node, "dashboard_client/get_robot_mode") == state
+
+
+async def test_outputs_and_speed(node: ArmNode, sim: Simulator) -> None:
+    await done(node, "io_and_status_controller/set_io", fun=1, pin=2, state=1.0)
+    assert sim.get_digital_output(3)
+    await done(node, "io_and_status_controller/set_io", fun=1, pin=17, state=1.0)
+    assert await node.robot.io.get_tool_digital_out(2)
+    await done(node, "io_and_status_controller/set_io", fun=3, pin=0, state=2.5)
+    await done(node, "~set_analog_output", number=2, value=8.0, current=True)
+    io = await node.robot.state.getRobotIOStatus()
+    assert io.analog_voltage_outputs[0] == pytest.approx(2.5)
+    assert io.analog_current_outputs[1] == pytest.approx(8.0)
+    for wrong in ({"fun": 2, "pin": 0, "state": 1.0}, {"fun": 1, "pin": 0, "state": 0.5}):
+        assert not (await call(node, "io_and_status_controller/set_io", **wrong)).success
+    slider = "io_and_status_controller/set_speed_slider"
+    await done(node, slider, speed_slider_fraction=0.5)
+    assert await node.robot.settings.get_global_speed() == 50
+    assert node.goals.factor == 0.5
+    assert not (await call(node, slider, speed_slider_fraction=1.5)).success
+    await done(node, slider, speed_slider_fraction=1.0)
+
+
+async def test_programs_popup_and_log(node: ArmNode, sim: Simulator) -> None:
+    assert not (await call(node, "dashboard_client/play")).success
+    await done(node, "dashboard_client/load_program", text="wave")
+    assert await done(node, "dashboard_client/get_loaded_program") == "wave"
+    await done(node, "dashboard_client/play")
+    await eventually_async(lambda: sim.moving)
+    await done(node, "dashboard_client/pause")
+    assert not sim.moving
+    await done(node, "dashboard_client/play")
+    await eventually_async(lambda: sim.moving)
+    await done(node, "dashboard_client/stop")
+    assert not sim.moving
+    await done(node, "dashboard_client/add_to_log", text="a note")
+    await done(node, "dashboard_client/popup", text="change the part")
+    assert "change the part" in str(await node.robot.state.get_last_error())
+
+
+async def test_force_mode_and_zeroing(node: ArmNode) -> None:
+    await done(node, "io_and_status_controller/zero_ftsensor")
+    np.testing.assert_allclose(await node.robot.force.fc_get_ft(), 0.0, atol=0.5)
+    assert not (await call(node, "force_mode_controller/stop_force_mode")).success
+    await done(
+        node,
+        "force_mode_controller/start_force_mode",
+        selection=[False, False, True, False, False, False],
+        wrench=[0.0, 0.0, -5.0, 0.0, 0.0, 0.0],
+        damping=[0.0] * 6,
+        speed_limits=[0.0] * 6,
+        frame=0,
+    )
+    assert await node.robot.force.fc_mode_is_active()
+    await done(node, "force_mode_controller/stop_force_mode")
+    assert not await node.robot.force.fc_mode_is_active()
+
+
+async def test_freedrive_lasts_as_long_as_it_is_asked_for(node: ArmNode) -> None:
+    node.freedrive.take(True)
+    await eventually_async(lambda: node.freedrive.active)
+    await eventually_async(lambda: not node.freedrive.active)  # nobody asks for it any more
+    assert (await node.robot.state.get_robot_state()).robot is RobotState.ENABLE
+    assert (await node.services.movej(START, 3.0, 20.0)).success
+
+
+async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simulator) -> None:
+    assert not node.twists.take([0.0, 0.0, float("nan"), 0.0, 0.0, 0.0])
+    assert not node.twists.take([0.0] * 6, "camera")
+    before = await node.robot.state.get_tcp_pose()
+
+    async def lead() -> None:
+        async for _ in ticks(50.0):
+            node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0], "base_link")
+
+    sender = asyncio.create_task(lead())
+    await eventually_async(lambda: np.abs(np.array(sim.joints) - START).max() > 0.03)
+    sender.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await sender
+    await eventually_async(lambda: not node.twists.following and not sim.moving)
+    after = await node.robot.state.get_tcp_pose()
+    assert after.z - before.z > 0.005
+    assert abs(after.x - before.x) + abs(after.y - before.y) < 0.005
+
+
+@pytest.mark.parametrize("how", ["pause", "speed"])
+async def test_a_goal_survives_a_pause_and_another_speed(
+    node: ArmNode, sim: Simulator, how: str
+) -> None:
+    client = Client(goal(count=50, duration=2.0, goal_time_tolerance=60.0))
+    node.goals.submit(client)
+    await eventually_async(lambda: client.seen and client.seen[-1].time > 0.5)
+    if how == "pause":
+        assert (await node.services.pause()).success
+        assert not sim.moving
+        assert not client.done
+        assert (await node.services.resume()).success
+    else:
+        assert (await node.services.set_speed(50)).success
+    await eventually_async(lambda: client.done)
+    assert client.told == ["accepted", "succeeded"], client.text
+    np.testing.assert_allclose(sim.joints, way(1.0), atol=0.011)
+    assert (await node.services.set_speed(100)).success
+
+
+async def test_a_paused_goal_ends_by_a_stop(node: ArmNode) -> None:
+    client = Client(goal(count=50, duration=3.0))
+    node.goals.submit(client)
+    await eventually_async(lambda: client.seen and client.seen[-1].time > 0.3)
+    assert (await node.services.pause()).success
+    assert (await node.services.stop()).success
+    await eventually_async(lambda: client.done)
+    assert client.told == ["accepted", "aborted"]
+    assert "paused" in client.text
