@@ -88,7 +88,18 @@ def export(
             "a radius: x,y,z,x,y,z,r [m]; again for more."
         ),
     ] = None,
-    distro: Annotated[str, typer.Option(help="Release of ROS 2: jazzy or humble.")] = "jazzy",
+    distro: Annotated[
+        str, typer.Option(help="Release of ROS: jazzy, humble, or noetic for MoveIt 1.")
+    ] = "jazzy",
+    moveit: Annotated[
+        bool, typer.Option("--moveit", help="With ros1: MoveIt 1's package beside the driver's.")
+    ] = False,
+    group: Annotated[
+        str, typer.Option(help="MoveIt's group: duco_gcr5 in the vendor's package.")
+    ] = "manipulator",
+    tip: Annotated[
+        str, typer.Option(help="Last link of the group: link_6 there. Default: tool or flange.")
+    ] = "",
 ) -> None:
     """Write an arm as URDF, SRDF, MJCF, MoveIt's configuration or a package of ROS 1.
 
@@ -123,10 +134,24 @@ def export(
             files = launch_package(
                 *arms, name=called, command=own, meshes=meshes, mesh_uri=mesh_uri
             )
+            if moveit:
+                from aioduco.integrations.ros.ros1.moveit_package import (  # noqa: PLC0415 - as above
+                    moveit_package,
+                )
+
+                files |= moveit_package(
+                    *arms, name=called, group=group, tip=tip, meshes=meshes, mesh_uri=mesh_uri
+                )
         else:
             release = cast("RosDistro", distro)
             files = descriptions.moveit(
-                *arms, name=name, meshes=meshes, mesh_uri=mesh_uri, distro=release
+                *arms,
+                name=name,
+                meshes=meshes,
+                mesh_uri=mesh_uri,
+                distro=release,
+                group=group,
+                tip=tip,
             )
         for path, text in files.items():
             target = output / path

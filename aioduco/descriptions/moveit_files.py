@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from aioduco.descriptions.srdf_text import GROUP, srdf_text
+from aioduco.descriptions.srdf_text import srdf_text
 from aioduco.descriptions.urdf_text import urdf_text
 
 if TYPE_CHECKING:
@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["RosDistro", "moveit_files"]
 
-RosDistro: TypeAlias = Literal["humble", "jazzy"]
-"""Release of ROS 2; they name the steps of a planning pipeline differently."""
+RosDistro: TypeAlias = Literal["noetic", "humble", "jazzy"]
+"""Release of ROS: noetic has MoveIt 1, and Melodic takes its files, too; the others name the steps
+of a planning pipeline differently."""
 
 _PLANNERS = {
     "RRTConnect": {"type": "geometric::RRTConnect", "range": 0.0},
@@ -33,6 +34,7 @@ _HUMBLE_STEPS = (
     "FixStartStateCollision",
     "FixStartStatePathConstraints",
 )
+_NOETIC_STEPS = ("AddTimeParameterization", *_HUMBLE_STEPS[1:])
 _REQUEST_STEPS = (
     "ResolveConstraintFrames",
     "ValidateWorkspaceBounds",
@@ -48,6 +50,9 @@ def moveit_files(
     trees: Sequence[ArmTree],
     meshes: Mapping[str, Mapping[str, str]],
     distro: RosDistro,
+    *,
+    group: str,
+    tip: str,
 ) -> dict[str, str]:
     """Return the texts of the files by their names.
 
@@ -55,20 +60,28 @@ def moveit_files(
         name: name of the robot, as in URDF and SRDF.
         trees: the arms.
         meshes: URIs of meshes, as for the URDF.
-        distro: release of ROS 2.
+        distro: release of ROS.
+        group: name of the group of an arm's joints, after its prefix.
+        tip: link at which the group ends, after the prefix; empty: the tool's tip or the flange.
     """
+    controllers = _controllers(trees)
+    if distro == "noetic":
+        listed = controllers["moveit_simple_controller_manager"]
+        names = listed["controller_names"]
+        manager = {"controller_list": [{"name": each, **listed[each]} for each in names]}
+        controllers = {
+            "moveit_controller_manager": controllers["moveit_controller_manager"],
+            "trajectory_execution": controllers["trajectory_execution"],
+            **manager,
+        }
     return {
         f"{name}.urdf": urdf_text(name, trees, meshes),
-        f"{name}.srdf": srdf_text(name, trees),
-        "kinematics.yaml": _yaml({_group(tree): _KINEMATICS for tree in trees}),
+        f"{name}.srdf": srdf_text(name, trees, group_name=group, tip=tip),
+        "kinematics.yaml": _yaml({tree.arm.prefix + group: _KINEMATICS for tree in trees}),
         "joint_limits.yaml": _yaml(_joint_limits(trees)),
-        "ompl_planning.yaml": _yaml(_planning(trees, distro)),
-        "moveit_controllers.yaml": _yaml(_controllers(trees)),
+        "ompl_planning.yaml": _yaml(_planning(trees, distro, group)),
+        "moveit_controllers.yaml": _yaml(controllers),
     }
-
-
-def _group(tree: ArmTree) -> str:
-    return tree.arm.prefix + GROUP
 
 
 def _joint_limits(trees: Sequence[ArmTree]) -> dict[str, Any]:
@@ -92,10 +105,18 @@ def _joint_limits(trees: Sequence[ArmTree]) -> dict[str, Any]:
     }
 
 
-def _planning(trees: Sequence[ArmTree], distro: RosDistro) -> dict[str, Any]:
-    if distro == "humble":
-        steps = " ".join(f"default_planner_request_adapters/{step}" for step in _HUMBLE_STEPS)
+def _planning(trees: Sequence[ArmTree], distro: RosDistro, group: str) -> dict[str, Any]:
+    if distro == "noetic":
         pipeline: dict[str, Any] = {
+            "planning_plugin": "ompl_interface/OMPLPlanner",
+            "request_adapters": " ".join(
+                f"default_planner_request_adapters/{step}" for step in _NOETIC_STEPS
+            ),
+            "start_state_max_bounds_error": 0.1,
+        }
+    elif distro == "humble":
+        steps = " ".join(f"default_planner_request_adapters/{step}" for step in _HUMBLE_STEPS)
+        pipeline = {
             "planning_plugin": "ompl_interface/OMPLPlanner",
             "request_adapters": steps,
             "start_state_max_bounds_error": 0.1,
@@ -111,7 +132,7 @@ def _planning(trees: Sequence[ArmTree], distro: RosDistro) -> dict[str, Any]:
     pipeline["planner_configs"] = _PLANNERS
     for tree in trees:
         first, second = (joint.name for joint, _ in tree.turning[:2])
-        pipeline[_group(tree)] = {
+        pipeline[tree.arm.prefix + group] = {
             "default_planner_config": "RRTConnect",
             "planner_configs": list(_PLANNERS),
             "projection_evaluator": f"joints({first},{second})",
@@ -137,6 +158,8 @@ def _controllers(trees: Sequence[ArmTree]) -> dict[str, Any]:
         ),
         "moveit_simple_controller_manager": {"controller_names": names, **controllers},
         "trajectory_execution": {
+            # the driver ends goals that are late, and the global speed stretches them
+            "execution_duration_monitoring": False,
             "allowed_execution_duration_scaling": 1.2,
             "allowed_goal_duration_margin": 0.5,
             "allowed_start_tolerance": 0.01,
@@ -151,11 +174,16 @@ def _yaml(values: Mapping[str, Any], indent: str = "") -> str:
         if isinstance(value, dict):
             lines.append(f"{indent}{key}:\n{_yaml(value, indent + '  ')}")
         elif isinstance(value, list):
-            items = "".join(f"{indent}  - {item}\n" for item in value)
+            items = "".join(f"{indent}  - {_item(item, indent + '    ')}\n" for item in value)
             lines.append(f"{indent}{key}:\n{items}")
         else:
             lines.append(f"{indent}{key}: {_scalar(value)}\n")
     return "".join(lines)
+
+
+def _item(value: Any, indent: str) -> str:
+    """Write an element of a list: a word, or a mapping."""
+    return _yaml(value, indent).strip() if isinstance(value, dict) else str(value)
 
 
 def _scalar(value: Any) -> str:

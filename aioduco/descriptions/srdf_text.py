@@ -24,23 +24,28 @@ END_EFFECTOR = "end_effector"
 """The group of what the flange carries, after the prefix."""
 
 
-def srdf_text(name: str, trees: Sequence[ArmTree]) -> str:
+def srdf_text(
+    name: str, trees: Sequence[ArmTree], *, group_name: str = GROUP, tip: str = ""
+) -> str:
     """Return the SRDF of some arms in one world.
 
     Args:
         name: name of the robot, as in its URDF.
         trees: the arms.
+        group_name: name of the group of an arm's joints, after its prefix.
+        tip: link at which the group ends, after the prefix; empty: the tool's tip or the flange.
     """
     robot = ET.Element("robot", name=name)
     for tree in trees:
         prefix = tree.arm.prefix
-        group = ET.SubElement(robot, "group", name=prefix + GROUP)
-        ET.SubElement(group, "chain", base_link=tree.links[0].name, tip_link=tree.tip)
+        group = ET.SubElement(robot, "group", name=prefix + group_name)
+        end = prefix + tip if tip else tree.tip
+        ET.SubElement(group, "chain", base_link=tree.links[0].name, tip_link=end)
         effector = ET.SubElement(robot, "group", name=prefix + END_EFFECTOR)
         for link in _carried(tree):
             ET.SubElement(effector, "link", name=link)
         for state, q in STATES.items():
-            element = ET.SubElement(robot, "group_state", name=state, group=prefix + GROUP)
+            element = ET.SubElement(robot, "group_state", name=state, group=prefix + group_name)
             for (joint, _), angle in zip(tree.turning, q, strict=True):
                 ET.SubElement(element, "joint", name=joint.name, value=numbers([angle]))
         ET.SubElement(
@@ -49,7 +54,7 @@ def srdf_text(name: str, trees: Sequence[ArmTree]) -> str:
             name=prefix + END_EFFECTOR,
             parent_link=prefix + "flange",
             group=prefix + END_EFFECTOR,
-            parent_group=prefix + GROUP,
+            parent_group=prefix + group_name,
         )
     pairs = [pair for tree in trees for pair in disabled_pairs(tree)]
     # Bases in one world do not move.

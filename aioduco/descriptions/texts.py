@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, get_args
 
 from aioduco.descriptions.meshes import find_meshes, own_meshes, stl
 from aioduco.descriptions.mjcf_text import mjcf_text
-from aioduco.descriptions.moveit_files import moveit_files
-from aioduco.descriptions.srdf_text import srdf_text
+from aioduco.descriptions.moveit_files import RosDistro, moveit_files
+from aioduco.descriptions.srdf_text import GROUP, srdf_text
 from aioduco.descriptions.tree import WORD, ArmDescription
 from aioduco.descriptions.urdf_text import urdf_text
 from aioduco.errors import ParameterError
@@ -17,7 +17,6 @@ from aioduco.kinematics.looks import merged
 if TYPE_CHECKING:
     import os
 
-    from aioduco.descriptions.moveit_files import RosDistro
     from aioduco.descriptions.tree import ArmTree
 
 __all__ = ["ArmLike", "mesh_files", "mjcf", "moveit", "srdf", "urdf"]
@@ -130,6 +129,8 @@ def moveit(
     meshes: str | os.PathLike[str] | None = None,
     mesh_uri: str | None = None,
     distro: RosDistro = "jazzy",
+    group: str = GROUP,
+    tip: str = "",
 ) -> dict[str, str]:
     """Return MoveIt's configuration of an arm, or of several in one world.
 
@@ -141,18 +142,27 @@ def moveit(
         name: as for `urdf`.
         meshes: as for `urdf`.
         mesh_uri: as for `urdf`.
-        distro: release of ROS 2, "jazzy" or "humble".
+        distro: release of ROS: "jazzy" or "humble", or "noetic" for MoveIt 1.
+        group: name of the group of an arm's joints, after its prefix.
+        tip: link at which the group ends, after the prefix, such as "link_6"; empty: the tool's tip
+            or the flange.
 
     Returns:
         The texts of the files by their names.
 
     Raises:
-        ParameterError: as for `urdf`; or there is no such release.
+        ParameterError: as for `urdf`; or there is no such release or link.
     """
-    if distro not in {"jazzy", "humble"}:
-        raise ParameterError("distro", distro, "jazzy or humble")
+    if distro not in get_args(RosDistro):
+        raise ParameterError("distro", distro, ", ".join(get_args(RosDistro)))
+    if not WORD.fullmatch(group):
+        raise ParameterError("group", group, "a word of letters, digits and _")
     whole, trees = _take(arms, name)
-    return moveit_files(whole, trees, _addresses(trees, meshes, mesh_uri), distro)
+    links = {link.name for tree in trees for link in tree.links}
+    if tip and not {tree.arm.prefix + tip for tree in trees} <= links:
+        raise ParameterError("tip", tip, f"one of {', '.join(sorted(links))}, without a prefix")
+    uris = _addresses(trees, meshes, mesh_uri)
+    return moveit_files(whole, trees, uris, distro, group=group, tip=tip)
 
 
 def _take(arms: tuple[ArmLike, ...], name: str | None) -> tuple[str, list[ArmTree]]:

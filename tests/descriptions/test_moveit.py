@@ -115,8 +115,25 @@ def test_pipelines_are_named_as_the_release_of_ros_has_them() -> None:
     assert humble["planning_plugin"] == jazzy["planning_plugins"][0] == "ompl_interface/OMPLPlanner"
     assert isinstance(humble["request_adapters"], str)
     assert isinstance(jazzy["request_adapters"], list)
-    with pytest.raises(ParameterError, match="jazzy or humble"):
+    with pytest.raises(ParameterError, match="noetic, humble, jazzy"):
         moveit("gcr5_910", distro="kinetic")  # type: ignore[arg-type]  # what is tested
+
+
+def test_files_of_moveit_1_with_names_of_another_package() -> None:
+    files = read(moveit("gcr5_910", distro="noetic", group="duco_gcr5", tip="link_6"))
+    controllers = files["moveit_controllers.yaml"]["controller_list"]
+    assert [each["name"] for each in controllers] == ["joint_trajectory_controller"]
+    assert controllers[0]["joints"] == [f"joint_{number}" for number in range(1, 7)]
+    planning = files["ompl_planning.yaml"]
+    assert "AddTimeParameterization" in planning["request_adapters"]
+    assert "RRTConnect" in planning["duco_gcr5"]["planner_configs"]
+    assert list(files["kinematics.yaml"]) == ["duco_gcr5"]
+    chain = files["gcr5_910.srdf"].find("group[@name='duco_gcr5']/chain")
+    assert chain.get("tip_link") == "link_6"
+    with pytest.raises(ParameterError, match="link_6"):
+        moveit("gcr5_910", tip="link_9")
+    with pytest.raises(ParameterError, match="group"):
+        moveit("gcr5_910", group="a b")
 
 
 def test_the_same_arm_gives_the_same_files() -> None:

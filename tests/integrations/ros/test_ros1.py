@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
+from xmlrpc.client import ServerProxy
 
 import pytest
 from ports import free_port
@@ -259,4 +260,93 @@ def test_the_launch_file_starts_simulator_driver_and_robot_state_publisher(
     graph.call("bring_up")
     for frame in ("tcp_controller", "link_6"):
         assert graph.last("frame", frame)["found"], (frame, graph.errors)
+    graph.end_launch(launch, PATIENT)
+
+
+ONE = ("gcr5_910_moveit_config", ())
+TWO = (
+    "cell_moveit_config",
+    (
+        *("--name", "cell", "--model", "gcr5_910", "--model", "gcr5_910"),
+        *("--prefix", "left_", "--mounting", "0,0.4,0,0,0,0"),
+        *("--prefix", "right_", "--mounting", "0,-0.4,0,0,0,0"),
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("package", "options", "given", "started"),
+    [
+        (*ONE, (), {"/simulator", "/duco", "/move_group", "/moveit_rviz"}),
+        (*ONE, ("robot_ip:=192.168.1.10",), {"/duco", "/move_group", "/moveit_rviz"}),
+        (
+            *ONE,
+            ("robot_ip:=192.168.1.10", "rviz:=false", "guard:=process", "through:=servoj"),
+            {"/duco", "/move_group"},
+        ),
+        (
+            *TWO,
+            ("left_robot_ip:=192.168.1.10", "rviz:=false", "simulator_port:=7100"),
+            {"/left_duco", "/right_duco", "/right_simulator", "/move_group"},
+        ),
+    ],
+)
+def test_roslaunch_takes_moveit_s_launch_file_with_each_argument(
+    package: str,
+    options: tuple[str, ...],
+    given: tuple[str, ...],
+    started: set[str],
+    tmp_path: Path,
+) -> None:
+    command = ["export", "ros1", "--moveit", "-o", str(tmp_path), *options]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    found = subprocess.run(
+        ["roslaunch", "--nodes", package, "moveit_planning_execution.launch", *given],
+        env={**os.environ, "ROS_PACKAGE_PATH": f"{tmp_path}:/usr/share"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert set(found.stdout.split()) == {*started, "/robot_state_publisher"}
+
+
+def test_moveit_s_launch_file_and_the_demonstration_with_a_stand_in_for_move_group(
+    graph: Graph, tmp_path: Path
+) -> None:
+    stand_in = HERE / "stand_in"
+    names = ("--group", "duco_gcr5", "--tip", "link_6")
+    done = CliRunner().invoke(app, ["export", "ros1", "--moveit", *names, "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    package = tmp_path / "moveit_ros_move_group"
+    package.mkdir()
+    (package / "package.xml").write_text(
+        "<package><name>moveit_ros_move_group</name><version>1.0.0</version>"
+        "<description>-</description><maintainer email='a@b.example'>-</maintainer>"
+        "<license>-</license></package>"
+    )
+    program = package / "move_group"
+    program.write_text(f"#!{sys.executable}\nimport move_group\nmove_group.main()\n")
+    program.chmod(0o755)
+    path = os.pathsep.join([str(stand_in), graph.environment["PYTHONPATH"]])
+    # this machine may be busy
+    with ServerProxy(graph.environment["ROS_MASTER_URI"]) as master:
+        master.setParam("/test", "/duco/goal_time_tolerance", 60.0)
+    launch = graph.start(
+        *("roslaunch", "gcr5_910_moveit_config", "moveit_planning_execution.launch"),
+        *("rviz:=false", "through:=servoj", f"simulator_port:={free_port()}"),
+        ROS_PACKAGE_PATH=os.pathsep.join([str(tmp_path), "/usr/share"]),
+        PYTHONPATH=path,
+    )
+    demo = graph.start(
+        *(sys.executable, str(ROOT / "examples" / "ros1_moveit_demo.py"), "duco_gcr5"),
+        PYTHONPATH=path,
+    )
+    assert demo.stdout is not None
+    assert "bring-up" in demo.stdout.readline(), graph.errors
+    for step in ("up", "left", "right"):
+        assert demo.stdout.readline() == f"press next: {step}\n", graph.errors
+        assert graph.last("press")["pressed"]
+        assert demo.stdout.readline() == f"at {step}\n", graph.errors
+    assert demo.wait(PATIENT) == 0
     graph.end_launch(launch, PATIENT)

@@ -13,22 +13,22 @@ if TYPE_CHECKING:
 
     from aioduco.descriptions import ArmLike
 
-__all__ = ["launch_package"]
+__all__ = ["CMAKE", "PACKAGE", "launch_package", "rviz_text"]
 
 _PORT = 7003  # port of a controller
-_PACKAGE = """\
+PACKAGE = """\
 <?xml version="1.0"?>
 <package format="2">
   <name>{package}</name>
   <version>1.0.0</version>
-  <description>Starts the driver of {name}, its description, and RViz.</description>
+  <description>{description}</description>
   <maintainer email="nobody@example.com">written by aioduco export ros1</maintainer>
   <license>Apache-2.0</license>
   <buildtool_depend>catkin</buildtool_depend>
-  <exec_depend>robot_state_publisher</exec_depend>
+{needed}
 </package>
 """
-_CMAKE = """\
+CMAKE = """\
 cmake_minimum_required(VERSION 3.0.2)
 project({package})
 find_package(catkin REQUIRED)
@@ -64,10 +64,14 @@ def launch_package(*arms: ArmLike, name: str, command: str, **meshes: Any) -> di
     described = [arm if isinstance(arm, ArmDescription) else ArmDescription(arm) for arm in arms]
     package = f"{name}_bringup"
     files = {
-        "package.xml": _PACKAGE.format(package=package, name=name),
-        "CMakeLists.txt": _CMAKE.format(package=package),
+        "package.xml": PACKAGE.format(
+            package=package,
+            description=f"Starts the driver of {name}, its description, and RViz.",
+            needed="  <exec_depend>robot_state_publisher</exec_depend>",
+        ),
+        "CMakeLists.txt": CMAKE.format(package=package),
         "launch/arm.launch": _launch(described, name, package),
-        "rviz/arm.rviz": _rviz(_root(described)),
+        "rviz/arm.rviz": rviz_text(described),
         f"urdf/{name}.urdf": urdf(*arms, name=name, **meshes),
         "scripts/driver": _DRIVER.format(command=shlex.quote(command)),
         "scripts/simulator": _SIMULATOR.format(command=shlex.quote(command)),
@@ -159,15 +163,21 @@ def _add_arm(root: ET.Element, arm: ArmDescription, package: str, port: str) -> 
     ET.SubElement(node, "param", name="guard", type="str", value="$(arg guard)")
 
 
-def _rviz(frame: str) -> str:
-    """RViz: the arm, the frames, and a grid."""
+def rviz_text(arms: Sequence[ArmDescription], displays: str = "", panels: str = "") -> str:
+    """RViz: the arms, the frames, and a grid.
+
+    Args:
+        arms: the arms, in one world.
+        displays: further displays.
+        panels: further panels.
+    """
     return f"""\
 Panels:
   - Class: rviz/Displays
     Name: Displays
   - Class: rviz/Views
     Name: Views
-Visualization Manager:
+{panels}Visualization Manager:
   Class: ""
   Displays:
     - Class: rviz/Grid
@@ -186,10 +196,10 @@ Visualization Manager:
       Enabled: false
       Show Names: true
       Marker Scale: 0.3
-  Enabled: true
+{displays}  Enabled: true
   Global Options:
     Background Color: 48; 48; 48
-    Fixed Frame: {frame}
+    Fixed Frame: {_root(arms)}
     Frame Rate: 30
   Name: root
   Tools:

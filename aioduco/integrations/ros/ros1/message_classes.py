@@ -9,7 +9,7 @@ from typing import Any
 
 from aioduco.integrations.ros.ros1.definitions import ACTION, ACTION_HEADERS, MESSAGES, SERVICES
 
-__all__ = ["install"]
+__all__ = ["action_messages", "define", "install"]
 
 _NAME = "control_msgs/FollowJointTrajectory"
 #: installed messages whose definitions, with all that they use, the others need
@@ -32,8 +32,21 @@ def install() -> None:
         ModuleNotFoundError: genpy, or messages of ROS's core, are not installed.
     """
     missing = [name for name in ("control_msgs", "aioduco_msgs") if not _importable(name)]
-    if not missing:
-        return
+    if missing:
+        define(MESSAGES | action_messages(_NAME, ACTION), SERVICES, missing)
+
+
+def define(messages: dict[str, str], services: dict[str, str], packages: list[str]) -> None:
+    """Make classes of messages and services, and add them to the modules that clients import.
+
+    Args:
+        messages: definitions by the messages' full names, each after the messages that it uses.
+        services: definitions by the services' full names.
+        packages: packages of which classes are made; the others are installed.
+
+    Raises:
+        ModuleNotFoundError: genpy, or messages of ROS's core, are not installed.
+    """
     genmsg = importlib.import_module("genmsg")
     generator = importlib.import_module("genpy.generator")
     loader = genmsg.msg_loader
@@ -41,22 +54,26 @@ def install() -> None:
     for name in _USED:
         for kind, text in _definitions(name):
             loader.load_msg_from_string(context, text, kind)
-    for name, text in _messages().items():
+    for name, text in messages.items():
         spec = loader.load_msg_from_string(context, text, name)
-        _define(name, "msg", generator.msg_generator(context, spec, {}), missing)
-    for name, text in SERVICES.items():
+        _define(name, "msg", generator.msg_generator(context, spec, {}), packages)
+    for name, text in services.items():
         spec = loader.load_srv_from_string(context, text, name)
-        _define(name, "srv", generator.srv_generator(context, spec, {}), missing)
+        _define(name, "srv", generator.srv_generator(context, spec, {}), packages)
 
 
-def _messages() -> dict[str, str]:
-    """All messages by name, with those of the action, each after the messages that it uses."""
-    found = dict(MESSAGES)
-    for part, text in ACTION.items():
-        found[_NAME + part] = text
-    for part, text in ACTION_HEADERS.items():
-        found[f"{_NAME}Action{part}"] = text.format(name=_NAME.partition("/")[2])
-    return found
+def action_messages(name: str, parts: dict[str, str]) -> dict[str, str]:
+    """The messages of an action, by their full names.
+
+    Args:
+        name: full name of the action.
+        parts: definitions of its goal, result and feedback.
+    """
+    found = {name + part: text for part, text in parts.items()}
+    short = name.partition("/")[2]
+    return found | {
+        f"{name}Action{part}": text.format(name=short) for part, text in ACTION_HEADERS.items()
+    }
 
 
 def _importable(package: str) -> bool:

@@ -1,0 +1,1 @@
+"""As much of MoveIt's messages as is used, for a machine without MoveIt."""
