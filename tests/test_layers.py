@@ -193,7 +193,6 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         "snapshot",
     },
     "profile": set(),
-    "calibration": {"profile"},
     "console": {"simulator"},
     "spawned": {"simulator"},
     "__main__": {"spawned"},
@@ -287,12 +286,11 @@ PURE = {
     "sim/controller",
     "sim/force",
     "sim/planner",
-    "sim/physics/temperature.py",
+    *("sim/physics/temperature.py", "sim/physics/drives.py"),
     *(
         f"sim/twin/{name}.py"
         for name in ("data", "monitor", "patterns", "predictor", "rehearsal", "timeline")
     ),
-    *("sim/physics/temperature.py", "sim/physics/drives.py"),
     *(f"sim/calibration/{name}.py" for name in ("geometry", "drives", "times", "torques")),
     "sim/calibration/heartbeat.py",
     "envelope",

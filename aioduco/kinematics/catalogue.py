@@ -74,4 +74,7 @@ def arm(model: str, **lengths: float) -> Arm:
         if length not in LENGTHS:
             raise ParameterError("length", length, f"one of {', '.join(LENGTHS)}")
     base = _model(name)
-    return replace(base, geometry=base.geometry._replace(**lengths)) if lengths else base
+    if not lengths:
+        return base
+    known = dict(zip(LENGTHS, base.geometry.lengths, strict=True))
+    return replace(base, geometry=Geometry(**{**known, **lengths}))

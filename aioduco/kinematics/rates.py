@@ -67,7 +67,7 @@ class ArmRates:
 
     def of_flange(self, qd: Sequence[float]) -> tuple[float, ...]:
         """Give the flange's speed [m/s] and angular speed [rad/s] for joint speeds [rad/s]. Six."""
-        _, _, a2, a3, _, d6 = self._geometry
+        _, _, a2, a3, _, d6 = self._geometry.lengths
         c1, s1, c2, s2, c23, s23, c, s, c5, s5, _ = self._turns
         x, y, ahead, above, _ = self._plane
         r1, r2, r3, r4, r5, r6 = qd
@@ -87,7 +87,7 @@ class ArmRates:
         Raises:
             ZeroDivisionError: the arm is at a singularity.
         """
-        _, _, a2, a3, _, d6 = self._geometry
+        _, _, a2, a3, _, d6 = self._geometry.lengths
         c1, s1, c2, s2, c23, s23, c, s, c5, s5, s3 = self._turns
         _, y, ahead, above, centre = self._plane
         vx, vy, w, wx, wy, ww = twist

@@ -222,8 +222,8 @@ def _drives(settings: SimulatorSettings) -> dict[str, Any]:
         )
         found["drives"] = TrailingDrives(lag, gain, settings.cycle)
     if profile is not None and profile.has("friction"):
-        found["friction"] = (
-            profile.six("friction", "coulomb", 0.0),
+        found["compensated"] = (
+            profile.six("friction", "dry", 0.0),
             profile.six("friction", "viscous", 0.0),
         )
     return found

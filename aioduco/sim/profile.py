@@ -58,7 +58,7 @@ RANGES: Final[dict[str, dict[str, tuple[float, float, str]]]] = {
     "times": dict.fromkeys(("power_on", "enable", "disable", "power_off"), (0.0, 60.0, "s")),
     "heartbeat": {"slack": (0.0, 10.0, "s")},
     "load": {"mass": (0.0, 50.0, "kg"), **dict.fromkeys("xyz", (-1.0, 1.0, "m"))},
-    "friction": {**_six("coulomb", 0.0, 100.0, "N m"), **_six("viscous", 0.0, 200.0, "N m s/rad")},
+    "friction": {**_six("dry", 0.0, 100.0, "N m"), **_six("viscous", 0.0, 200.0, "N m s/rad")},
 }
 
 
@@ -149,7 +149,7 @@ class ArmProfile:
             raise ParameterError(
                 "profile", os.fspath(path), f"a readable TOML file: {error}"
             ) from None
-        return _Reader(path, text).profile(cls, data)
+        return cls(*_Reader(path, text).parts(data))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the profile to a TOML file.
@@ -197,7 +197,9 @@ class _Reader:
         self._path = os.fspath(path)
         self._lines = text.splitlines()
 
-    def profile(self, kind: type[ArmProfile], data: dict[str, Any]) -> Any:
+    def parts(
+        self, data: dict[str, Any]
+    ) -> tuple[str, dict[str, dict[str, Estimate]], bool | None, tuple[str, ...]]:
         for key in data:
             if key not in ("model", "sources", "single_precision", *RANGES):
                 known = ", ".join(("model", "sources", "single_precision", *RANGES))
@@ -228,7 +230,7 @@ class _Reader:
                 span = (low + centre, high + centre, unit)
                 values.setdefault(section, {})[name] = self._estimate(section, name, found, span)
         self._whole(values)
-        return kind(nominal.name, values, single, tuple(sources))
+        return nominal.name, values, single, tuple(sources)
 
     def _whole(self, values: dict[str, dict[str, Estimate]]) -> None:
         drives = values.get("drives", {})

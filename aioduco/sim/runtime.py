@@ -129,8 +129,7 @@ class SimulationRuntime:
         self._pace = CycleSchedule(cycle, speed)
         self._speed = speed
         self._times = LoopTimes()
-        self._sense = sense
-        self._encode = encode
+        self._sense, self._encode = sense, encode
         self._on_network = on_network
         self._lock = threading.Lock()
         self.planning: PlanningThreads = PlanningThreads(

@@ -175,8 +175,9 @@ class Simulator(PartFaults, Uncopied):
             raise ParameterError("generation", generation, f"one of {', '.join(GENERATIONS)}")
         known = None if profile is None else ArmProfile.of(profile)
         if known is not None:
-            if isinstance(model, str) and arm_of(model).name != known.model:
-                raise ParameterError("model", model, f"that of the profile, {known.model}")
+            named = model if isinstance(model, str) or model is None else model.name
+            if named is not None and arm_of(named).name != known.model:
+                raise ParameterError("model", named, f"that of the profile, {known.model}")
             real_readings = real_readings or bool(known.single_precision)
             if heartbeat_slack is None and known.has("heartbeat"):
                 heartbeat_slack = known.value("heartbeat", "slack", HEARTBEAT_SLACK)

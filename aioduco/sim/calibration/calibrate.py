@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -17,7 +18,6 @@ from aioduco.sim.calibration.torques import estimate_friction, estimate_load
 from aioduco.sim.profile import RANGES, ArmProfile
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Sequence
 
     from aioduco.sim.calibration.evidence import Evidence
@@ -76,7 +76,7 @@ def calibrate(
         ParameterError: no such model.
         MissingExtra: the extra `record` or `plan` is not installed.
     """
-    files = [paths] if isinstance(paths, str) or not isinstance(paths, list | tuple) else paths
+    files = [paths] if isinstance(paths, str | os.PathLike) else paths
     return profile_of([read_evidence(path) for path in files], model=model)
 
 
@@ -92,8 +92,7 @@ def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibra
     missing = tuple(text for each in found for text in each.missing)
     if not values:
         raise CalibrationError(
-            f"the recordings show nothing about the arm: {'; '.join(missing)}. {_HELP.capitalize()}"
-            "; no profile was made"
+            f"the recordings show nothing about the arm: {_HELP}; no profile was made"
         )
     profile = ArmProfile(
         name,

@@ -18,6 +18,8 @@ from aioduco.sim.profile import Estimate
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Motions
 
@@ -60,7 +62,9 @@ class _Joint:
                 count = int(groups[-1][-1]) + 1
         self.error: Array = np.concatenate(errors) if errors else np.zeros(0)
         self.terms: Array = np.concatenate(terms) if terms else np.zeros((0, 2))
-        self.group: Array = np.concatenate(groups) if groups else np.zeros(0, dtype=int)
+        self.group: NDArray[np.intp] = (
+            np.concatenate(groups).astype(np.intp) if groups else np.zeros(0, dtype=np.intp)
+        )
         self.motions = count
 
     @property
@@ -134,7 +138,7 @@ def estimate_drives(sets: Sequence[Motions]) -> Findings:
             value = 1.0 / lag.value
             gain = Estimate(value, min(gain.low, value), gain.high)
         values[f"gain{joint + 1}"] = gain
-    notes = ()
+    notes: tuple[str, ...] = ()
     if judged:
         notes = (f"held-out motions: errors at most {max(judged):.2f} times those of the others",)
     return Findings("drives", values, notes, tuple(missing))

@@ -14,7 +14,7 @@ be told from it. What is not known more closely than `LENGTH` and `ANGLE` is lef
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -29,9 +29,13 @@ from aioduco.sim.profile import ANGLE_BOUND, GEOMETRY, LENGTH_BOUND, Estimate
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Poses
+
+    Flags: TypeAlias = NDArray[np.bool_]
 
 __all__ = ["estimate_geometry"]
 
@@ -189,7 +193,7 @@ class _Problem:
         inverse: Array = np.linalg.inv(root)
         return inverse, np.log(np.einsum("nii->ni", inverse)).sum(axis=1)
 
-    def solve(self, used: Array) -> tuple[_Fit, Array]:
+    def solve(self, used: Flags) -> tuple[_Fit, Flags]:
         """Fit the poses that are used, without those that stand out; return which were used."""
         fit = self._fit(used)
         for _ in range(3):
@@ -209,14 +213,14 @@ class _Problem:
         sizes: Array = np.sqrt((errors**2).mean(axis=1)) / fit.scale
         return sizes
 
-    def held_out(self, used: Array) -> float:
+    def held_out(self, used: Flags) -> float:
         """Error of poses that were not used in a fit of the others, in units of its noise."""
         held = np.zeros(len(used), dtype=bool)
         held[np.flatnonzero(used)[::_HELD]] = True
         fit = self._fit(used & ~held)
         return float(np.sqrt((self._sizes(fit)[held] ** 2).mean()))
 
-    def _fit(self, used: Array) -> _Fit:
+    def _fit(self, used: Flags) -> _Fit:
         from scipy.optimize import least_squares  # noqa: PLC0415 - an extra
 
         def residuals(u: Array) -> Array:
@@ -230,7 +234,7 @@ class _Problem:
             x = max(fits, key=lambda each: each[0])[1].x
         return max(fits, key=lambda each: each[0])[1]
 
-    def _step(self, x: Array, used: Array, shape: float) -> tuple[float, _Fit]:
+    def _step(self, x: Array, used: Flags, shape: float) -> tuple[float, _Fit]:
         """One linear step with weights for a shape of noise; its likelihood, and the fit."""
         roots, determinants = self.whitened(shape)
         roots, rows = roots[used], 6 * int(used.sum())

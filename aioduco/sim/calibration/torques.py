@@ -2,7 +2,7 @@
 
 Friction: while one joint alone turns at constant speed, its torque is its weight, which is a
 constant and a sine and a cosine of its angle, plus friction against the motion. Both directions
-over the same angles tell them apart, two speeds the viscous part from the Coulomb part. No mass is
+over the same angles tell them apart, two speeds the viscous part from the dry part. No mass is
 needed for it.
 
 Load: at rest, torques are the weight of links and load. The links' masses are the model's: what a
@@ -11,7 +11,7 @@ load seems to weigh beyond its interval is in the masses of the links.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -25,9 +25,13 @@ from aioduco.sim.profile import Estimate
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from numpy.typing import NDArray
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Evidence
+
+    Flags: TypeAlias = NDArray[np.bool_]
 
 __all__ = ["estimate_friction", "estimate_load", "link_torques"]
 
@@ -56,8 +60,8 @@ class _Torques(NamedTuple):
     torque: Array
     joints: Array
     speed: Array
-    steady: Array  # whether no joint changed its speed. Shape (n,)
-    resting: Array  # whether the arm rested at that time and before. Shape (n,)
+    steady: Flags  # whether no joint changed its speed. Shape (n,)
+    resting: Flags  # whether the arm rested at that time and before. Shape (n,)
     time: Array  # [s]. Shape (n,)
 
 
@@ -89,7 +93,7 @@ def _of(run: Evidence) -> _Torques | None:
 
 
 def estimate_friction(runs: Sequence[Evidence]) -> Findings:
-    """Estimate Coulomb and viscous friction of each joint.
+    """Estimate dry and viscous friction of each joint.
 
     Args:
         runs: what the recordings say.
@@ -143,7 +147,7 @@ def estimate_friction(runs: Sequence[Evidence]) -> Findings:
         if max(halves[0], halves[1] * np.abs(qd).max()) > max(_LOOSE * largest, 0.02):
             missing.append(f"{name}: not above the noise of the torques")
             continue
-        for kind, i in (("coulomb", 0), ("viscous", 1)):
+        for kind, i in (("dry", 0), ("viscous", 1)):
             value, half = float(found[i]), max(float(halves[i]), 1e-4)
             values[f"{kind}{joint + 1}"] = Estimate(
                 max(value, 0.0), value - half, max(value + half, 0.0)
@@ -194,7 +198,7 @@ def estimate_load(arm: Arm, runs: Sequence[Evidence]) -> Findings:
     try:
         found = identify_load_by_torques(arm, joints, links - torque)
     except CalibrationError as error:
-        return Findings.none("load", f"load: {error}")
+        return Findings.none("load", f"load: {error}; or the masses of the links are others")
     mass, *centre = found.load
     half, spread = (each + least for each, least in zip(found.uncertainty, _LEAST, strict=True))
     rest = float(np.median(found.deviations))
@@ -202,7 +206,7 @@ def estimate_load(arm: Arm, runs: Sequence[Evidence]) -> Findings:
         return Findings.none(
             "load",
             f"load: the torques at rest leave {rest:.2g} N m over, so that its mass is known to "
-            f"{half:.2g} kg only: the links' masses are others, or friction at rest is large",
+            f"{half:.2g} kg only: the masses of the links are others, or friction at rest is large",
         )
     values = {"mass": Estimate.around(mass, half)}
     values |= {n: Estimate.around(c, spread) for n, c in zip("xyz", centre, strict=True)}

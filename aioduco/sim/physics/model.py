@@ -133,7 +133,7 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
             kv=f"{2 * stiffness / FREQUENCY:.9g}", forcerange=_text((-effort, effort)),
             group=str(SERVOS),
         )  # fmt: skip
-    flange = ET.SubElement(parent, "body", name="flange", **_beside(arm))
+    flange = ET.SubElement(parent, "body", {"name": "flange", **_beside(arm)})
     # The sensor measures what touches this geom; the link behind it is set back a little.
     thick, wide = 0.002, links[6].parts[0].radius
     ET.SubElement(

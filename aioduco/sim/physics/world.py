@@ -31,7 +31,7 @@ else:
 __all__ = ["World", "camera_of"]
 
 _BRAKE = 0.5  # torque of a brake as a share of its drive's; an assumption
-_CREEP = 5e-3  # joint speed from which Coulomb friction has its full size [rad/s]
+_CREEP = 5e-3  # joint speed from which dry friction has its full size [rad/s]
 _STILL = 1e-3  # speed below which a thing is at rest [m/s, rad/s]
 
 
@@ -79,8 +79,8 @@ class World:
         pedestal: whether it stands on a column there.
         gripper: a gripper that drives its fingers, in place of a tool.
         drives: how the joints trail their set-points; None if they follow at once.
-        friction: Coulomb friction [N m] and viscous friction [N m s/rad] of the joints, six each.
-            The drives compensate for it: it shows in their torques alone.
+        compensated: dry friction [N m] and viscous friction [N m s/rad] for which the drives
+            compensate, six each: it shows in their torques alone, unlike that of `friction`.
 
     Raises:
         SceneError: MuJoCo rejects the scene or the tool.
@@ -98,11 +98,13 @@ class World:
         pedestal: bool = False,
         gripper: GripperModel | None = None,
         drives: TrailingDrives | None = None,
-        friction: tuple[Sequence[float], Sequence[float]] | None = None,
+        compensated: tuple[Sequence[float], Sequence[float]] | None = None,
     ) -> None:
         self.arm = arm
         self._drives = drives
-        self._friction = None if friction is None else tuple(map(np.array, friction))
+        self._compensated = None
+        if compensated is not None:
+            self._compensated = np.array(compensated[0]), np.array(compensated[1])
         self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
         if gripper is not None:
             tool = gripper_mjcf(gripper)
@@ -306,7 +308,7 @@ class World:
             positions if self._alone else positions[:6],
             speeds,
             self._qdd.copy(),
-            self._torque if self._friction is None else self._torque + self._rubbed(speeds),
+            self._torque if self._compensated is None else self._torque + self._rubbed(speeds),
             -self._sensor,
             self._target,
             self._external,
@@ -314,11 +316,11 @@ class World:
 
     def _rubbed(self, speeds: Array) -> Array:
         """Torques against friction [N m]; none with the brakes on, or at rest."""
-        assert self._friction is not None
-        coulomb, viscous = self._friction
+        assert self._compensated is not None
+        dry, viscous = self._compensated
         if self._braked:
             return np.zeros(6)
-        rubbed: Array = coulomb * np.clip(speeds / _CREEP, -1.0, 1.0) + viscous * speeds
+        rubbed: Array = dry * np.clip(speeds / _CREEP, -1.0, 1.0) + viscous * speeds
         return rubbed
 
     @property

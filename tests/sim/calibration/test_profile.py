@@ -132,7 +132,7 @@ def test_times_lag_load_and_friction_are_played(connect: Connect) -> None:
             "drives": {f"lag{i}": exact(0.02) for i in six},
             "times": {"power_on": exact(0.9)},
             "load": {"mass": exact(2.0), "z": exact(0.05)},
-            "friction": {"coulomb1": exact(3.0), "viscous1": exact(5.0)},
+            "friction": {"dry1": exact(3.0), "viscous1": exact(5.0)},
         },
     )
     with Simulator(profile=profile, joints=READY, speed=20) as sim:

@@ -25,10 +25,12 @@ if TYPE_CHECKING:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)  # it moves in simulated time, which a busy computer slows down
 async def test_an_arm_that_is_moved_and_recorded_is_known(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(measuring, "_STILL", 0.1)
+    monkeypatch.setattr(measuring, "_SPEEDS", (0.8,))
     truth = hidden_geometry(np.random.default_rng(1))
     drives = {f"lag{i}": exact(0.004 * i) for i in range(1, 7)}
     truth = ArmProfile(MODEL, {**truth.values, "drives": drives}, single_precision=True)
@@ -37,7 +39,7 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
     with Simulator(profile=truth, joints=READY, speed=6) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
             await robot.bring_up()
-        extent = Extent(reach=0.5, poses=16, rounds=1, changes=1)
+        extent = Extent(reach=0.5, poses=16, rounds=3, changes=1)
         await measuring.measure(sim.host, sim.port, path, extent, told.append)
         assert sim.joints == pytest.approx(READY, abs=1e-3)
     assert told[0] == "poses: 16 configurations"
@@ -53,8 +55,6 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
         assert abs(found.values["geometry"][name].value - value) < most, name
     for name, (value, _, _) in drives.items():
         assert abs(found.values["drives"][name].value - value) < 1e-3, name
-    # Times are real ones in a recording: those of an arm six times as fast are not judged here.
-    assert found.values["times"]["power_on"].value < 0.5
 
 
 async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
@@ -80,7 +80,7 @@ async def test_a_recording_that_shows_nothing_of_the_arm_is_refused(tmp_path: Pa
     with Simulator(joints=READY) as sim:
         async with aioduco.connect(sim.host, sim.port, record=path) as robot:
             await robot.state.get_actual_joints_position()
-    with pytest.raises(CalibrationError, match=r"show nothing.*check HOST --motions"):
+    with pytest.raises(CalibrationError, match=r"about the arm: record .*check HOST --motions"):
         calibrate(path)
     outcome = CliRunner().invoke(app, ["calibrate", str(path), "-o", str(tmp_path / "arm.toml")])
     assert outcome.exit_code == 1
