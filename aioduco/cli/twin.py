@@ -19,7 +19,7 @@ from aioduco.cli.sessions import observing_session, wait_until_ended
 if TYPE_CHECKING:
     from aioduco.models.pose import Pose
     from aioduco.sim.twin import TwinLimits
-    from aioduco.sync import Twin
+    from aioduco.sync._generated_objects import Twin
 
 __all__ = ["twin"]
 
