@@ -56,8 +56,10 @@ TOUCHES = [flange(tilt, 0.4 * k) for k, tilt in enumerate(TILTS)]
 AXES = [flange((0.0, 0.0), 0.0, (0.0, 0.0, 0.06)), flange((0.0, 0.0), 0.0, (0.05, 0.0, 0.06))]
 
 
-def moved_to(robot: aioduco.sync.Robot, sim: Simulator, pose: Pose) -> None:
+def moved_to(robot: aioduco.sync.Robot, sim: Simulator, pose: Pose) -> str:
+    """Move there, and answer by an empty line."""
     robot.motion.movej2(sim.arm.ikine(pose, HOME), v=2.0, a=5.0)
+    return ""
 
 
 @pytest.fixture
@@ -79,7 +81,7 @@ def test_a_tool_is_touched_and_written(arm: Simulator, typed: Any) -> None:
     with mover(arm) as robot:
 
         def go(pose: Pose) -> Callable[[], str]:
-            return lambda: moved_to(robot, arm, pose) or ""
+            return lambda: moved_to(robot, arm, pose)
 
         slipped = flange((0.2, 0.1), 0.0, (0.0, 0.02, 0.0))
         touches = [go(pose) for pose in (*TOUCHES[:4], slipped)]
@@ -101,7 +103,7 @@ def test_nothing_is_written_without_a_yes(arm: Simulator, typed: Any) -> None:
     with mover(arm) as robot:
 
         def touched() -> None:
-            typed([*(lambda p=p: moved_to(robot, arm, p) or "" for p in TOUCHES), lambda: "q"])
+            typed([*(lambda p=p: moved_to(robot, arm, p) for p in TOUCHES), lambda: "q"])
 
         touched()
         ended = invoke("tool", "touch", at(arm), "--no-guide", "--name", "pen", confirm="n\n")

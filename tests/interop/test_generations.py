@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from client.older import OLDER
 
 from aioduco._wire import idl
 from aioduco.models.pose import Pose
@@ -103,7 +104,7 @@ def test_its_own_client_moves_the_arm(clients: dict[str, Generated], name: str) 
 @pytest.mark.parametrize("name", generations.NAMES)
 def test_it_has_the_functions_of_its_generation(clients: dict[str, Generated], name: str) -> None:
     """Called by the client that knows every function: `generation_3_8` and what 4.3 adds."""
-    lacks = generations.OLDER[name]["lacks"] if name in generations.OLDER else []
+    lacks = OLDER[name]["lacks"] if name in OLDER else []
     with cell(clients, "4.3", name) as made:
         for function in ("get_robot_version", "get_base", "get_tcp_pose_command"):
             has = function in idl.functions() if name != "4.3" else True
@@ -175,7 +176,20 @@ def test_more_fields_of_the_status(newer: Cell) -> None:
 def test_an_arc_of_a_fixed_radius_is_refused(newer: Cell) -> None:
     x, y, z, *turn = newer.robot.get_tcp_pose()
     middle, end = [x, y + 0.03, z + 0.03, *turn], [x, y + 0.06, z, *turn]
-    arc = (middle, end, 0.2, 0.5, 0.0, 0, [], "", "", True, newer.structs.Op(), True)
+    arc: tuple[Any, ...] = (
+        middle,
+        end,
+        0.2,
+        0.5,
+        0.0,
+        0,
+        [],
+        "",
+        "",
+        True,
+        newer.structs.Op(),
+        True,
+    )
     assert newer.robot.movec(*arc, 0.1) == WRONG
     assert newer.robot.movec(*arc, 0.0) == FINISHED
     assert newer.robot.get_tcp_pose()[:3] == pytest.approx(end[:3], abs=1e-3)

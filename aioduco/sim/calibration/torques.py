@@ -228,7 +228,7 @@ def _resting(run: Evidence) -> tuple[Array, Array]:
     return np.array(joints), np.array(torque)
 
 
-def _last_of_each(still: Array, joints: Array) -> Iterator[int]:
+def _last_of_each(still: Flags, joints: Array) -> Iterator[int]:
     last: int | None = None
     for i in np.flatnonzero(still):
         if last is not None and np.abs(joints[i] - joints[last]).max() > 1e-3:

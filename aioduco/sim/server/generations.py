@@ -113,7 +113,8 @@ class Wire:
         usual = dict(zip(function.parameters, function.zeros, strict=True))
         fixed = older.ABSENT.get(name, {})
         missing = {each: _constant(fixed[each]) if each in fixed else usual[each] for each in usual}
-        args, others = function.args, ()
+        args: Any = function.args
+        others: tuple[older.OlderLayout, ...] = ()
         if self._recognizes:
             others = older.layouts(name, function.args)
         elif name in self._args or self._structs:

@@ -145,7 +145,7 @@ class PatternFit:
 
     def _fits(self) -> Patterns:
         a, b = self._a + np.diag(self._prior), self._b
-        force: Vector = np.linalg.solve(a[1:4, 1:4], b[1:4])
+        force: Vector = np.asarray(np.linalg.solve(a[1:4, 1:4], b[1:4]), dtype=np.float64)
         mass, friction = b[0] / a[0, 0], b[4] / a[4, 4]
         return Patterns(
             float(mass), force, float(friction),

@@ -268,7 +268,7 @@ def count_states(peer: Peer, seconds: float) -> None:
     peer.node.create_subscription(
         JointState,
         "joint_states",
-        lambda message: list(message.name) == NAMES and came.append((time.monotonic(), message)),
+        lambda message: came.extend([(time.monotonic(), message)] * (list(message.name) == NAMES)),
         qos_profile_sensor_data,
     )
     peer.until(lambda: came)

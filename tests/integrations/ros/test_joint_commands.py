@@ -94,7 +94,7 @@ async def test_commands_lead_the_arm_and_their_end_frees_it(sim: Simulator) -> N
     async with running(sim) as node:
         # One far away, such as the zeros of a controller that is not active yet, moves nothing.
         assert node.commands.take(NAMES, (0.0,) * 6)
-        await eventually_async(lambda: node.commands._newest is None)
+        await eventually_async(lambda: not node.commands._waiting)
         np.testing.assert_allclose(sim.joints, START, atol=2e-3)
         for step in range(1, 6):
             await lead(node, sim, tuple(q + 0.03 * step for q in START))

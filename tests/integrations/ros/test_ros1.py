@@ -235,8 +235,8 @@ def test_joint_states_are_packed_as_genpy_packs_them() -> None:
 
     reading = ArmReading((0.1, -0.2, 0.3, 1e-9, 5.0, -6.0), [0.5] * 6, [1.0, 2, 3, 4, 5, 6.5])
     for names in (tuple("abcdef"), tuple(f"links_gelenk_ä{number}" for number in range(6))):
-        message = conversions.joint_state(names, reading, 1234.5678)
-        message.header.seq, message.header.frame_id = 77, "base_link"
+        message = conversions.joint_state(names, reading, "base_link", 1234.5678)
+        message.header.seq = 77
         ours, theirs = io.BytesIO(), io.BytesIO()
         message.serialize(ours)
         JointState.serialize(message, theirs)

@@ -59,6 +59,7 @@ async def test_a_payload_is_an_event_and_in_the_recording(
             async for event in events:
                 if isinstance(event, TwinDiverged):
                     break
+            assert isinstance(event, TwinDiverged)
             assert (event.quantity, event.cause, event.action) == ("torque", "payload", "report")
             assert event.estimate["mass [kg]"] == pytest.approx(0.5, abs=0.2)
             assert event.since <= event.at
