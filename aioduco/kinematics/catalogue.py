@@ -76,5 +76,5 @@ def arm(model: str, **lengths: float) -> Arm:
     base = _model(name)
     if not lengths:
         return base
-    known = dict(zip(LENGTHS, base.geometry.lengths, strict=True)) | lengths
-    return replace(base, geometry=Geometry(*(known[length] for length in LENGTHS)))
+    values: dict[str, Any] = {**lengths}
+    return replace(base, geometry=base.geometry._replace(**values))

@@ -85,7 +85,7 @@ async def test_a_tool_is_measured_and_written() -> None:
             assert said == "the controller uses the tool 'pen' from now on"
             offset = await robot.frames.get_tcp_offset()
             assert offset.almost_equal(
-                Pose(*TIP.tolist(), 0.0, 0.0, 0.0), position=1e-4, rotation=1e-3
+                Pose(*map(float, TIP), 0.0, 0.0, 0.0), position=1e-4, rotation=1e-3
             )
             with pytest.raises(ParameterError, match="name"):
                 await write(measured, robot, WriteMeasured("tip", ""))
