@@ -64,6 +64,29 @@ def test_a_program_that_was_silent_for_just_the_limit_does_not_count_as_hung() -
         gate.check(permit, 2.25)
 
 
+def test_only_a_gate_that_failed_takes_no_sign_of_life_any_more() -> None:
+    for ending, counts in ((PermitEnding.LEFT, True), (PermitEnding.FAILED, False)):
+        gate = beating()
+        gate.close("it is over", ending)
+        assert gate.alive(0.1) == counts
+
+
+def test_signs_of_life_keep_a_program_from_counting_as_hung() -> None:
+    gate = Gate(None, 2.0, 0.0)
+    permit = gate.ask("movel", 0.0)
+    for now in (1.5, 3.0, 4.5):
+        assert gate.alive(now)
+    gate.look(6.0)
+    gate.check(permit, 6.0)
+
+
+def test_a_beat_whose_answer_came_late_does_not_shorten_the_lease() -> None:
+    gate = beating()
+    gate.beaten(0.6)
+    gate.beaten(0.5)
+    assert gate.lease == 1.6
+
+
 def test_what_waits_for_a_stop_that_is_not_confirmed_is_refused_once() -> None:
     gate = beating()
     with contextlib.suppress(StopUnconfirmed), gate.stop():
