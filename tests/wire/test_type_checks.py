@@ -143,3 +143,10 @@ def test_an_array_in_a_struct_is_a_list() -> None:
     point: Any = rpc.PointOp()
     point.pos = np.array(pos)
     assert codec.encode(function, ([point], True)) == plain
+
+
+def test_arguments_are_read_back_and_those_that_were_not_sent_left_out() -> None:
+    function = idl.functions()["set_standard_digital_out"]
+    body = codec.encode(function, (3, True, False))
+    assert codec.decode_arguments(function, body) == {"num": 3, "value": True, "block": False}
+    assert codec.decode_arguments(function, b"\x00") == {}
