@@ -133,7 +133,7 @@ async def _turns(
                     goal[joint] += side * extent.reach
                     motion = robot.motion.movej2(goal.tolist(), v=speed, a=_HARD)
                     await _during(motion, robot.state.get_actual_joints_torque, 1.0 / _TORQUES)
-        await robot.motion.movej2(start.tolist(), v=_SPEEDS[1], a=_HARD)
+        await robot.motion.movej2(start.tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
 
 
 async def _updates(
