@@ -161,10 +161,10 @@ class Cell:
         self._samples.append(
             TwinSample(
                 snapshot.time - self._start,
-                *(
-                    tuple(each.tolist())
-                    for each in (snapshot.q, snapshot.qd, setpoint.q, setpoint.qd)
-                ),
+                tuple(snapshot.q.tolist()),
+                tuple(snapshot.qd.tolist()),
+                tuple(setpoint.q.tolist()),
+                tuple(setpoint.qd.tolist()),
                 tuple(pose),
                 tuple(snapshot.external_torque.tolist()),
                 None,
@@ -348,7 +348,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--save", action="store_true")
     given = parser.parse_args()
-    begun, matrix, times = time.perf_counter(), {}, {}
+    begun = time.perf_counter()
+    matrix: dict[Any, Any] = {}
+    times: dict[Any, Any] = {}
     arms: int = given.arms
     for number in range(arms):
         limits(number)

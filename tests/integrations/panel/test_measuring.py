@@ -92,9 +92,9 @@ async def test_a_tool_is_measured_and_written() -> None:
             said = await write(measured, robot, WriteMeasured("tip", "pen"))
             assert said == "the controller uses the tool 'pen' from now on"
             offset = await robot.frames.get_tcp_offset()
-            assert offset.almost_equal(
-                Pose(*map(float, TIP), 0.0, 0.0, 0.0), position=1e-4, rotation=1e-3
-            )
+            x, y, z = TIP.tolist()
+            told = Pose(x, y, z, 0.0, 0.0, 0.0)
+            assert offset.almost_equal(told, position=1e-4, rotation=1e-3)
             with pytest.raises(ParameterError, match="name"):
                 await write(measured, robot, WriteMeasured("tip", ""))
             await read(measured, robot, "clear", "torque")
