@@ -153,7 +153,7 @@ def test_a_hidden_load_is_found_and_written(
         words = ("payload", at(arm), "--poses", str(tmp_path / "around.toml"), "--sensor", sensor)
         ended = invoke(*words, "--held", confirm="y\ny\n")
         assert ended.exit_code == 0, ended.output
-        mass = re.match(r"([\d.]+) kg", ended.stdout)
+        mass = re.search(r"([\d.]+) kg at", ended.stdout)
         assert mass is not None, ended.stdout
         assert float(mass[1]) == pytest.approx(2.3, abs=0.01)
         # the drives know the load now: they see no more of it
