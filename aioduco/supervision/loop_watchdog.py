@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from aioduco._process.platform import boot_time
-from aioduco._process.program_lines import of_program
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import GuardLost
@@ -252,6 +251,8 @@ def blocking_calls(frame: FrameType | None) -> BlockingCalls:
 
 def _line(stack: traceback.StackSummary) -> str:
     """Return the innermost line of the program among the calls that the loop made; or ""."""
+    from aioduco._process.program_lines import of_program  # noqa: PLC0415 - of a block alone
+
     calls: list[traceback.FrameSummary] = []
     for call in stack:
         calls.append(call)
