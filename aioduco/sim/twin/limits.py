@@ -83,18 +83,18 @@ class TwinLimits:
     mass: float
     force: float
     friction: float
-    torque: Six
-    tracking: Six
+    torque: tuple[float, ...]
+    tracking: tuple[float, ...]
     position: float
     angle: float
     path: float
     delay: float
     usual_delay: float = 0.0
-    dry: Six = field(default=(0.0,) * 6)
-    viscous: Six = field(default=(0.0,) * 6)
-    offset: Six = field(default=(0.0,) * 6)
-    lag: Six = field(default=(0.0,) * 6)
-    noise: Six
+    dry: tuple[float, ...] = field(default=(0.0,) * 6)
+    viscous: tuple[float, ...] = field(default=(0.0,) * 6)
+    offset: tuple[float, ...] = field(default=(0.0,) * 6)
+    lag: tuple[float, ...] = field(default=(0.0,) * 6)
+    noise: tuple[float, ...]
     learned: float = 0.0
 
     @classmethod

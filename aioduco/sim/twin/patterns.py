@@ -28,8 +28,9 @@ _STICKING = 0.02
 _STUCK = 1.3
 #: standard deviations that are taken for granted before there is data [kg, N, 1]
 _MASS, _FORCE, _SHARE = 1.0, 20.0, 0.5
-#: standard deviation of the force at the tool [N]
-_SENSOR = 0.5
+#: standard deviation of the force at the tool, alone and beside torques [N]: its zero is that of
+#: the first sample, at which something may have pushed already
+_SENSOR, _BESIDE = 0.5, 5.0
 #: share of a force's explanation from which a mass, the simpler one, is preferred
 _SIMPLER = 0.85
 #: the same share where the mass is about the one that may have been lost
@@ -123,21 +124,29 @@ class PatternFit:
         self._prior = 1.0 / np.array([_MASS, _FORCE, _FORCE, _FORCE, _SHARE]) ** 2
 
     def update(self, deviation: Deviation) -> tuple[Vector, Patterns] | None:
-        """Take a sample; return the residual torques [N m] and the fits, None without torques."""
-        if deviation.external is None:
+        """Take a sample; return the residual torques [N m] and the fits.
+
+        Returns:
+            None if the sample has neither torques nor a force.
+        """
+        force, external = deviation.force, deviation.external
+        if external is None and force is None:
             return None
         friction, speeds = self._friction, deviation.speeds
-        rest = friction.residual(deviation.external, speeds)
+        rest = np.zeros(6) if external is None else friction.residual(external, speeds)
         lever = deviation.jacobian.T  # torques for a force at the flange
         weight = _DOWN - deviation.acceleration
         columns = np.column_stack((lever @ weight, lever, friction.torque(speeds)))
         weighted = columns.T * self._weight
         a, b = weighted @ columns, weighted @ rest
-        if (force := deviation.force) is not None:
-            a[0, 0] += weight @ weight / _SENSOR**2
-            b[0] += weight @ force / _SENSOR**2
-            a[[1, 2, 3], [1, 2, 3]] += 1.0 / _SENSOR**2
-            b[1:4] += force / _SENSOR**2
+        if external is None:
+            a[:], b[:] = 0.0, 0.0
+        if force is not None:
+            sensed = (_SENSOR if external is None else _BESIDE) ** -2
+            a[0, 0] += sensed * (weight @ weight)
+            b[0] += sensed * (weight @ force)
+            a[[1, 2, 3], [1, 2, 3]] += sensed
+            b[1:4] += sensed * force
         keep = math.exp(-deviation.step / _FADING)
         self._a = keep * self._a + (1.0 - keep) * a
         self._b = keep * self._b + (1.0 - keep) * b

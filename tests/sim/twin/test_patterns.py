@@ -66,13 +66,20 @@ def test_more_friction_is_friction() -> None:
     assert found.is_friction
 
 
-def test_the_force_at_the_tool_counts_as_well() -> None:
-    found = fitted(np.zeros(6), force=np.array([0.0, 10.0, 0.0]))
+def test_a_force_sensor_is_enough() -> None:
+    found = fitted(None, force=np.array([0.0, 10.0, 0.0]))
     assert found is not None
-    assert found.force[1] > 3.0
+    assert found.force == pytest.approx([0.0, 10.0, 0.0], abs=0.2)
+    assert not found.is_mass(0.5)
 
 
-def test_without_torques_there_is_nothing_to_fit() -> None:
+def test_a_force_sensor_that_was_zeroed_under_a_force_hides_nothing() -> None:
+    found = fitted(lever() @ np.array([0.0, 10.0, 0.0]), force=np.zeros(3))
+    assert found is not None
+    assert found.force[1] > 5.0
+
+
+def test_without_torques_and_forces_there_is_nothing_to_fit() -> None:
     assert fitted(None) is None
 
 
