@@ -349,8 +349,8 @@ def main() -> None:
     parser.add_argument("--save", action="store_true")
     given = parser.parse_args()
     begun = time.perf_counter()
-    matrix: dict[Any, Any] = {}
-    times: dict[Any, Any] = {}
+    matrix: dict[str, Counter[str]] = {}
+    times: dict[str, list[float]] = {}
     arms: int = given.arms
     for number in range(arms):
         limits(number)
