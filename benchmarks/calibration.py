@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
-from _common import machine, scheduling, write_results
+from _common import scheduling, write_results
 
 import aioduco.sync
 from aioduco.cli.measuring import Extent, measure
@@ -244,7 +244,7 @@ def main() -> None:
     for name, kind in {**result["kinds"], "all": result["all"]}.items():
         print(name, {key: float(f"{value:.3g}") for key, value in kind.items()})
     if given.save:
-        write_results("calibration", machine() | {"scheduling": scheduling()} | result)
+        write_results("calibration", {"scheduling": scheduling(), **result})
 
 
 if __name__ == "__main__":
