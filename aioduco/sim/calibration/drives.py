@@ -71,7 +71,7 @@ class _Joint:
     def enough(self) -> bool:
         return self.motions >= _MOTIONS and len(self.error) >= _SAMPLES
 
-    def fit(self, chosen: Array) -> tuple[Array, Array]:
+    def fit(self, chosen: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Lag and 1/gain [s], and the inverse of what determines them, from chosen samples."""
         terms, error = self.terms[chosen], self.error[chosen]
         # The recorded speeds are rounded: without the rounding's part, the fit would be too flat.

@@ -210,7 +210,7 @@ class _Problem:
         """Error of each pose in units of the noise of a fit. Shape (n,)."""
         roots, _ = self.whitened(fit.shape)
         errors = np.einsum("nij,nj->ni", roots, self.errors(fit.x))
-        sizes: Array = np.sqrt((errors**2).mean(axis=1)) / fit.scale
+        sizes: Array = np.sqrt((errors**2).mean(axis=1)).astype(np.float64) / fit.scale
         return sizes
 
     def held_out(self, used: Flags) -> float:
@@ -229,9 +229,12 @@ class _Problem:
 
         first = least_squares(residuals, np.zeros(self._count), method="lm", xtol=1e-10, ftol=1e-10)
         x = first.x * self._prior
-        for _ in range(2):  # the second step is from where the first has led
-            fits = [self._step(x, used, shape) for shape in _SHAPES]
-            x = max(fits, key=lambda each: each[0])[1].x
+        # The second step is from where the first has led.
+        return self._best(self._best(x, used).x, used)
+
+    def _best(self, x: Array, used: Flags) -> _Fit:
+        """The likeliest of the steps with weights for each shape of noise."""
+        fits = [self._step(x, used, shape) for shape in _SHAPES]
         return max(fits, key=lambda each: each[0])[1]
 
     def _step(self, x: Array, used: Flags, shape: float) -> tuple[float, _Fit]:
@@ -246,7 +249,8 @@ class _Problem:
             change = (self.errors(x - step) - self.errors(x + step))[used] / 2e-3
             slopes[:, i] = np.einsum("nij,nj->ni", roots, change).ravel()
         square, drive, prior = slopes.T @ slopes, slopes.T @ error, x / self._prior
-        variance = float(error @ error) / rows
+        variance, free = float(error @ error) / rows, float(rows)
+        information, step = np.eye(self._count), np.zeros(self._count)
         for _ in range(6):
             information = square / variance + np.eye(self._count)
             step = np.linalg.solve(information, drive / variance - prior)
@@ -260,7 +264,7 @@ class _Problem:
         share = math.sqrt(rows / free)
         return float(likelihood), _Fit(
             found,
-            np.linalg.inv(information) * np.outer(self._prior, self._prior),
+            (np.linalg.inv(information) * np.outer(self._prior, self._prior)).astype(np.float64),
             free,
             (
                 share * math.sqrt(float((rest[:, :3] ** 2).mean())),
