@@ -265,12 +265,12 @@ def count_states(peer: Peer, seconds: float) -> None:
         peer.node.create_subscription(kind, topic, keep(topic), quality)
     peer.until(lambda: len(others) == 5)
     frames = [each.child_frame_id for each in others["/tf"].transforms]
-    peer.node.create_subscription(
-        JointState,
-        "joint_states",
-        lambda message: came.extend([(time.monotonic(), message)] * (list(message.name) == NAMES)),
-        qos_profile_sensor_data,
-    )
+
+    def note(message: Any) -> None:
+        if list(message.name) == NAMES:
+            came.append((time.monotonic(), message))
+
+    peer.node.create_subscription(JointState, "joint_states", note, qos_profile_sensor_data)
     peer.until(lambda: came)
     say(counting=True)
     peer.until(lambda: came[-1][0] > came[0][0] + seconds, seconds + PATIENT)
