@@ -124,6 +124,8 @@ def test_options_come_before_what_the_cell_says(tmp_path: Path) -> None:
     found = simulated_parts(file, None, **usual)
     assert [each.name for each in found["scene"]] == ["bench"]
     assert simulated_parts(file, None, **{**usual, "model": "gcr3_618"})["model"] == "gcr3_618"
+    # with a profile, no option says the model
+    assert simulated_parts(file, None, **{**usual, "model": None})["model"] == "gcr5_910"
     assert simulated_parts(None, None, **usual) == usual
 
 

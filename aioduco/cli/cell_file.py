@@ -51,7 +51,9 @@ def simulated_parts(cell: Path | None, robot: str | None, **given: Any) -> dict[
         found = load_cell(cell).simulator_options(robot)
     except ParameterError as error:
         raise typer.BadParameter(str(error)) from None
-    said = {key: value for key, value in given.items() if value != _USUAL.get(key)}
+    said = {
+        key: value for key, value in given.items() if value is not None and value != _USUAL.get(key)
+    }
     if "tool" in said:
         found.pop("gripper", None)
     if "gripper" in said:
