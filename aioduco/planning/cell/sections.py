@@ -254,7 +254,8 @@ def _robot(address: RobotAddress, entry: dict[str, Any], usual: str) -> CellRobo
     kind = model((*place, "model"), entry["model"]) if "model" in entry else usual
     if not kind:
         wrong(place, f'arm is missing: the model of the arm, such as arm = "{models()[0]}"')
-    mounting, pedestal = entry.get("mounting", "floor"), entry.get("pedestal", 0.0)
+    mounting: Any = entry.get("mounting", "floor")
+    pedestal: Any = entry.get("pedestal", 0.0)
     if isinstance(mounting, list) and _numbers(mounting) and len(mounting) == 6:
         mounting = Pose(*mounting)
     elif not isinstance(mounting, str):
@@ -374,7 +375,9 @@ def _thing(place: TomlPath, block: dict[str, Any], folder: Path) -> Thing:
     only(place, block, fields)
     if "file" in block:
         block["file"] = _file((*place, "file"), block["file"], folder)
-    made = {key: tuple(each) if isinstance(each, list) else each for key, each in block.items()}
+    made: dict[str, Any] = {
+        key: tuple(each) if isinstance(each, list) else each for key, each in block.items()
+    }
     with at(*place):
         try:
             return make(**made)

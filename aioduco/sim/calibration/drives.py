@@ -76,7 +76,7 @@ class _Joint:
         terms, error = self.terms[chosen], self.error[chosen]
         # The recorded speeds are rounded: without the rounding's part, the fit would be too flat.
         matrix = terms.T @ terms - len(terms) * _ROUNDING
-        inverse = np.linalg.pinv(matrix)
+        inverse: Array = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
         return inverse @ (terms.T @ error), inverse
 
     def residual(self, found: Array) -> Array:

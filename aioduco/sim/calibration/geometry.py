@@ -190,7 +190,7 @@ class _Problem:
         matrix[:, :3] += np.cross(matrix[:, 3:], lever[:, :, None], axis=1)
         own = shape**2 * np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0])
         root = np.linalg.cholesky(matrix @ np.swapaxes(matrix, 1, 2) + own)
-        inverse: Array = np.linalg.inv(root)
+        inverse: Array = np.asarray(np.linalg.inv(root), dtype=np.float64)
         return inverse, np.log(np.einsum("nii->ni", inverse)).sum(axis=1)
 
     def solve(self, used: Flags) -> tuple[_Fit, Flags]:

@@ -118,7 +118,7 @@ class Wire:
         if self._recognizes:
             others = older.layouts(name, function.args)
         elif name in self._args or self._structs:
-            spec = self._args.get(name, function.args.thrift_spec)
+            spec: Any = self._args.get(name, function.args.thrift_spec)
             args = idl.payload(f"{name}_args", _with(self._structs, spec))
             # what only this generation has comes behind the present parameters
             added = {entry[1]: idl.zero(entry) for entry in spec.values() if entry[1] not in usual}
