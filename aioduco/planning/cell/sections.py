@@ -256,9 +256,9 @@ def _robot(address: RobotAddress, entry: dict[str, Any], usual: str) -> CellRobo
         wrong(place, f'arm is missing: the model of the arm, such as arm = "{models()[0]}"')
     mounting: Any = entry.get("mounting", "floor")
     pedestal: Any = entry.get("pedestal", 0.0)
-    if isinstance(mounting, list) and _numbers(mounting) and len(mounting) == 6:
+    if _numbers(mounting) and len(mounting) == 6:
         mounting = Pose(*mounting)
-    elif not isinstance(mounting, str):
+    elif type(mounting) is not str:
         wrong((*place, "mounting"), f"is {mounting!r}, but must be a name or six numbers [m, rad]")
     if type(pedestal) not in (int, float):
         wrong((*place, "pedestal"), f"is {pedestal!r}, but must be a number [m]")
