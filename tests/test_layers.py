@@ -184,16 +184,6 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     },
     "part_faults": {"assembly", "physics"},
     # the controller without threads and physics
-    "twin": {
-        "cabinet",
-        "controller",
-        "cycle",
-        "force",
-        "handlers",
-        "planner",
-        "runtime",
-        "snapshot",
-    },
     "profile": set(),
     "console": {"simulator"},
     "spawned": {"simulator"},

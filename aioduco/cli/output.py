@@ -42,9 +42,9 @@ def one_line(text: str) -> str:
     return shown(text).replace("\n", "\\n").replace("\t", " ")
 
 
-def say(text: object = "", *, error: bool = False) -> None:
+def say(text: object = "", *, error: bool = False, end: str = "\n") -> None:
     """Print a line to the standard output, or to the standard error."""
-    print(shown(str(text)), file=sys.stderr if error else sys.stdout, flush=True)
+    print(shown(str(text)), end=end, file=sys.stderr if error else sys.stdout, flush=True)
 
 
 class _ShownFormatter(logging.Formatter):

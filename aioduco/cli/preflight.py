@@ -93,17 +93,17 @@ def preflight(
     from aioduco.testing.preflight import preflight as run  # noqa: PLC0415
 
     console = SafeConsole()
-    parts = simulated_parts(
-        cell,
-        robot,
-        model=model,
-        scene=scene and str(scene.resolve()),
-        tool=tool and str(tool.resolve()),
-        mounting=mounting_option(mounting),
-        pedestal=pedestal,
-    )
-    parts.pop("gripper", None)
     try:
+        parts = simulated_parts(
+            cell,
+            robot,
+            model=model,
+            scene=scene and str(scene.resolve()),
+            tool=tool and str(tool.resolve()),
+            mounting=mounting_option(mounting),
+            pedestal=pedestal,
+        )
+        parts.pop("gripper", None)
         settings = PreflightSettings(
             **parts,
             vendor=vendor,

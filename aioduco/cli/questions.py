@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 import typer
 
 from aioduco.cli.exit_codes import NOT_CONFIRMED
@@ -41,7 +39,7 @@ def ask(what: str, question: str, *, yes: bool) -> None:
 
 def typed_line(question: str) -> str | None:
     """Ask for a line, by the standard error, and return it; None at the end of the input."""
-    print(shown(question), end="", file=sys.stderr, flush=True)
+    say(question, error=True, end="")
     try:
         return input().strip()
     except EOFError:

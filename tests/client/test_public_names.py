@@ -10,7 +10,7 @@ from aioduco import errors
 
 NAMES = {
     "the robot": "__version__ connect stop_all freeze_support ClosingSteps RecoverReport Robot "
-    "HeldMotion MotionCommand MotionPath OnCancel Outcome Task",
+    "Cell HeldMotion MotionCommand MotionPath OnCancel Outcome Task",
     "values": "deg mm Joints JointsLike Pose PoseLike",
     "outputs": "bool_register event float_register output tool_output word_register Op PointOp",
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "

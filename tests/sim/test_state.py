@@ -220,8 +220,8 @@ async def test_the_work_object_of_cal_ikine_is_in_the_world_frame() -> None:
             pose = wobj.inverse() @ sim.mounting @ tip
             cal_ikine = partial(robot.kinematics.cal_ikine, q_near=near_q, tool=nothing, wobj=wobj)
             assert await cal_ikine(pose) == pytest.approx(q, abs=1e-5)
-            with pytest.raises(aioduco.Unreachable):
-                await cal_ikine(wobj.inverse() @ tip)
+            other = await cal_ikine(wobj.inverse() @ tip)
+            assert np.abs(np.subtract(other, q)).max() > 0.1
 
 
 def test_an_unreachable_pose_gives_the_reference_joints_back(robot: Program) -> None:

@@ -18,6 +18,7 @@ import zipfile
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco import __version__
+from aioduco._wire.address import parse_address
 from aioduco.kinematics import models
 
 if TYPE_CHECKING:
@@ -168,7 +169,7 @@ def _known(
     report: ControllerReport, controller: Mapping[str, Any], *, ids: bool
 ) -> list[tuple[str, str]]:
     """What is known not to be for others."""
-    host = report.address.rpartition(":")[0].strip("[]")
+    host, _ = parse_address(report.address)
     found = [(host, "<controller>"), (platform.node(), "<computer>"), *_users()]
     found.append((str(controller.get("host", "")), "<controller>"))
     found.append((str(controller.get("name", "")), "<robot>"))
