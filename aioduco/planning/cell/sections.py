@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias, cast
 
 from aioduco._wire.address import CELL_KEYS, RobotAddress, WrongAddress, robots_of
 from aioduco.errors import ParameterError, SceneError
@@ -254,14 +254,13 @@ def _robot(address: RobotAddress, entry: dict[str, Any], usual: str) -> CellRobo
     kind = model((*place, "model"), entry["model"]) if "model" in entry else usual
     if not kind:
         wrong(place, f'arm is missing: the model of the arm, such as arm = "{models()[0]}"')
-    mounting: Any = entry.get("mounting", "floor")
+    given: Any = entry.get("mounting", "floor")
     pedestal: Any = entry.get("pedestal", 0.0)
-    if _numbers(mounting) and len(mounting) == 6:
-        mounting = Pose(*mounting)
-    elif type(mounting) is not str:
-        wrong((*place, "mounting"), f"is {mounting!r}, but must be a name or six numbers [m, rad]")
+    if type(given) is not str and not (_numbers(given) and len(given) == 6):
+        wrong((*place, "mounting"), f"is {given!r}, but must be a name or six numbers [m, rad]")
     if type(pedestal) not in (int, float):
         wrong((*place, "pedestal"), f"is {pedestal!r}, but must be a number [m]")
+    mounting = cast("MountingLike", given) if isinstance(given, str) else Pose.of(given)
     with at(*place, "mounting"):
         mounting_of(mounting, arm_of(kind), pedestal)
     return CellRobot(
