@@ -50,13 +50,13 @@ class Measurement:
     """
 
     def __init__(self, arm: Arm) -> None:
-        self.arm = arm
+        self.arm: Arm = arm
         self.touches: list[Pose] = []
         self.ahead: Pose | None = None
         self.beside: Pose | None = None
         self.poses: list[tuple[Joints, Sequence[float]]] = []
-        self.sensor = "torque"
-        self.known = Load(0.0)
+        self.sensor: str = "torque"
+        self.known: Load = Load(0.0)
 
     def tip(self) -> ToolTip:
         """Compute the tool's tip.
