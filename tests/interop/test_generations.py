@@ -199,8 +199,12 @@ def test_schemes_of_external_axes_come_in_lists(newer: Cell) -> None:
     assert newer.robot.enable_eaxis_scheme("rail") == FINISHED
     to = (["rail"], [[0.5, 0.0, 0.0]], [0.5])
     assert newer.robot.movej2_eaxis(TURNED, 2.0, 4.0, 0.0, *to, True, None, False) == FINISHED
-    (state,) = newer.robot.get_eaxis_info()
-    assert (state.pos, state.vel, state.acc) == (pytest.approx(0.5), 0.0, 0.0)
+
+    def stands() -> bool:
+        (state,) = newer.robot.get_eaxis_info()
+        return (state.vel, state.acc) == (0.0, 0.0) and state.pos == pytest.approx(0.5)
+
+    eventually(stands)  # the cycle after the last set-point
     two = (["rail"] * 2, [[0.1, 0.0, 0.0]] * 2, [0.5] * 2)
     assert newer.robot.movej2_eaxis(TURNED, 2.0, 4.0, 0.0, *two, True, None, False) == 7
 

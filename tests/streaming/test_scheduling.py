@@ -80,10 +80,14 @@ def test_who_goes_first_and_does_not_wait_goes_like_all_others_again() -> None:
 
 
 async def test_a_worker_that_is_woken_late_goes_first_by_itself(controller: Controller) -> None:
-    """By 62 µs, at this rate: each system wakes somebody so late, sooner or later."""
+    """By 125 µs, at this rate: each system wakes somebody so late, sooner or later.
+
+    At a higher rate a worker on a busy machine takes so much of a processor that it gives the
+    priority back, perhaps before anybody looks.
+    """
     if not allowed():
         pytest.skip("no permission for a policy of real time")
-    async with controller.servo.joints(v=1.0, a=5.0, rate=4_000.0) as stream:
+    async with controller.servo.joints(v=1.0, a=5.0, rate=2_000.0) as stream:
         await stream.send(HERE)
         pid = stream.pid
         assert pid is not None
