@@ -646,7 +646,8 @@ async def _version(lane: WireLane) -> str:
 async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float) -> bool:
     """Wait until a beat was answered, and the gate knows. Returns whether it was in time.
 
-    The heartbeat's thread tells the gate after it has noted the answer.
+    The heartbeat's thread tells the gate after it has noted the answer. Until then the gate may
+    have the end of an earlier beat's time, which has passed.
 
     Args:
         heartbeat: the heartbeat.
@@ -655,7 +656,7 @@ async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float)
     """
     until = time.monotonic() + timeout
     async for due in every(_LOOK_EVERY):
-        if heartbeat.answered and gate.lease > -math.inf:
+        if heartbeat.answered and gate.lease > boot_time():
             return True
         if due >= until:
             break
