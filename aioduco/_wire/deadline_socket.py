@@ -159,6 +159,12 @@ class DeadlineSocket:
         """
         while True:
             self._limit_to(deadline)
+            # A wait would release the interpreter's lock first, and a busy event loop could hold it
+            # for milliseconds before the bytes are sent.
+            if isinstance(data, bytes) and limits_sockets():
+                sent = send_at_once(self.socket.fileno(), data)
+                if sent > 0:
+                    return sent
             try:
                 return self.socket.send(data)
             except BlockingIOError:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from aioduco._wire import codec, deadline_socket, idl, rpc
+from aioduco._wire import codec, deadline_socket, idl, nonblocking, rpc
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.endpoint import Route
@@ -363,6 +363,20 @@ def test_long_calls_and_long_replies_are_whole() -> None:
         assert server.calls[0].args == (points, False)
         assert connection.call("get_system_value_lists", ("g",), PATIENCE) == lists
         assert connection.state is ConnectionState.IDLE
+
+
+@pytest.mark.linux("sends that keep the interpreter's lock")
+def test_a_call_is_sent_before_another_thread_can_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: list[bytes] = []
+
+    def keep(descriptor: int, data: bytes) -> int:
+        sent.append(data)
+        return nonblocking.send_at_once(descriptor, data)
+
+    monkeypatch.setattr(deadline_socket, "send_at_once", keep)
+    with connected() as (connection, _):
+        assert connection.call("stop", (True,), PATIENCE) == 0
+    assert [b"stop" in data for data in sent] == [True]
 
 
 def test_a_call_without_time_left_is_not_sent() -> None:
