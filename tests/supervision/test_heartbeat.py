@@ -9,7 +9,8 @@ import subprocess
 import sys
 import textwrap
 import time
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, cast
 
 import anyio
 import pytest
@@ -17,9 +18,12 @@ from client.bench import HOME
 
 import aioduco
 from aioduco import HeartbeatState
+from aioduco._process.platform import boot_time
 from aioduco._wire.connection import Connection
+from aioduco.supervision.gate import Gate
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import Liveness
+from aioduco.supervision.supervisor import _beats
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
 
 if TYPE_CHECKING:
@@ -70,6 +74,16 @@ async def test_a_short_stall_of_the_loop_does_not_stop_the_beat(bench: Bench) ->
         before = beats(bench)
         # Blocks the event loop meanwhile. One beat that a busy machine delays is found lost.
         eventually(lambda: beats(bench) >= before + 6 and state(robot) is HeartbeatState.BEATING)
+
+
+async def test_a_beat_whose_time_has_passed_does_not_rearm() -> None:
+    now = boot_time()
+    gate = Gate(0.5, 2.0, now)
+    gate.beaten(now - 10.0)  # the heartbeat has an answer of which the gate does not know yet
+    answered = cast("Heartbeat", SimpleNamespace(answered=True))
+    assert not await _beats(answered, gate, 0.0)
+    gate.beaten(now + 60.0)
+    assert await _beats(answered, gate, 0.0)
 
 
 @pytest.mark.slow
