@@ -17,6 +17,7 @@ import aioduco
 import aioduco.sync
 from aioduco.streaming.options import Feeding
 from aioduco.streaming.realtime import RealtimeStreams
+from aioduco.supervision import task_follower
 from aioduco.supervision.operator_stop import stop_arm
 from aioduco.supervision.state_feed import StateFeed
 
@@ -30,6 +31,8 @@ COMMAND_LINE = (
 )
 #: s that the tests' robots give by default; tests about such a time set it
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
+#: s for which the controller may not answer about a task
+TASK_PATIENCE = 15.0
 #: s that each part of an operator's stop may take
 STOP_PATIENCE = 15.0
 #: s that a sample may be old by default, and the first one may take
@@ -65,6 +68,7 @@ def be_patient() -> None:
     """Make these the defaults of connections, streams, the newest sample and an operator's stop."""
     for connect in (aioduco.connect, aioduco.sync.connect):
         connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **PATIENCE}
+    task_follower.LOST_AFTER = TASK_PATIENCE
     stop_arm.__kwdefaults__ = dict.fromkeys(stop_arm.__kwdefaults__ or (), STOP_PATIENCE)
     options = aioduco.WorkerOptions.__init__
     options.__kwdefaults__ = {**(options.__kwdefaults__ or {}), **STREAM_PATIENCE}

@@ -41,21 +41,22 @@ def state(robot: aioduco.Robot) -> HeartbeatState:
 
 
 async def test_beats_three_times_per_heartbeat_time(bench: Bench) -> None:
-    def gap() -> float:
-        """The time between two of the latest beats, as a rule [s]."""
+    def steady() -> bool:
+        """Whether the latest beats came over one connection, a third of the time apart."""
         calls = bench.received("rpc_heartbeat")[-10:]
-        return statistics.median(b.at - a.at for a, b in itertools.pairwise(calls))
+        gap = statistics.median(b.at - a.at for a, b in itertools.pairwise(calls))
+        return len({call.thread for call in calls}) == 1 and gap == pytest.approx(0.1, rel=0.3)
 
     async with aioduco.connect(bench.host, bench.port, heartbeat=0.3) as robot:
         await eventually_async(lambda: beats(bench) >= 10)
-        # A machine that is busy just now is late; once it is not, the beats come in time.
-        await eventually_async(lambda: gap() == pytest.approx(0.1, rel=0.3), timeout=60.0)
+        # A machine that is busy just now is late, and a beat that is late is sent anew; once it is
+        # not, the beats come in time.
+        await eventually_async(steady, timeout=60.0)
         await eventually_async(lambda: state(robot) is HeartbeatState.BEATING)
     calls = bench.received("rpc_heartbeat")
     assert {call.args for call in calls} == {(300,)}
-    assert len({call.thread for call in calls}) == 1  # one connection
     others = {c.thread for c in bench.received() if c.method != "rpc_heartbeat"}
-    assert calls[0].thread not in others  # and nothing else goes over it
+    assert calls[-1].thread not in others  # nothing else goes over it
 
 
 async def test_no_heartbeat_on_request(bench: Bench) -> None:
@@ -148,7 +149,7 @@ async def test_a_lost_heartbeat_is_reported_and_comes_back(
 ) -> None:
     async with (
         FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port, heartbeat=0.2) as robot,
+        aioduco.connect(proxy.host, proxy.port, heartbeat=2.0) as robot,
     ):
         await eventually_async(lambda: beats(bench) >= 2)
         proxy.on("rpc_heartbeat", Cut(Place.BEFORE_REQUEST), times=None)
@@ -159,7 +160,7 @@ async def test_a_lost_heartbeat_is_reported_and_comes_back(
         await eventually_async(lambda: state(robot) is HeartbeatState.BEATING)
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
     messages = [record.getMessage() for record in caplog.records]
-    assert any("no heartbeat was answered for 0.2 s" in message for message in messages)
+    assert any("no heartbeat was answered for 2 s" in message for message in messages)
     assert any("answered again" in message for message in messages)
 
 
