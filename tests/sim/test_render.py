@@ -14,6 +14,7 @@ from aioduco.models.pose import Pose
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import Simulator
 from aioduco.sim.view.camera import Camera, towards
+from aioduco.sim.view.drawing import advice
 from aioduco.sim.view.film import Film
 
 if TYPE_CHECKING:
@@ -92,6 +93,12 @@ def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
         for _ in range(2):
             with pytest.raises(RenderError, match="libegl1"):
                 sim.render()
+
+
+def test_without_pyopengl_it_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "libegl1" in advice()
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "OpenGL" else 1)
+    assert "pip install 'aioduco[sim]'" in advice()
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ channel closes.
 from __future__ import annotations
 
 import contextlib
-import importlib
+import importlib.util
 import os
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -24,11 +24,18 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["ADVICE", "PictureRequest", "main"]
+__all__ = ["PictureRequest", "advice", "main"]
 
 #: values of MUJOCO_GL with which MuJoCo itself loads no OpenGL
 _NOT_LOADED = frozenset(("disable", "disabled", "off", "false", "0"))
-ADVICE = "On Debian: apt-get install libegl1 libgl1-mesa-dri, or set MUJOCO_GL to what there is"
+_LIBRARIES = "On Debian: apt-get install libegl1 libgl1-mesa-dri, or set MUJOCO_GL to what there is"
+
+
+def advice() -> str:
+    """What to do if no picture can be drawn on this computer."""
+    if importlib.util.find_spec("OpenGL") is None:
+        return "Pictures need PyOpenGL: pip install 'aioduco[sim]'"
+    return _LIBRARIES
 
 
 class PictureRequest(NamedTuple):
@@ -138,6 +145,6 @@ def main(arguments: list[str]) -> int:
                 drawer = drawer or Drawer(model)
                 answer: object = drawer.draw(request)
             except Exception as exc:  # reported to the process that asked
-                answer = f"OpenGL draws nothing here ({exc}). {ADVICE}"
+                answer = f"OpenGL draws nothing here ({exc}). {advice()}"
             channel.send(answer)
     return 0

@@ -13,7 +13,7 @@ from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import ParameterError, RenderError
 from aioduco.sim.view.camera import Camera
-from aioduco.sim.view.drawing import ADVICE, PictureRequest
+from aioduco.sim.view.drawing import PictureRequest, advice
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -137,7 +137,7 @@ class PictureProcess:
         except (EOFError, OSError) as exc:
             self._process = None
             why = process.end() or repr(exc)
-            raise RenderError(f"the process that draws has ended ({why}). {ADVICE}") from exc
+            raise RenderError(f"the process that draws has ended ({why}). {advice()}") from exc
 
     def _start(self) -> LinkedProcess:
         try:
