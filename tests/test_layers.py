@@ -70,8 +70,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
-    "api.status_port": {"_process.copying", "errors", "models", "_wire"},
-    "api.force_stream": {"_process.copying", "errors", "models", "_wire"},
+    "api.port_reader": {"_process.copying", "errors", "models", "_wire"},
+    "api.status_port": {"errors", "models", "api.port_reader"},
+    "api.force_stream": {"models", "api.port_reader"},
     "recording": CLIENT,
     # the twin of a robot: pure on the simulator's side, and a shell on the client's
     "sim.twin": CLIENT | {"recording", "sim"},

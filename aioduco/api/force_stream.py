@@ -10,22 +10,13 @@ program is all that is known: `aioduco.models.force_sample` says what.
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import anyio
+from anyio.abc import ConnectedUDPSocket
 
-from aioduco._process.copying import Uncopied
-from aioduco._wire.endpoint import HOST_RULE, is_host
-from aioduco.errors import ConnectError, ConnectionLost, ParameterError
-from aioduco.models import ranges
+from aioduco.api.port_reader import PortReader
 from aioduco.models.force_sample import FORCE_PORT, FORCE_REQUEST, ForceSample
-
-if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
-    from anyio.abc import ConnectedUDPSocket
 
 __all__ = ["ForceSample", "ForceStream"]
 
@@ -33,7 +24,7 @@ __all__ = ["ForceSample", "ForceStream"]
 ASK_AGAIN: Final = 2.0
 
 
-class ForceStream(Uncopied):
+class ForceStream(PortReader[ConnectedUDPSocket, ForceSample]):
     """The force stream of a controller; iterating yields each sample as it arrives.
 
     Datagrams may be lost, and come without a number or a time: a sample is as old as the network
@@ -42,41 +33,32 @@ class ForceStream(Uncopied):
     Args:
         host: address of the controller.
         port: its UDP port.
-        timeout: the longest wait for a sample [s].
+        timeout: the longest wait for its name to be resolved, and for each sample [s].
 
     Raises:
         ParameterError: the host is no name or address, or the time is out of range.
     """
 
+    _item = "sample"
+    _ended = "nothing listens there"
+
     def __init__(self, host: str, port: int = FORCE_PORT, *, timeout: float = 5.0) -> None:
-        if not isinstance(host, str) or not is_host(host):
-            raise ParameterError("host", host, HOST_RULE)
-        self.host = host
-        self.port = port
-        self.timeout: float = ranges.TIMEOUT("timeout", timeout)
-        self._socket: ConnectedUDPSocket | None = None
+        super().__init__(host, port, timeout)
 
-    def __repr__(self) -> str:
-        state = "closed" if self._socket is None else "open"
-        return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
+    async def _connect(self) -> ConnectedUDPSocket:
+        opened = await anyio.create_connected_udp_socket(self.host, self.port)
+        await opened.send(FORCE_REQUEST)
+        return opened
 
-    async def __aenter__(self) -> Self:
-        try:
-            self._socket = await anyio.create_connected_udp_socket(self.host, self.port)
-            await self._socket.send(FORCE_REQUEST)
-        except (OSError, anyio.BrokenResourceError) as exc:
-            raise ConnectError(self.host, self.port, str(exc)) from exc
-        return self
+    async def _receive(self, connection: ConnectedUDPSocket) -> bytes:
+        while True:
+            with anyio.move_on_after(ASK_AGAIN):
+                return await connection.receive()
+            await connection.send(FORCE_REQUEST)
 
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        if self._socket is not None:
-            opened, self._socket = self._socket, None
-            await anyio.aclose_forcefully(opened)
+    @staticmethod
+    def _decode(data: bytes) -> ForceSample:
+        return ForceSample.decode(data)
 
     async def sample(self) -> ForceSample:
         """Wait for the next sample.
@@ -88,24 +70,4 @@ class ForceStream(Uncopied):
             ConnectionLost: it is not open, or no sample came in time.
             ProtocolError: what came is none.
         """
-        if self._socket is None:
-            raise ConnectionLost(f"{self!r}: open it by `async with`")
-        until = time.monotonic() + self.timeout
-        while (left := until - time.monotonic()) > 0.0:
-            data = None
-            try:
-                with anyio.move_on_after(min(left, ASK_AGAIN)):
-                    data = await self._socket.receive()
-                if data is None:
-                    await self._socket.send(FORCE_REQUEST)
-            except (anyio.BrokenResourceError, anyio.EndOfStream, OSError) as exc:
-                raise ConnectionLost(f"{self!r}: nothing listens there") from exc
-            if data is not None:
-                return ForceSample.decode(data)
-        raise ConnectionLost(f"{self!r}: no sample within {self.timeout} s")
-
-    def __aiter__(self) -> Self:
-        return self
-
-    async def __anext__(self) -> ForceSample:
-        return await self.sample()
+        return await self._next()

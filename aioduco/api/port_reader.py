@@ -1,0 +1,116 @@
+"""How what a controller sends by itself to a port is read: connect, read, close."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar, Final, Generic, TypeVar
+
+import anyio
+
+from aioduco._process.copying import Uncopied
+from aioduco._wire.endpoint import HOST_RULE, is_host
+from aioduco.errors import ConnectError, ConnectionLost, ParameterError
+from aioduco.models import ranges
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from anyio.abc import AsyncResource
+
+__all__ = ["PortReader"]
+
+#: how anyio says that the other side has ended the connection
+_ENDS: Final = (anyio.EndOfStream, anyio.IncompleteRead, anyio.BrokenResourceError)
+
+#: the connection
+C = TypeVar("C", bound="AsyncResource")
+#: what is read
+T = TypeVar("T")
+
+
+class PortReader(Uncopied, ABC, Generic[C, T]):
+    """Reads a port of a controller; iterating yields each item as it arrives.
+
+    Args:
+        host: address of the controller.
+        port: the port.
+        timeout: the longest wait for the connection, and for each item [s].
+
+    Raises:
+        ParameterError: the host is no name or address, or the time is out of range.
+    """
+
+    #: what an item is called, and why none comes any more, for messages
+    _item: ClassVar[str]
+    _ended: ClassVar[str]
+
+    def __init__(self, host: str, port: int, timeout: float) -> None:
+        if not isinstance(host, str) or not is_host(host):
+            raise ParameterError("host", host, HOST_RULE)
+        self.host = host
+        self.port = port
+        self.timeout: float = ranges.TIMEOUT("timeout", timeout)
+        self._connection: C | None = None
+
+    def __repr__(self) -> str:
+        state = "closed" if self._connection is None else "open"
+        return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
+
+    @abstractmethod
+    async def _connect(self) -> C:
+        """Connect; an `OSError` says that this failed."""
+
+    @abstractmethod
+    async def _receive(self, connection: C) -> bytes:
+        """Wait for the bytes of the next item."""
+
+    @staticmethod
+    @abstractmethod
+    def _decode(data: bytes) -> T:
+        """Make the item; a `ProtocolError` says that the bytes are none."""
+
+    async def __aenter__(self) -> Self:
+        try:
+            with anyio.fail_after(self.timeout):
+                self._connection = await self._connect()
+        except TimeoutError as exc:
+            reason = f"no answer within {self.timeout} s"
+            raise ConnectError(self.host, self.port, reason) from exc
+        except (OSError, anyio.BrokenResourceError) as exc:
+            raise ConnectError(self.host, self.port, str(exc)) from exc
+        return self
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._connection is not None:
+            connection, self._connection = self._connection, None
+            await anyio.aclose_forcefully(connection)
+
+    async def _next(self) -> T:
+        """Wait for the next item, at most for the time-out.
+
+        Raises:
+            ConnectionLost: it is not open, nothing came in time, or nothing comes any more.
+            ProtocolError: what came is no such item.
+        """
+        if self._connection is None:
+            raise ConnectionLost(f"{self!r}: open it by `async with`")
+        try:
+            with anyio.fail_after(self.timeout):
+                data = await self._receive(self._connection)
+        except TimeoutError as exc:
+            raise ConnectionLost(f"{self!r}: no {self._item} within {self.timeout} s") from exc
+        except (OSError, *_ENDS) as exc:
+            raise ConnectionLost(f"{self!r}: {self._ended}") from exc
+        return self._decode(data)
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> T:
+        return await self._next()
