@@ -88,13 +88,8 @@ class Bounds(NamedTuple):
 REPLY: Final = Bounds(size=MAX_REPLY, elements=MAX_REPLY, depth=32)
 
 
-class _Struct:
-    """A struct whose fields are being read; `fields` is empty if the IDL has no such struct."""
-
-    __slots__ = ("fields",)
-
-    def __init__(self, fields: dict[int, tuple[Any, ...]]) -> None:
-        self.fields = fields
+#: fields of a struct that is being read: thriftpy2's spec; empty if the IDL has no such struct
+_Fields = dict[int, tuple[Any, ...]]
 
 
 class _Items:
@@ -120,7 +115,7 @@ class StructScanner:
 
     def __init__(
         self,
-        fields: dict[int, tuple[Any, ...]],
+        fields: _Fields,
         start: int,
         bounds: Bounds = REPLY,
         *,
@@ -139,7 +134,7 @@ class StructScanner:
         self.position = start
         self._strict = strict
         self._size, self._elements, self._depth = bounds
-        self._open: list[_Struct | _Items] = [_Struct(fields)]
+        self._open: list[_Fields | _Items] = [fields]
 
     def whole(self, data: bytes | bytearray) -> bool:
         """Continue to read the bytes.
@@ -157,19 +152,18 @@ class StructScanner:
         stack = self._open
         while stack:
             inner = stack[-1]
-            if isinstance(inner, _Struct):
-                went_on = self._fields(inner, data, size)
-            else:
+            if isinstance(inner, _Items):
                 went_on = self._items(inner, data, size)
+            else:
+                went_on = self._fields(inner, data, size)
             if self.position > self._size:
                 raise Malformed(f"a message of more than {self._size} bytes")
             if not went_on:
                 return False
         return True
 
-    def _fields(self, inner: _Struct, data: bytes | bytearray, size: int) -> bool:
+    def _fields(self, fields: _Fields, data: bytes | bytearray, size: int) -> bool:
         """Skip fields until a nested one opens, the struct ends, or the bytes end."""
-        fields = inner.fields
         fixed = FIXED_WIDTHS
         at = self.position
         while at < size:
@@ -246,7 +240,7 @@ class StructScanner:
         if kind == _STRING:
             return at + 4 + self._length(data, at)
         if kind == _STRUCT:
-            return self._enter(_Struct(shape.thrift_spec if shape is not None else {}), at)
+            return self._enter(shape.thrift_spec if shape is not None else {}, at)
         if kind == _MAP:
             return self._map(shape, data, at)
         if kind in (_LIST, _SET):
@@ -276,7 +270,7 @@ class StructScanner:
         _check_types(types, count)
         return self._enter(_Items(types, tuple(part[1] for part in wanted), count), at + 6)
 
-    def _enter(self, inner: _Struct | _Items, at: int) -> int:
+    def _enter(self, inner: _Fields | _Items, at: int) -> int:
         if len(self._open) >= self._depth:
             raise Malformed(f"nested deeper than {self._depth} levels")
         self._open.append(inner)
