@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Final, Literal, TypeAlias
 
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
@@ -64,10 +64,13 @@ class Event:
 
     at: float
 
+    #: of every event of the class
+    _severity: ClassVar[Severity] = "info"
+
     @property
     def severity(self) -> Severity:
         """How serious it is: "alarm", "warning", or "info" for what belongs to normal work."""
-        return "info"
+        return self._severity
 
     def line(self) -> str:
         """Format it as one line: its name in words, and its values."""
@@ -95,10 +98,7 @@ class ConnectionGone(Event):
 
     reason: str
 
-    @property
-    def severity(self) -> Severity:
-        """An alarm."""
-        return "alarm"
+    _severity = "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,10 +177,7 @@ class CollisionDetected(Event):
 
     joint: int
 
-    @property
-    def severity(self) -> Severity:
-        """An alarm."""
-        return "alarm"
+    _severity = "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,10 +189,7 @@ class CollisionReset(Event):
 class EmergencyStopPressed(Event):
     """An emergency stop (急停) was pressed."""
 
-    @property
-    def severity(self) -> Severity:
-        """An alarm."""
-        return "alarm"
+    _severity = "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,10 +207,7 @@ class EnvelopeLeft(Event):
 
     crossing: Crossing
 
-    @property
-    def severity(self) -> Severity:
-        """An alarm."""
-        return "alarm"
+    _severity = "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,10 +237,8 @@ class TwinDiverged(Event):
     estimate: dict[str, float]
     action: str
 
-    @property
-    def severity(self) -> Severity:
-        """A warning: what it found may be harmless, and stops the arm only on request."""
-        return "warning"
+    # What it found may be harmless, and it stops the arm only on request.
+    _severity = "warning"
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,10 +267,7 @@ class LoopBlocked(Event):
     seconds: float
     where: str
 
-    @property
-    def severity(self) -> Severity:
-        """A warning."""
-        return "warning"
+    _severity = "warning"
 
 
 def changes(before: Snapshot, after: Snapshot) -> Iterator[Event]:
