@@ -24,8 +24,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Hashable
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING
 
 import anyio
 
@@ -65,8 +64,6 @@ OVERDUE = 0.1
 #: part of the time since its acceptance, or until its expected end, that passes without a poll
 SHARE = 0.25
 
-K = TypeVar("K", bound=Hashable)
-
 
 def interval(age: float, remaining: float | None = None) -> float:
     """Return the seconds until the next poll of a task.
@@ -80,52 +77,24 @@ def interval(age: float, remaining: float | None = None) -> float:
     return min(max(min(age, remaining) * SHARE, FAST), SLOW)
 
 
-class PollSchedule(Generic[K]):
-    """Selects the task that is polled next: the one whose due time is earliest.
+def next_poll(due: float, now: float, every: float) -> float:
+    """Return when a task that was polled is due again: `every` after its last due time.
 
-    Under overload, every due time has passed, and the earliest one is that of the task that was not
-    polled for longest: the order is then a round robin.
+    If that time has passed, it is due `every` after now. A long interval may be shorter by up to
+    `GRID`, if that time has not passed: polls of other robots are then due at the same moments, and
+    share one iteration of the loop.
+
+    Args:
+        due: when it was due.
+        now: the time.
+        every: its interval [s].
     """
-
-    def __init__(self) -> None:
-        self._due: dict[K, float] = {}
-
-    def __len__(self) -> int:
-        return len(self._due)
-
-    def __contains__(self, key: K) -> bool:
-        return key in self._due
-
-    def add(self, key: K, due: float) -> None:
-        """Add `key`, to be polled at `due`."""
-        self._due[key] = due
-
-    def remove(self, key: K) -> None:
-        """Remove `key`, if it is there."""
-        self._due.pop(key, None)
-
-    def first(self) -> tuple[K, float] | None:
-        """Return the next key, and when it is due; None if there is none."""
-        if not self._due:
-            return None
-        key = min(self._due, key=self._due.__getitem__)
-        return key, self._due[key]
-
-    def asked(self, key: K, now: float, every: float) -> None:
-        """Note that `key` was polled: it is due again `every` after its last due time.
-
-        If that time has passed, it is due `every` after now. A long interval may be shorter by up
-        to `GRID`, if that time has not passed.
-        """
-        if key in self._due:
-            due = self._due[key] + every
-            if due <= now:
-                due = now + every
-            if every >= 4 * GRID and (shared := on_grid(due)) > now:
-                # polls of other robots are then due at the same moments, and share one iteration of
-                # the loop
-                due = shared
-            self._due[key] = due
+    due += every
+    if due <= now:
+        due = now + every
+    if every >= 4 * GRID and (shared := on_grid(due)) > now:
+        return shared
+    return due
 
 
 #: seconds for one answer about a task
@@ -159,8 +128,11 @@ class TaskFollower:
         self._clock = clock
         self._arm = arm
         self._background = background
-        self._schedule: PollSchedule[Task] = PollSchedule()
+        #: when each task is polled next; the earliest is next. Under overload all due times have
+        #: passed, and the earliest is that of the task that was not polled for longest
+        self._due: dict[Task, float] = {}
         self._alarm = Alarm()
+        #: when the controller last said something of each live task
         self._seen: dict[Task, float] = {}
         self._closed = False
         #: the controller's error list while no task ran; None while it is unknown
@@ -189,7 +161,7 @@ class TaskFollower:
                 task._finish((), now)
             return
         self._seen[task] = task.accepted_at
-        self._schedule.add(task, task.accepted_at)
+        self._due[task] = task.accepted_at
         self._alarm.ring()
         tell(self.observers, task)
 
@@ -264,15 +236,13 @@ class TaskFollower:
         """Follow tasks until this is cancelled."""
         try:
             while True:
-                first = self._schedule.first()
-                if first is None:
+                task = min(self._due, key=self._due.__getitem__, default=None)
+                if task is None:
                     await (self._read_error_list() if self._list_due else self._alarm.wait())
-                    continue
-                task, due = first
-                if due > time.monotonic():
-                    await self._alarm.wait(due)
-                    continue
-                await self._ask(task)
+                elif self._due[task] > time.monotonic():
+                    await self._alarm.wait(self._due[task])
+                else:
+                    await self._ask(task)
         finally:
             self._close()
 
@@ -316,7 +286,7 @@ class TaskFollower:
             self._background.start(self._end_due(task), "aioduco end of a motion")
         remaining = None if task.expected_end is None else task.expected_end - arm_time
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
-        self._schedule.asked(task, now, every)
+        self._due[task] = next_poll(self._due[task], now, every)
 
     def _note_stop(self, task: Task) -> None:
         if self._arm.stops != task.stops_before:
@@ -368,7 +338,7 @@ class TaskFollower:
             tell(self.observers, task)
 
     async def _end(self, task: Task) -> None:
-        self._schedule.remove(task)
+        self._due.pop(task, None)
         now = time.monotonic()
         errors: list[str] = []
         if task.life.outcome in _WITH_ERRORS:
@@ -407,7 +377,7 @@ class TaskFollower:
         for task in self.tasks:
             if task.motion:
                 self._arm.unfollowed_motion = True
-            self._schedule.remove(task)
+            self._due.pop(task, None)
             task.life.mark_lost()
             self._mark_ended(task, (), now)
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 
 from aioduco.supervision.concurrency import GRID, on_grid
-from aioduco.supervision.task_follower import FAST, SHARE, SLOW, STEADY, PollSchedule, interval
+from aioduco.supervision.task_follower import FAST, SHARE, SLOW, STEADY, interval, next_poll
 
 AGES = st.floats(0, 1e6)
 REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
@@ -48,15 +48,10 @@ def test_far_from_an_expected_end_it_is_slow_and_near_it_fast() -> None:
 
 def lateness(duration: float, expected: float | None, late: float) -> float:
     """How late the end of a task is seen if each poll happens `late` after its due time."""
-    schedule: PollSchedule[int] = PollSchedule()
-    schedule.add(1, 0.0)
-    while True:
-        first = schedule.first()
-        assert first is not None
-        now = first[1] + late
-        if now >= duration:
-            return now - duration
-        schedule.asked(1, now, interval(now, None if expected is None else expected - now))
+    due = 0.0
+    while (now := due + late) < duration:
+        due = next_poll(due, now, interval(now, None if expected is None else expected - now))
+    return now - duration
 
 
 def test_the_end_is_seen_within_five_milliseconds_at_the_median() -> None:
@@ -84,12 +79,8 @@ def test_a_known_end_costs_fewer_polls_than_an_unknown_one() -> None:
 
 
 def test_due_times_are_absolute() -> None:
-    schedule: PollSchedule[str] = PollSchedule()
-    schedule.add("a", 10.0)
-    schedule.asked("a", 10.003, 0.005)  # asked late, but within the interval: no drift
-    assert schedule.first() == ("a", 10.005)
-    schedule.asked("a", 10.5, 0.005)  # far behind: the missed ones are left out
-    assert schedule.first() == ("a", 10.505)
+    assert next_poll(10.0, 10.003, 0.005) == 10.005  # late, but within the interval: no drift
+    assert next_poll(10.005, 10.5, 0.005) == 10.505  # far behind: the missed ones are left out
 
 
 @given(st.floats(0.0, 1e5), st.floats(0.0, 0.01), st.floats(FAST, SLOW))
@@ -97,10 +88,7 @@ def test_due_times_are_absolute() -> None:
 def test_long_intervals_end_on_the_grid_and_never_later(
     begin: float, late: float, every: float
 ) -> None:
-    schedule: PollSchedule[int] = PollSchedule()
-    schedule.add(1, begin)
-    schedule.asked(1, begin + late, every)
-    _, due = schedule.first() or (0, 0.0)
+    due = next_poll(begin, begin + late, every)
     asked = begin + every if begin + every > begin + late else begin + late + every
     assert begin + late < due <= asked
     if every >= 4 * GRID and on_grid(asked) > begin + late:
@@ -111,26 +99,13 @@ def test_long_intervals_end_on_the_grid_and_never_later(
 
 
 def test_more_tasks_than_time_are_asked_in_turn() -> None:
-    schedule: PollSchedule[int] = PollSchedule()
-    for key in range(50):
-        schedule.add(key, 0.0)
+    """The earliest due time is that of the task that was not polled for longest."""
+    due = dict.fromkeys(range(50), 0.0)
     asked: list[int] = []
     now = 0.0
     for _ in range(200):
         now += 0.001  # one poll takes longer than 50 of them may
-        first = schedule.first()
-        assert first is not None
-        asked.append(first[0])
-        schedule.asked(first[0], now, 0.005)
+        key = min(due, key=due.__getitem__)
+        asked.append(key)
+        due[key] = next_poll(due[key], now, 0.005)
     assert {asked.count(key) for key in range(50)} == {4}
-
-
-def test_a_task_that_is_taken_out_is_not_asked_any_more() -> None:
-    schedule: PollSchedule[int] = PollSchedule()
-    schedule.add(1, 0.0)
-    schedule.remove(1)
-    schedule.remove(1)
-    schedule.asked(1, 1.0, 1.0)
-    assert schedule.first() is None
-    assert len(schedule) == 0
-    assert 1 not in schedule
