@@ -325,16 +325,15 @@ class LivingProgram(Program):
         """`StreamWorker.run`. Returns whether the mode may be on."""
         world = self.world
         due = world.monotonic()
-        times = nanoseconds(due), nanoseconds(world.boot())
-        permit = StreamPermit(nanoseconds(STALL), nanoseconds(AWAY), *times)
+        permit = StreamPermit(self.control, STALL, AWAY, self.times)
         if mode:
             world.say(f"{mode} is entered")
             world.controller.begin(world[mode])
         last = False
-        while not permit.look(*self.times(), self.control, nanoseconds(due)) and not last:
+        while not permit.look(nanoseconds(due)) and not last:
             last = "loop" in world.dead  # the last set-point brings the arm to rest
             yield None
-            if world.down or permit.look(*self.times(), self.control):
+            if world.down or permit.look():
                 break
             world.say("the worker sends a set-point")
             world.controller.begin(world[name])

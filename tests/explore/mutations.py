@@ -90,14 +90,12 @@ def _same_epoch(self: Gate, ending: PermitEnding) -> None:
 # -- 2, 3: a stream restarts an arm that stood ----------
 
 
-def _never_away(
-    self: StreamPermit, now: int, boot: int, control: list[int], due: int = 0
-) -> Reason:
+def _never_away(self: StreamPermit, due: int = 0) -> Reason:
     self._away_limit = 10**18
-    return _look(self, now, boot, control, due)
+    return _look(self, due)
 
 
-def _asks_nothing(self: StreamPermit, *_: object) -> Reason:
+def _asks_nothing(self: StreamPermit, due: int = 0) -> Reason:
     return Reason.NONE
 
 

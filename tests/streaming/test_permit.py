@@ -42,7 +42,7 @@ workers = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", 
 # -- the rules ---------------------------------------------------------------------------------
 
 SECOND = 1_000_000_000
-STALL, AWAY = SECOND, SECOND // 4
+STALL, AWAY = 1.0, 0.25
 #: the computer has slept for that long before
 SLEPT = 500 * SECOND
 
@@ -55,7 +55,7 @@ class Clocks:
         self.slept = SLEPT
         self.control = [0] * 8
         self.lives()
-        self.permit = StreamPermit(STALL, AWAY, self.now, self.boot)
+        self.permit = StreamPermit(self.control, STALL, AWAY, lambda: (self.now, self.boot))
 
     @property
     def boot(self) -> int:
@@ -67,7 +67,7 @@ class Clocks:
 
     def look(self, passed: float, due: int = 0) -> Reason:
         self.now += round(passed * SECOND)
-        return self.permit.look(self.now, self.boot, self.control, due)
+        return self.permit.look(due)
 
 
 def test_it_stays_valid_while_all_give_signs_of_life() -> None:
@@ -117,7 +117,7 @@ def test_looks_while_it_waits_for_an_answer_keep_it() -> None:
 def test_the_time_of_the_set_up_does_not_count() -> None:
     clocks = Clocks()
     clocks.now += SECOND // 2
-    clocks.permit.begin(clocks.now, clocks.boot)
+    clocks.permit.begin()
     assert clocks.look(0.1) is Reason.NONE
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.config import Drive
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.worker.checked import EnvelopeCheck
-    from aioduco.streaming.worker.permit import WorkerPermit
+    from aioduco.streaming.worker.permit import StreamPermit
 
 __all__ = ["Depth", "PoolAction", "PoolStates", "RealtimeQueueDriver", "TrackPoolDriver"]
 
@@ -192,7 +192,7 @@ class RealtimeQueueDriver(Driver):
     """
 
     def __init__(
-        self, queue: Drive, connection: Connection, block: Block, permit: WorkerPermit
+        self, queue: Drive, connection: Connection, block: Block, permit: StreamPermit
     ) -> None:
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)
@@ -317,7 +317,7 @@ class TrackPoolDriver(Driver):
     """
 
     def __init__(
-        self, pool: Drive, connection: Connection, block: Block, permit: WorkerPermit
+        self, pool: Drive, connection: Connection, block: Block, permit: StreamPermit
     ) -> None:
         self._states = PoolStates(pool.low, pool.high, block.config.feeding.hold)
         super().__init__(self._states, connection, block)

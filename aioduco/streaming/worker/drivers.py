@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.config import Drive
-    from aioduco.streaming.worker.permit import WorkerPermit
+    from aioduco.streaming.worker.permit import StreamPermit
 
 __all__ = ["CallDriver", "ProbeDriver"]
 
@@ -25,7 +25,7 @@ class CallDriver(Driver):
     """One call per tick: servoj, servoj_pose, servo_tcp, servol, speedj, speedl."""
 
     def __init__(
-        self, calls: Drive, connection: Connection, block: Block, permit: WorkerPermit
+        self, calls: Drive, connection: Connection, block: Block, permit: StreamPermit
     ) -> None:
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)

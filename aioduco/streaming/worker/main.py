@@ -42,7 +42,7 @@ from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, Stre
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
-from aioduco.streaming.worker.permit import PermitEnded, WorkerPermit
+from aioduco.streaming.worker.permit import PermitEnded, StreamPermit
 from aioduco.streaming.worker.rest import Line, bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 
@@ -90,7 +90,7 @@ class StreamWorker:
         self._config: WorkerConfig = block.config
         self._route = Route()
         self._timeout = block.config.options.timeout
-        self._permit = WorkerPermit(
+        self._permit = StreamPermit(
             block.control, block.config.stall_limit, block.config.options.away_limit
         )
         self._link = link

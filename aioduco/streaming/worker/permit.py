@@ -1,6 +1,4 @@
-"""Whether a stream's worker may send a set-point.
-
-`StreamPermit` decides it, without clock and I/O; `WorkerPermit` gives it the time and the block.
+"""Whether a stream's worker may send a set-point: a state machine without I/O.
 
 What the program asked for before its permit ended must not move the arm afterwards, however long
 the bytes waited. The worker cannot ask the program at each set-point, so the permit is in the
@@ -20,7 +18,7 @@ each call that can move the arm. It sends nothing if
 The first reason stays: a permit that has ended never becomes valid again.
 
 Two clocks are needed. Ticks are due by the monotonic clock, which on Linux stands still while the
-computer sleeps; the other one, of `boot_time`, goes on.
+computer sleeps; the other one, of `boot_time`, goes on. Tests give the times of both.
 """
 
 from __future__ import annotations
@@ -32,60 +30,84 @@ from aioduco._process.platform import boot_time
 from aioduco.streaming.shared.words import ControlWord, Reason
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
-__all__ = ["PermitEnded", "StreamPermit", "WorkerPermit"]
+__all__ = ["PermitEnded", "StreamPermit"]
 
 
 class PermitEnded(Exception):
     """A set-point was not sent, since the permit has ended."""
 
 
+def _times() -> tuple[int, int]:
+    """The monotonic time, and the one that goes on while the computer sleeps [ns]."""
+    return time.monotonic_ns(), int(boot_time() * 1e9)
+
+
 class StreamPermit:
-    """The permit of one worker; all times are in ns.
+    """The permit of one worker.
 
     Args:
-        stall_limit: time without a sign of life after which the program's event loop hangs.
-        away_limit: time for which the worker may not run.
-        now: the monotonic time.
-        boot: the time that goes on while the computer sleeps.
+        control: words of `ControlWord`, which the program writes.
+        stall_limit: time without a sign of life after which the program's event loop hangs [s].
+        away_limit: time for which the worker may not run [s].
+        times: returns the monotonic time, and the one that goes on while the computer sleeps [ns].
 
     Attributes:
         reason: why it has ended; NONE while it is valid.
         text: more about the reason.
     """
 
-    __slots__ = ("_ahead", "_away_limit", "_seen", "_stall_limit", "reason", "text")
+    __slots__ = (
+        "_ahead",
+        "_away_limit",
+        "_control",
+        "_seen",
+        "_stall_limit",
+        "_times",
+        "reason",
+        "text",
+    )
 
-    def __init__(self, stall_limit: int, away_limit: int, now: int, boot: int) -> None:
-        self._stall_limit = stall_limit
-        self._away_limit = away_limit
+    def __init__(
+        self,
+        control: Sequence[int],
+        stall_limit: float,
+        away_limit: float,
+        times: Callable[[], tuple[int, int]] = _times,
+    ) -> None:
+        self._control = control
+        self._stall_limit = int(stall_limit * 1e9)
+        self._away_limit = int(away_limit * 1e9)
+        self._times = times
         self.reason: Reason = Reason.NONE
         self.text: str = ""
-        self.begin(now, boot)
+        self.begin()
 
-    def begin(self, now: int, boot: int) -> None:
-        """Begin to check whether the worker runs; the time before does not count."""
+    def begin(self) -> None:
+        """Do not count the time until now: nothing was sent, and the set-up may take long."""
+        self._runs(*self._times())
+
+    def _runs(self, now: int, boot: int) -> None:
         #: when the worker was last seen to run, and by how much that clock was ahead of the other
         self._seen = boot
         self._ahead = boot - now
 
-    def look(self, now: int, boot: int, control: Sequence[int], due: int = 0) -> Reason:
+    def look(self, due: int = 0) -> Reason:
         """Check the permit.
 
         Args:
-            now: the monotonic time.
-            boot: the time that goes on while the computer sleeps.
-            control: words of `ControlWord`.
-            due: monotonic time until which the worker meant to sleep since the last look.
+            due: monotonic time until which the worker meant to sleep since the last look [ns].
 
         Returns:
             Why the permit has ended; NONE if a set-point may be sent.
         """
         if self.reason:
             return self.reason
+        now, boot = self._times()
         away = boot - max(self._seen, due + self._ahead)
-        self.begin(now, boot)
+        self._runs(now, boot)
+        control = self._control
         silent = boot - control[ControlWord.ALIVE]
         if control[ControlWord.WITHDRAW]:
             self.reason = Reason(control[ControlWord.WITHDRAW])
@@ -99,41 +121,6 @@ class StreamPermit:
             self._end(Reason.HUNG, f"no sign of life for {silent * 1e-9:.2f} s")
         return self.reason
 
-    def _end(self, reason: Reason, text: str) -> None:
-        self.reason, self.text = reason, text
-
-
-class WorkerPermit:
-    """The permit of this worker, by the clocks and the shared block.
-
-    Args:
-        control: words of `ControlWord`, which the program writes.
-        stall_limit: time without a sign of life after which the program's event loop hangs [s].
-        away_limit: time for which the worker may not run [s].
-    """
-
-    def __init__(self, control: Sequence[int], stall_limit: float, away_limit: float) -> None:
-        self._control = control
-        self._permit = StreamPermit(int(stall_limit * 1e9), int(away_limit * 1e9), *_times())
-
-    @property
-    def reason(self) -> Reason:
-        """Why it has ended; NONE while it is valid."""
-        return self._permit.reason
-
-    @property
-    def text(self) -> str:
-        """More about the reason."""
-        return self._permit.text
-
-    def begin(self) -> None:
-        """Do not count the time until now: nothing was sent, and the set-up may take long."""
-        self._permit.begin(*_times())
-
-    def look(self, due: int = 0) -> Reason:
-        """Check it; `due` as for `StreamPermit.look`. Returns why it has ended."""
-        return self._permit.look(*_times(), self._control, due)
-
     def require(self, due: int = 0) -> None:
         """Check it: before a tick, and as the last thing before bytes that can move the arm.
 
@@ -143,7 +130,5 @@ class WorkerPermit:
         if self.look(due):
             raise PermitEnded
 
-
-def _times() -> tuple[int, int]:
-    """The monotonic time, and the one that goes on while the computer sleeps [ns]."""
-    return time.monotonic_ns(), int(boot_time() * 1e9)
+    def _end(self, reason: Reason, text: str) -> None:
+        self.reason, self.text = reason, text
