@@ -164,7 +164,7 @@ class Modes:
         if not self.left_at_standstill:
             return
         try:
-            await self._channel.standstill(timeout)
+            await self._channel.rest(None, timeout)
         except DucoError as exc:
             names = ", ".join(sorted(self.left_at_standstill))
             _log.warning("%s was not sent, since the arm is not known to stand: %s", names, exc)

@@ -214,30 +214,17 @@ class StopChannel:
         answer: bool = await self._watch.call("robotmoving", (), timeout)
         return answer
 
-    async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
+    async def rest(self, stop_timeout: float | None, timeout: float) -> None:
         """Wait until the arm stands after a stop. A stop that has no effect is repeated.
 
         Args:
-            stop_timeout: seconds within which a further stop must be accepted.
-            standstill_timeout: seconds within which the arm must stand.
+            stop_timeout: seconds within which a further stop must be accepted, if the arm still
+                moves; None to wait without a further stop.
+            timeout: seconds within which the arm must stand.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
         """
-        await self._come_to_rest(standstill_timeout, stop_timeout)
-
-    async def standstill(self, timeout: float) -> None:
-        """Wait until the arm stands, without a stop.
-
-        Args:
-            timeout: seconds within which it must stand.
-
-        Raises:
-            StopUnconfirmed: the arm still moves, or the controller does not answer.
-        """
-        await self._come_to_rest(timeout, None)
-
-    async def _come_to_rest(self, timeout: float, stop_timeout: float | None) -> None:
         begin = time.monotonic()
         until = begin + timeout
         error: Exception | None = None

@@ -252,10 +252,8 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it is not known that it stands.
         """
-        if stop_timeout is None:
-            await self._channel.standstill(timeout)
-        else:
-            await self._channel.rest(stop_timeout, timeout)
+        await self._channel.rest(stop_timeout, timeout)
+        if stop_timeout is not None:
             on_their_way = {**(overtaken or {}), **self.pending}
             if on_their_way or self.worker_died:
                 await self.stop_until_certain(on_their_way)
@@ -597,7 +595,7 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it is not known that it stands.
         """
-        await self._channel.standstill(self._settings.standstill_timeout)
+        await self._channel.rest(None, self._settings.standstill_timeout)
 
     async def lapsed(self) -> HeartbeatLost:
         """Wait until the controller has stopped the arm by itself, because no heartbeat came.

@@ -102,7 +102,7 @@ async def test_an_arm_that_stands_is_seen_to_after_the_loop_was_blocked(
 ) -> None:
     watch.standing = True
     watch.script.append(held_up(clock, 30.0, moving=True))
-    await arm.rest(stop_timeout=1.0, standstill_timeout=5.0)
+    await arm.rest(stop_timeout=1.0, timeout=5.0)
     assert min(watch.limits) > 0.0
 
 
@@ -112,7 +112,7 @@ async def test_the_last_answer_before_a_hold_up_does_not_decide(
 ) -> None:
     watch.standing = True
     watch.script.append(held_up(clock, 3.0, moving=moving))
-    await arm.standstill(1.0)
+    await arm.rest(None, 1.0)
 
 
 @pytest.mark.parametrize("left", [0.0, -1.02])
@@ -120,7 +120,7 @@ async def test_without_any_time_left_the_arm_is_asked_with_a_real_limit(
     watch: Watch, arm: StopChannel, left: float
 ) -> None:
     watch.standing = True
-    await arm.standstill(left)
+    await arm.rest(None, left)
     await arm.rest(1.0, left)
     assert min(watch.limits) >= 0.1
 
@@ -145,7 +145,7 @@ async def test_a_silent_controller_is_asked_once_more_after_the_time_is_over(
     watch.script.extend([silent] * 100)
     begin = clock.now
     with pytest.raises(StopUnconfirmed, match=r"nothing was heard of the arm for \d"):
-        await arm.standstill(1.0)
+        await arm.rest(None, 1.0)
     assert watch.limits[-1] >= 0.1
     assert clock.now - begin <= 1.0 + 0.5
 
@@ -155,7 +155,7 @@ async def test_an_arm_that_begins_to_stand_with_the_last_answer_is_asked_on(
 ) -> None:
     watch.script.extend([lambda: True, held_up(clock, 2.0, moving=True), lambda: False])
     watch.standing = True
-    await arm.standstill(1.0)
+    await arm.rest(None, 1.0)
 
 
 async def test_where_no_further_stop_is_accepted_that_is_said(
@@ -169,5 +169,5 @@ async def test_where_no_further_stop_is_accepted_that_is_said(
     watch.script.extend([held_up(clock, 0.3, moving=True)] * 2)
     begin = clock.now
     with pytest.raises(StopUnconfirmed, match="no stop was accepted"):
-        await arm.rest(stop_timeout=1.0, standstill_timeout=5.0)
+        await arm.rest(stop_timeout=1.0, timeout=5.0)
     assert 5.0 <= clock.now - begin < 6.0

@@ -289,10 +289,9 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
     async def _joints_at_rest(self) -> list[float]:
         """Read the joints once the arm stands: after a stop it may still be coming to rest."""
-        timeout = self._supervisor.settings.standstill_timeout
         # if the arm still moves, the plan is refused when it is sent
         with contextlib.suppress(StopUnconfirmed):
-            await self._supervisor.stop_coordinator.rest(None, timeout)
+            await self._supervisor.stop_coordinator.standstill()
         return await self._rpc.get_actual_joints_position()
 
     async def _has_queue(self) -> bool:
