@@ -21,6 +21,7 @@ import math
 import signal
 import socket
 import threading
+import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -38,7 +39,7 @@ from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.main import run_in_thread
-from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
+from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import OpenStream
 
@@ -443,26 +444,22 @@ class Session(OpenStream):
                 return False
 
     async def _kill_if_hung(self, patience: float) -> None:
-        start = changed = anyio.current_time()
-        beat, number = self._beat, 0
-        while True:
-            number += 1
-            # After a stall of this program, one more check follows before the worker is killed.
-            await anyio.sleep_until(max(start + number * _LOOK, anyio.current_time()))
+        beat, changed = self._beat, time.monotonic()
+        async for _ in every(_LOOK):
             if self._beat != beat or not self._ready:
-                beat, changed = self._beat, anyio.current_time()
-            elif anyio.current_time() - changed > patience:
+                beat, changed = self._beat, time.monotonic()
+            elif time.monotonic() - changed > patience:
                 self.kill()
 
     async def _wait_for_exit(self, patience: float) -> None:
         # This polls: a wait for an event needs a descriptor, and there may be no free descriptor.
-        start = anyio.current_time()
-        looks = 0
-        while self._runs():
+        looks = 0  # and no time: a worker is not killed because this program stood still
+        async for _ in every(_LOOK_EVERY):
+            if not self._runs():
+                break
             looks += 1
             if looks * _LOOK_EVERY > patience:
                 self.kill()
-            await anyio.sleep_until(start + looks * _LOOK_EVERY)
         if self._process is not None:
             self._process.close()
 
@@ -474,15 +471,13 @@ class Session(OpenStream):
 
     async def _send_signs_of_life(self) -> None:
         """Give the worker signs of life of the event loop; none counts once the gate is closed."""
-        every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
-        due = anyio.current_time()
         gate = self._endpoint.gate
-        while not self.gone:
+        async for _ in every(min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)):
+            if self.gone:
+                return
             if gate is None or gate.alive(boot_time()):
                 self._touch()
             self.renew(self._lease)
-            due = max(due + every, anyio.current_time())
-            await anyio.sleep_until(due)
 
     def _touch(self) -> None:
         """Give the worker a sign of life of the event loop."""

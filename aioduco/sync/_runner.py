@@ -22,6 +22,7 @@ from anyio.from_thread import BlockingPortal
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.models.ranges import TIMEOUT
+from aioduco.supervision.concurrency import every
 from aioduco.sync._presence import CallTimes
 
 if TYPE_CHECKING:
@@ -278,14 +279,13 @@ class Runner:
 
     async def _watch(self) -> None:
         main = threading.main_thread()
-        due = time.monotonic()
-        while not self._asked_to_end:
+        async for _ in every(_WATCH_EVERY):
+            if self._asked_to_end:
+                break
             if not main.is_alive():
                 _log.warning("the program ended and left %r open: it is closed", self.robot)
                 break
             await self._stop_unheld()
-            due = max(due + _WATCH_EVERY, time.monotonic())
-            await anyio.sleep(max(0.0, due - time.monotonic()))
         try:
             await self.robot.aclose()
         except DucoError:

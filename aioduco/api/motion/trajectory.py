@@ -14,6 +14,7 @@ from aioduco.streaming.options import per_group
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.sampling import instants
 from aioduco.streaming.servo import Servo
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -133,11 +134,7 @@ class _Watcher:
 
     async def watch(self) -> None:
         """Read the arm's position again and again, until it is outside the path tolerance."""
-        start = anyio.current_time()
-        number = 0
-        while True:
-            number += 1
-            await anyio.sleep_until(start + number * _LOOK)
+        async for _ in every(_LOOK):
             taken = self._stream.taken
             if not taken:
                 continue
@@ -178,22 +175,19 @@ class _Watcher:
     async def arrive(self) -> None:
         """Wait until the arm is at its goal."""
         goal = self._curve.at(self._curve.times[-1:])[0]
-        start = anyio.current_time()
-        number = 0
-        while True:
+        until = time.monotonic() + self._goal_time
+        async for _ in every(_LOOK):
             actual = np.asarray(await self._read(), dtype=np.float64)
             self.goal_error = actual - goal
             if np.all(np.abs(self.goal_error) <= self._goal):
                 return
-            number += 1
-            if anyio.current_time() - start > self._goal_time:
+            if time.monotonic() > until:
                 joint = int(np.argmax(np.abs(self.goal_error) - self._goal))
                 raise GoalToleranceViolated(
                     f"joint {joint + 1} is {self.goal_error[joint]:+.4g} rad from its goal "
                     f"{self._goal_time:g} s after the end, {self._goal[joint]:g} allowed",
                     self._stream.statistics(),
                 )
-            await anyio.sleep_until(start + number * _LOOK)
 
 
 def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
