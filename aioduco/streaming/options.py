@@ -11,6 +11,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Number
 from aioduco.streaming.shared.options import Feeding, Upsampling, WorkerOptions
+from aioduco.streaming.shared.space import JERK, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +24,7 @@ __all__ = [
     "Upsampling",
     "WorkerOptions",
     "checked",
+    "motion_limits",
     "per_group",
 ]
 
@@ -89,6 +91,24 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
             raise ParameterError(name, value, f"one number, or {groups}")
         return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(value))
     return (_LIMIT(name, one),) * groups
+
+
+def motion_limits(
+    v: float | Sequence[float],
+    a: float | Sequence[float],
+    jerk: float | Sequence[float] | None,
+    groups: int,
+    *,
+    names: tuple[str, str] = ("v", "a"),
+) -> Limits:
+    """The limits of a stream, each one number or one per group; the jerk's default is 10 a.
+
+    Raises:
+        ParameterError: one of them has another shape, or is not above zero.
+    """
+    top, change = per_group(names[0], v, groups), per_group(names[1], a, groups)
+    jerks = tuple(JERK * c for c in change) if jerk is None else per_group("jerk", jerk, groups)
+    return Limits(top, change, jerks)
 
 
 def checked(options: WorkerOptions | None) -> WorkerOptions:

@@ -9,9 +9,8 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Choice, Integer
-from aioduco.streaming.options import Feeding, per_group
+from aioduco.streaming.options import Feeding, motion_limits, per_group
 from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
-from aioduco.streaming.shared.space import JERK, Limits
 from aioduco.streaming.shared.turning import into_wobj
 from aioduco.streaming.stream import Stream
 
@@ -136,7 +135,7 @@ class RealtimeStreams(Uncopied):
         sent = StreamSpec(
             name=f"realtime {chosen.name.lower()}",
             in_joints=in_joints,
-            limits=_limits(v, a, jerk, groups),
+            limits=motion_limits(v, a, jerk, groups),
             drive=Drive(
                 kind="queue",
                 function="start_realtime_mode",
@@ -162,9 +161,3 @@ def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
     except (KeyError, ParameterError):  # torques are refused, too: they would not hold the arm
         raise ParameterError("mode", mode, f"one of {', '.join(names)}") from None
     return chosen
-
-
-def _limits(v: _Limit, a: _Limit, jerk: _Limit | None, groups: int) -> Limits:
-    top, change = per_group("v", v, groups), per_group("a", a, groups)
-    jerks = tuple(JERK * c for c in change) if jerk is None else per_group("jerk", jerk, groups)
-    return Limits(top, change, jerks)

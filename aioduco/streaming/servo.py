@@ -8,9 +8,9 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
-from aioduco.streaming.options import Feeding, ServoGains, per_group
+from aioduco.streaming.options import Feeding, ServoGains, motion_limits, per_group
 from aioduco.streaming.shared.config import Drive, StreamSpec
-from aioduco.streaming.shared.space import JERK, POSE_SPACE, Limits
+from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import FeedingOptions, ServoOptions, WorkerOptions
+    from aioduco.streaming.shared.space import Limits
     from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["OffsetStream", "Servo"]
@@ -147,11 +148,10 @@ class Servo(Uncopied, ManualNames):
             max_step=per_group("max_step", max_step, 6),
             reach=per_group("reach", reach, 6),
         )
-        jerks = per_group("jerk", JERK * a_ if jerk is None else jerk, 6)
         sent = StreamSpec(
             name="servoj",
             in_joints=True,
-            limits=Limits((v_,) * 6, (a_,) * 6, jerks),
+            limits=motion_limits(v_, a_, jerk, 6),
             drive=_calls("servoj", [v_, a_], gains),
         )
         return Stream(self._endpoint, fed, options, sent, ranges.JOINTS)
@@ -362,6 +362,4 @@ def _fed(max_step: _Pair, reach: _Pair, **feeding: Unpack[ServoOptions]) -> Feed
 
 
 def _limits(velocity: _Pair, acceleration: _Pair, jerk: _Pair | None) -> Limits:
-    changes = per_group("acceleration", acceleration, 2)
-    jerks = tuple(JERK * a for a in changes) if jerk is None else per_group("jerk", jerk, 2)
-    return Limits(per_group("velocity", velocity, 2), changes, jerks)
+    return motion_limits(velocity, acceleration, jerk, 2, names=("velocity", "acceleration"))
