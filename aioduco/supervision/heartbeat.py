@@ -224,7 +224,8 @@ class Heartbeat:
         self._line: Connection | None = None
         self._ended = False
         self._nudge = threading.Event()
-        self._error: DucoError | None = None
+        #: why the last beat was not answered; None if it was
+        self.error: DucoError | None = None
         self._thread = threading.Thread(target=self._run, name="aioduco-heartbeat", daemon=True)
 
     def __repr__(self) -> str:
@@ -260,16 +261,6 @@ class Heartbeat:
         """Start to send beats."""
         self._liveness.touch(time.monotonic())
         self._thread.start()
-
-    @property
-    def answered(self) -> bool:
-        """Whether a beat was answered since `start` or `rearm`, and no later one was lost."""
-        return self._machine.state is HeartbeatState.BEATING
-
-    @property
-    def error(self) -> DucoError | None:
-        """Why the last beat was not answered; None if it was."""
-        return self._error
 
     def rearm(self) -> None:
         """Resume the beats after a stall of the event loop: the next beat is sent at once."""
@@ -347,7 +338,7 @@ class Heartbeat:
             self._line.call("stop", (False,), deadline)
         except DucoError as exc:
             self._drop()
-            self._error = exc
+            self.error = exc
             _log.error("the event loop hangs, and the arm could not be stopped at once: %s", exc)
 
     def _beat(self, deadline: float) -> bool:
@@ -366,15 +357,15 @@ class Heartbeat:
                 self._given = boot_time()
         except DucoError as exc:
             self._drop()
-            self._error = exc
+            self.error = exc
             if not self._ended:
                 self._machine.missed_beat(boot_time())
                 _log.debug("heartbeat not answered: %s", exc)
         else:
-            self._error = None
+            self.error = None
             self.sent = sent
             self._machine.beaten(boot_time())
-        return self._error is None
+        return self.error is None
 
     def _drop(self) -> None:
         line, self._line = self._line, None

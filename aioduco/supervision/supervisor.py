@@ -86,6 +86,7 @@ _GRACE = 1.0
 _LOOK_EVERY = 0.002
 #: why nothing beats until another guard does
 _GUARD_GONE = "the guard's process is gone; another is being started"
+_PORT = "the controller's port is 7003"
 #: closing is never skipped; each of its parts has a limit of its own
 _NO_LIMIT = math.inf
 
@@ -413,7 +414,7 @@ class Supervisor:
         """
         for lane in self.lanes:
             await lane.open()
-        timeout = self.settings.call_timeout
+        timeout, where = self.settings.call_timeout, (self.host, self.port)
         try:
             await self.poll.call("get_robot_state", ())
             version = await _version(self.poll)
@@ -426,25 +427,16 @@ class Supervisor:
                     raise silent from self.heartbeat.error
         except TimeoutError as exc:
             raise ConnectTimeout(
-                self.host,
-                self.port,
+                *where,
                 f"it accepts connections, but did not answer within {timeout:g} s; "
                 "is the controller still starting, or does it hang?",
             ) from exc
         except ControllerError as exc:
-            raise NotAController(
-                self.host,
-                self.port,
-                f"it speaks Thrift, but does not know the controller's functions ({exc}); "
-                "the controller's port is 7003",
-            ) from exc
+            reason = f"it speaks Thrift, but does not know the controller's functions ({exc})"
+            raise NotAController(*where, f"{reason}; {_PORT}") from exc
         except ConnectionLost as exc:
-            raise NotAController(
-                self.host,
-                self.port,
-                f"what answers there is no controller, or one that is still starting ({exc}); "
-                "the controller's port is 7003",
-            ) from exc
+            reason = f"what answers there is no controller, or one that is still starting ({exc})"
+            raise NotAController(*where, f"{reason}; {_PORT}") from exc
         return version
 
     async def rearm_heartbeat(self, timeout: float) -> None:
@@ -656,7 +648,7 @@ async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float)
     """
     until = time.monotonic() + timeout
     async for due in every(_LOOK_EVERY):
-        if heartbeat.answered and gate.lease > boot_time():
+        if heartbeat.state is HeartbeatState.BEATING and gate.lease > boot_time():
             return True
         if due >= until:
             break

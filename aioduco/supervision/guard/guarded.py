@@ -100,11 +100,6 @@ class GuardClient:
         return HeartbeatState.LOST if not self.alive or self._silent else state
 
     @property
-    def answered(self) -> bool:
-        """Whether a beat was answered, and no later one was lost."""
-        return self.state is HeartbeatState.BEATING
-
-    @property
     def lapsed(self) -> bool:
         """Whether no beat was sent for so long that the controller has stopped the arm by itself.
 
