@@ -137,7 +137,7 @@ class MotionCommand(Uncopied):
         task, self._open = self._open, None
         assert task is not None
         if exc is None:
-            await task
+            await (task if self.command.continuous is None else task.end())
         elif not task.done:
             await task._on_wait_cancelled()
 
@@ -157,19 +157,6 @@ class HeldMotion(MotionCommand):
     __slots__ = ()
 
     _HINT = "use it in `async with`, or `task = await motion.start()`"
-
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        task, self._open = self._open, None
-        assert task is not None
-        if exc is None:
-            await task.end()
-        elif not task.done:
-            await task._on_wait_cancelled()
 
 
 def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
