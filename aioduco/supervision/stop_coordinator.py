@@ -506,8 +506,11 @@ class StopCoordinator:
                 _log.error("%r could not be paused, so the arm is stopped: %s", task, exc)
             else:
                 return
+        await self._halt_and_see()
+
+    async def _halt_and_see(self) -> None:
+        """Stop the arm, and return only when the end of each motion is known, even if cancelled."""
         await run_to_completion(self.halt)
-        # The stop ended all motions: return only when the end of each is known.
         await run_to_completion(self.follower.motions_ended)
 
     async def end(self, name: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
@@ -535,8 +538,7 @@ class StopCoordinator:
             await self._come_to_rest(name)
         except BaseException:
             if concerned:
-                await run_to_completion(self.halt)
-                await run_to_completion(self.follower.motions_ended)
+                await self._halt_and_see()
             raise
         with anyio.move_on_after(END_LIMIT):
             for task in continuous:
