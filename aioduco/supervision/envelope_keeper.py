@@ -178,14 +178,17 @@ class EnvelopeKeeper:
             watch.unchecked, watch.velocity = False, None
         if before is not None and (newest is None or newest is before.newest):
             before = None  # it has ended, or the controller refused it
-        if name in servo.SERVO:
-            return await self._servo(envelope, command, before, newest)
-        if name in velocities.VELOCITIES and not velocities.is_step(name, command.args):
-            return await self._velocity(envelope, command, before)
-        if name in ways.WAYS or name in velocities.VELOCITIES:
-            return await self._motion(envelope, command, before, newest)
-        await self._unknown(envelope, command, before)
-        return command
+        try:
+            if name in servo.SERVO:
+                return await self._servo(envelope, command, before, newest)
+            if name in velocities.VELOCITIES and not velocities.is_step(name, command.args):
+                return await self._velocity(envelope, command, before)
+            if name in ways.WAYS or name in velocities.VELOCITIES:
+                return await self._motion(envelope, command, before, newest)
+            return await self._unknown(envelope, command)
+        except EnvelopeViolated:
+            self._last = before  # it goes on, since this one is refused
+            raise
 
     async def _motion(
         self, envelope: Envelope, command: Command, before: _Checked | None, newest: Task | None
@@ -198,8 +201,7 @@ class EnvelopeKeeper:
         names = ("" if tool is None else args[tool], "" if wobj is None else args[wobj])
         frames = await self._frames(*names, standing=not live)
         if frames is None:
-            await self._unknown(envelope, command, before)
-            return command
+            return await self._unknown(envelope, command)
         q = await self._joints() if before is None else before.way.end
         start = ways.Start(q, frames.tool, frames.wobj)
         if name in ways.WAYS:
@@ -208,17 +210,15 @@ class EnvelopeKeeper:
             step = velocities.Ahead(name, args, command.sense)
             way = velocities.velocity_way(envelope.arm, step, start, 0.0)
         if way is None:
-            await self._unknown(envelope, command, before)
-            return command
+            return await self._unknown(envelope, command)
         checker = self._watch.checker(envelope, frames.tool, by_tip=way.by_tip)
         checker.seed = q
         found, share = ways.check_way(checker, way)
         if found is None and before is not None:
             found = ways.cut_corner(before.checker, before.way, checker, way)
         if found is not None:
-            await self._refuse(command.name, before, found)
-        if share < 1.0:
-            command = await self._slower(command, before, share)
+            await self._refuse(command.name, found)
+        command = await self._slower(command, share)
         if live and before is None:
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
@@ -239,8 +239,7 @@ class EnvelopeKeeper:
         if frames is None:
             frames = await self._frames(*names, standing=not self._live)
         if frames is None:
-            await self._unknown(envelope, command, before)
-            return command
+            return await self._unknown(envelope, command)
         sample = None if chain is None else self._watch.fresh()
         if sample is not None:
             here = tuple(sample.status.joints)
@@ -250,8 +249,7 @@ class EnvelopeKeeper:
         start = ways.Start(here, frames.tool, frames.wobj)
         target = servo.servo_target(envelope.arm, name, args, start, last)
         if target is None:
-            await self._unknown(envelope, command, before)
-            return command
+            return await self._unknown(envelope, command)
         v, a = float(args[1]), float(args[2])
         slowing = None
         if chain is not None and a < chain.a and sample is not None:
@@ -259,9 +257,8 @@ class EnvelopeKeeper:
         checker = self._watch.checker(envelope, frames.tool)
         found, share = servo.check_servo(checker, here, last, target, v, slowing)
         if found is not None:
-            await self._refuse(name, before, found)
-        if share < 1.0:
-            command = await self._slower(command, before, share)
+            await self._refuse(name, found)
+        command = await self._slower(command, share)
         if before is None and any(task.name != name for task in self._motions):
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
@@ -290,21 +287,19 @@ class EnvelopeKeeper:
             start = ways.Start(q, frames.tool, frames.wobj)
             way = velocities.velocity_way(envelope.arm, motion, start, self._watch.reaction)
             if way is None:
-                await self._unknown(envelope, command, before)
-                return command
+                return await self._unknown(envelope, command)
             checker = self._watch.checker(envelope, frames.tool, by_tip=way.by_tip)
             checker.seed = q
             found, slowed = ways.check_way(checker, way)
             if found is not None:
-                await self._refuse(command.name, before, found)
+                await self._refuse(command.name, found)
             share = min(share, slowed)
-        if share < 1.0:
-            command = await self._slower(command, before, share)
+        command = await self._slower(command, share)
         self._watch.velocity = motion._replace(args=command.args), frames.wobj
         self._watch.moves_unchecked()
         return command
 
-    async def _unknown(self, envelope: Envelope, command: Command, before: _Checked | None) -> None:
+    async def _unknown(self, envelope: Envelope, command: Command) -> Command:
         """Check a motion whose path the controller chooses: by the points that it names."""
         from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
 
@@ -318,7 +313,8 @@ class EnvelopeKeeper:
                 start = ways.Start(await self._joints(), frames.tool, frames.wobj)
                 points = ways.points_of(envelope.arm, name, args, start)
                 tool = frames.tool
-        await self._check_unknown(envelope, name, before, [[point] for point in points or ()], tool)
+        await self._check_unknown(envelope, name, [[point] for point in points or ()], tool)
+        return command
 
     async def admit(self, name: str, joints: Sequence[Sequence[float]], *, moves: bool) -> None:
         """Check positions that the controller is given outside of a motion, to follow them.
@@ -335,13 +331,12 @@ class EnvelopeKeeper:
         """
         if self.envelope is not None and (joints or moves):
             paths = [joints] if joints else []
-            await self._check_unknown(self.envelope, name, self._last, paths, moves=moves)
+            await self._check_unknown(self.envelope, name, paths, moves=moves)
 
     async def _check_unknown(
         self,
         envelope: Envelope,
         name: str,
-        before: _Checked | None,
         paths: Sequence[Sequence[Sequence[float]]] = (),
         tool: Pose | None = None,
         *,
@@ -352,7 +347,6 @@ class EnvelopeKeeper:
         Args:
             envelope: the envelope.
             name: the function of the wire.
-            before: the last motion that was checked, which goes on if this one is refused.
             paths: parts of the path: positions between which it is straight [rad].
             tool: the tool at these positions; None for the one in use.
             moves: whether the arm is about to move.
@@ -363,7 +357,7 @@ class EnvelopeKeeper:
         if moves:
             for each in self._watch.checker(envelope, used).margins(await self._joints()):
                 if each.margin < -BESIDE and each.action != "slow":
-                    await self._refuse(name, before, each, "it is not known to lead back from")
+                    await self._refuse(name, each, "it is not known to lead back from")
         checker = self._watch.checker(envelope, tool or used)
         for path in paths:
             configs = ways.polyline([tuple(point) for point in path], 0.0).configs
@@ -371,12 +365,14 @@ class EnvelopeKeeper:
             for here, there in pairwise([configs[0], *configs]):
                 # The controller chooses the speed: limits that slow do not apply.
                 if (found := checker.sweep(here, there, 0.0)) is not None:
-                    await self._refuse(name, before, found)
+                    await self._refuse(name, found)
         if moves:
             self._watch.moves_unchecked()
 
-    async def _slower(self, command: Command, before: _Checked | None, share: float) -> Command:
-        """Return a motion with a share of its speed."""
+    async def _slower(self, command: Command, share: float) -> Command:
+        """Return a motion with a share of its speed; as it is if it may have all of it."""
+        if share >= 1.0:
+            return command
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
         name, args = command.name, command.args
@@ -388,17 +384,12 @@ class EnvelopeKeeper:
         speed = args[at] * share
         if speed < least:
             crossing = Crossing("slow", "tool", _NOWHERE, -speed, "m/s", "refuse")
-            await self._refuse(name, before, crossing)
+            await self._refuse(name, crossing)
         return replace(command, args=(*args[:at], speed, *args[at + 1 :]))
 
     async def _refuse(
-        self,
-        name: str,
-        before: _Checked | None,
-        found: Crossing,
-        why: str = "it would lead beyond the envelope",
+        self, name: str, found: Crossing, why: str = "it would lead beyond the envelope"
     ) -> NoReturn:
-        self._last = before
         done = "was not sent"
         if found.action == "stop":
             await self._coordinator.halt()
@@ -486,7 +477,7 @@ class EnvelopeKeeper:
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
         frames = await self._frames(tool, wobj, standing=True)
         if frames is None:
-            await self._check_unknown(self.envelope, name, self._last)
+            await self._check_unknown(self.envelope, name)
             return None
         if speeds:
             self._watch.moves_unchecked()
