@@ -307,7 +307,7 @@ class Dispatcher:
 
     def adopt(self, command: Command, task_id: int) -> Task:
         """Follow a task of a call that, according to the manual, starts no task."""
-        return self._accept(command, task_id, time.monotonic(), self._gate.stops, (), None, None)
+        return self._accept(command, task_id, time.monotonic(), self._gate.stops)
 
     async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
         """Give the task to the caller, unless the caller was cancelled meanwhile."""
@@ -354,9 +354,9 @@ class Dispatcher:
         task_id: int,
         accepted_at: float,
         stops: int,
-        errors: Sequence[str],
-        deadline: float | None,
-        on_cancel: OnCancel | None,
+        errors: Sequence[str] = (),
+        deadline: float | None = None,
+        on_cancel: OnCancel | None = None,
     ) -> Task:
         if not command.motion:
             on_cancel = "detach"

@@ -23,7 +23,6 @@ from aioduco.errors import EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
 from aioduco.supervision.concurrency import every
-from aioduco.supervision.envelope_watch import EnvelopeWatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,10 +30,8 @@ if TYPE_CHECKING:
     from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.ways import Way
     from aioduco.models.pose import Pose
-    from aioduco.supervision.concurrency import BackgroundTasks
-    from aioduco.supervision.events import Events
+    from aioduco.supervision.envelope_watch import EnvelopeWatch
     from aioduco.supervision.retry import RetryingReads
-    from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.state_feed import StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import Task
@@ -94,13 +91,8 @@ class EnvelopeKeeper:
     Args:
         coordinator: brings the arm to rest.
         reads: reads the position of the arm, its tool and its work object.
-        feed: samples of the state.
-        events: gets an event when the arm is stopped.
-        background: runs the watch of the state.
-        settings: times and limits, the clock.
-
-    Attributes:
-        envelope: the envelope; None for none.
+        feed: samples of the state; they have forces if the envelope needs them.
+        watch: watches the state, and has the envelope.
     """
 
     def __init__(
@@ -108,14 +100,12 @@ class EnvelopeKeeper:
         coordinator: StopCoordinator,
         reads: RetryingReads,
         feed: StateFeed,
-        events: Events,
-        background: BackgroundTasks,
-        settings: RobotSettings,
+        watch: EnvelopeWatch,
     ) -> None:
         self._coordinator = coordinator
         self._reads = reads
         self._feed = feed
-        self._watch = EnvelopeWatch(coordinator, reads, feed, events, background, settings)
+        self._watch = watch
         self._open = False
         self._last: _Checked | None = None
         #: tools and work objects by name, as they were read while the arm stood

@@ -50,6 +50,7 @@ from aioduco.models.version import ControllerVersion
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper
+from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
@@ -213,13 +214,9 @@ class Supervisor:
         self.events: Events = Events(
             self.feed, self._feed_lane, self._background, self._heartbeat_state
         )
+        arm = self.stop_coordinator, self.retrying, self.feed
         self.envelope: EnvelopeKeeper = EnvelopeKeeper(
-            self.stop_coordinator,
-            self.retrying,
-            self.feed,
-            self.events,
-            self._background,
-            settings,
+            *arm, EnvelopeWatch(*arm, self.events, self._background, settings)
         )
         self.dispatcher.check = self.envelope.check
         self._replacing_guard = False
