@@ -139,6 +139,8 @@ def _show(console: SafeConsole, report: PreflightReport) -> None:
     """Show what was found first: the table below it may be longer than the terminal."""
     from rich.table import Table  # noqa: PLC0415 - for this command alone
 
+    from aioduco.testing.preflight.findings import end_of  # noqa: PLC0415
+
     for finding in report.findings:
         console.print(str(finding), style="bold red", highlight=False, markup=False, soft_wrap=True)
     table = Table(title="what the program did", title_justify="left")
@@ -146,8 +148,8 @@ def _show(console: SafeConsole, report: PreflightReport) -> None:
         table.add_column(head, justify="right" if "[s]" in head else "left")
     for call in report.motions:
         took = f"{call['ended'] - call['started']:.2f}" if call["ended"] >= 0.0 else ""
-        table.add_row(_where(call["where"]), _plain(call["text"]), f"{call['begin']:.2f}", took,
-                      _end(call))  # fmt: skip
+        table.add_row(_where(call["where"]), call["text"], f"{call['begin']:.2f}", took,
+                      end_of(call))  # fmt: skip
     console.print(table)
     for margin in report.margins:
         console.print(f"smallest margin, {margin}", highlight=False, markup=False)
@@ -167,17 +169,6 @@ def _where(place: dict[str, Any]) -> str:
     line = f"{Path(place['file']).name}:{place['line']}"
     file, _, number = place["caller"].rpartition(":")
     return f"{line}, from {Path(file).name}:{number}" if file else line
-
-
-def _end(call: dict[str, Any]) -> str:
-    """How a motion ended. The controller calls one that blended into the next interrupted."""
-    if call["state"] == "INTERRUPT":
-        return "blended" if call["radius"] > 0.0 else "interrupted"
-    return str(call["state"]).lower()
-
-
-def _plain(text: str) -> str:
-    return text.replace("[", "\\[")
 
 
 def _sweep(
@@ -213,7 +204,7 @@ def _sweep(
         for one in swept.failed:
             for finding in one.findings or ({"line": 0, "kind": "not run", "text": one.error},):
                 line = str(finding["line"] or "")
-                table.add_row(str(one.seed), line, finding["kind"], _plain(finding["text"]))
+                table.add_row(str(one.seed), line, finding["kind"], finding["text"])
         console.print(table)
         console.print("--seed N without --runs repeats one of them", highlight=False)
     console.print(str(swept), highlight=False)

@@ -14,8 +14,15 @@ from aioduco.models.enums import OperationMode
 from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.planner.curves import StraightLine
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.segments import arc_move, circle_move, joint_move, line_move
+from aioduco.sim.planner.segments import (
+    arc_move,
+    circle_move,
+    flange_along,
+    joint_move,
+    line_move,
+)
 from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
@@ -168,7 +175,10 @@ class PathSection(HandlerSection):
             try:
                 end = self._arm.ikine(target, start if reference is None else reference)
             except Unreachable as exc:
-                raise PlanError("unreachable", str(exc)) from exc
+                error = PlanError("unreachable", str(exc))
+                way = StraightLine.between(self._arm.fkine(start), target)
+                error.flange = flange_along(way, np.eye(4))
+                raise error from exc
             return joint_move(self._arm, start, end, *pace, radius, tool=tip)
 
         return inverse
@@ -253,10 +263,12 @@ class PathSection(HandlerSection):
             )
             if other.any():
                 which = ", ".join(np.array(_BRANCH)[other])
-                raise PlanError(
+                error = PlanError(
                     "parameter",
                     f"q_near is in another branch than the end of the path: {which} mirrored",
                 )
+                error.joints = segment.q_end
+                raise error
             return segment
 
         return verified

@@ -17,6 +17,8 @@ from aioduco.errors import Portable
 from aioduco.sim.planner.slices import LONG_SLICE, slices
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.models.rotation import Array
 
 
@@ -249,7 +251,12 @@ class PlanError(Portable):
         code: "unreachable": no configuration reaches a pose of the path. "singular": the path
             comes so near to a singularity that the joints could not follow. "limits": a joint
             would leave its limits. "parameter": the motion makes no sense as given.
+        joints: joints to which it was to lead [rad]; None if unknown. Shape (6,).
+        flange: pose of the flange at a share of its way, 0 to 1; None if unknown. Shape (4, 4).
     """
+
+    joints: Array | None = None
+    flange: Callable[[float], Array] | None = None
 
     def __init__(self, code: PlanCode, message: str) -> None:
         self.code: PlanCode = code

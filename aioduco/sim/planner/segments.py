@@ -18,7 +18,7 @@ from aioduco.sim.planner.timing import backward, fastest
 from aioduco.sim.planner.tracing import check_limits, pass_singularities, passing_limits, trace
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
@@ -33,6 +33,7 @@ __all__ = [
     "arc_move",
     "carry",
     "circle_move",
+    "flange_along",
     "joint_move",
     "line_move",
     "spiral_move",
@@ -156,7 +157,11 @@ def joint_move(
     """
     q0, q1 = np.array(q0, dtype=float), np.array(q1, dtype=float)
     _check(v, a, r)
-    check_limits(arm, q1[None])
+    try:
+        check_limits(arm, q1[None])
+    except PlanError as exc:
+        exc.joints = q1
+        raise
     frame = np.eye(4) if tool is None else tool
     length = float(np.abs(q1 - q0).max())
     if length < _STILL:
@@ -406,17 +411,37 @@ def _cartesian(
     laid: Curve = curve if woven is None else woven
     kept: Curve | None = laid
     try:
-        path, limits = _followed(arm, q0, curve, laid, v, a, tool)
+        try:
+            path, limits = _followed(arm, q0, curve, laid, v, a, tool)
+        except PlanError as exc:
+            if exc.code != "singular" or not around:
+                raise
+            path = pass_singularities(arm, q0, laid, tool)
+            limits, kept = passing_limits(arm, path, v, a), None
     except PlanError as exc:
-        if exc.code != "singular" or not around:
-            raise
-        path = pass_singularities(arm, q0, laid, tool)
-        limits, kept = passing_limits(arm, path, v, a), None
+        exc.flange = flange_along(curve, tool)
+        raise
     yield_now()
     if woven is not None:
         limits = limits.waiting(woven.stops)
     q_end = path.sample(np.array([path.end]))[0, 0]
     return Segment(arm, path, limits, q0, q_end, r, v, a, tool, kept)
+
+
+def flange_along(curve: Curve, tool: Array) -> Callable[[float], Array]:
+    """Give a function for the pose of the flange at a share of a curve of its tool, 0 to 1.
+
+    Args:
+        curve: curve of the tool centre point.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+    """
+    back = np.linalg.inv(tool)
+
+    def pose(share: float) -> Array:
+        found: Array = curve.poses(np.array([share * curve.length]))[0] @ back
+        return found
+
+    return pose
 
 
 def _followed(

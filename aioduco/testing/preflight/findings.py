@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-__all__ = ["KINDS", "PreflightFinding", "findings"]
+__all__ = ["KINDS", "PreflightFinding", "end_of", "findings", "running"]
 
 #: every kind of finding
 KINDS = (
-    *("unreachable", "joint limit", "singularity", "collision", "self-collision"),
+    *("unreachable", "joint limit", "singularity", "envelope", "collision", "self-collision"),
     *("collision of the tool", "wrong mode", "full queue", "starved stream", "bad blend"),
     *("unknown tool", "endless wait", "forgotten await", "motion after a stop"),
     *("blocked event loop", "failed task", "refused", "error", "not reached"),
@@ -23,6 +23,7 @@ KINDS = (
 #: for each kind, a pattern of its error texts: the controller's errors have no codes
 _SAYS: tuple[tuple[str, str], ...] = (
     ("collision", r"检测到碰撞|position deviation"),
+    ("envelope", r"beyond the envelope|lead back from|its envelope"),
     ("starved stream", r"no data for|StreamStarved|starved"),
     ("full queue", r"queue of motions is full|TrackPoolFull|no room"),
     ("unknown tool", r"there is no (tool|work object)|no tool "),
@@ -100,6 +101,17 @@ def findings(
     return tuple(seen.values())
 
 
+def end_of(call: Mapping[str, Any]) -> str:
+    """How a motion ended. The controller calls one that blended into the next interrupted."""
+    if call["impossible"] or call["replaced"]:
+        return "not possible" if call["impossible"] else "not tried"
+    end = call["state"].lower()
+    if call["state"] == "INTERRUPT":
+        end = "blended" if call["radius"] > 0.0 else "interrupted"
+    slowed = call["slowed"]
+    return end if slowed == 1.0 else f"{end}, slowed by the envelope to {slowed:.0%}".lstrip(", ")
+
+
 def running(calls: Sequence[Mapping[str, Any]], time: float) -> Mapping[str, Any] | None:
     """The program's call whose task ran at a time, or was the last one before it."""
     of_tasks = [call for call in calls if call["where"] and 0.0 <= call["started"] <= time]
@@ -136,6 +148,9 @@ def _contacts(run: Mapping[str, Any], allowed: Sequence[str]) -> Iterator[Prefli
 
 def _failures(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
     for call in run["calls"]:
+        if call["impossible"] and call["where"]:
+            kind = _kind(call["impossible"], "failed task")
+            yield _made(kind, f"{call['text']}: {call['impossible']}", call["begin"], call["where"])
         failed = call["state"] in ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
         if call["where"] is None or not failed:
             continue
@@ -155,6 +170,8 @@ def _blends(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
     motions = [call for call in run["calls"] if call["started"] >= 0.0 and call["where"]]
     for call, after in pairwise(motions):
         both = call["name"].startswith("move") and after["name"].startswith("move")
+        if call["replaced"] or after["replaced"]:
+            continue
         if both and call["radius"] > 0.0 and call["state"] == "FINISHED":
             text = (
                 f"{call['text']} has a blend radius of {call['radius'] * 1000:g} mm, but the arm "

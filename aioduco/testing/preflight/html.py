@@ -15,6 +15,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.sim.scene import mounting_of
 from aioduco.sim.view.camera import towards
 from aioduco.sim.view.render import PictureProcess
+from aioduco.testing.preflight.findings import end_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -132,7 +133,7 @@ def _amount(value: float, unit: str) -> str:
 
 
 def _end(call: dict[str, Any]) -> str:
-    return f"{call['state'].lower()} {call['message']}".strip() or call["error"]
+    return f"{end_of(call)} {call['impossible'] or call['message']}".strip() or call["error"]
 
 
 def _timeline(report: PreflightReport) -> str:
@@ -148,7 +149,7 @@ def _timeline(report: PreflightReport) -> str:
             if (call["where"]["line"], call["name"]) == (line, name):
                 end = call["ended"] if call["ended"] >= 0.0 else report.duration
                 failed = call["state"] in ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
-                colour = "#b3261e" if failed else _COLOURS[0]
+                colour = "#b3261e" if failed or call["impossible"] else _COLOURS[0]
                 parts.append(_bar(scale, row, call["started"], end, colour))
     for row, signal in enumerate(signals, len(names)):
         parts.append(_label(row, signal))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
 import contextvars
 import sys
@@ -12,12 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco._process.program_lines import PACKAGE, of_program
+from aioduco.testing.preflight.handlers import WaitingLine
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import CodeType, FrameType
 
 __all__ = [
+    "LATER",
     "TASK_ORIGIN",
     "CallOrigin",
     "ProgramLine",
@@ -27,6 +30,7 @@ __all__ = [
     "is_program",
     "of_error",
     "of_main_thread",
+    "of_new_task",
 ]
 
 _PROGRAMS = PACKAGE / "cli"
@@ -53,10 +57,17 @@ class ProgramLine(NamedTuple):
 
 
 class CallOrigin(NamedTuple):
-    """Origin of a call: the line, and an id of the task or thread that ran it."""
+    """Origin of a call.
+
+    Attributes:
+        where: the line.
+        actor: an id of the task or thread that ran it.
+        waiting: all lines that wait for the call, the innermost first.
+    """
 
     where: ProgramLine
     actor: int
+    waiting: tuple[WaitingLine, ...] = ()
 
 
 #: origin of the line that started the running task, for tasks without a frame of the program
@@ -65,23 +76,51 @@ TASK_ORIGIN: contextvars.ContextVar[CallOrigin | None] = contextvars.ContextVar(
 )
 
 
+#: whether the program gets the error of a call by another line, which waits for the task
+LATER: contextvars.ContextVar[bool] = contextvars.ContextVar("preflight_later", default=False)
+#: libraries that pass an error on as it is
+_PASSING = ("anyio", "sniffio")
+
+
 @cache
 def is_program(file: str) -> bool:
     """Whether a file belongs to the program; commands of this package may be the program."""
     return of_program(file) or Path(file).resolve().is_relative_to(_PROGRAMS)
 
 
+@cache
+def _is_library(file: str) -> bool:
+    """Whether a file belongs to an installed library that may handle errors of its own."""
+    parts = Path(file).parts
+    installed = {"site-packages", "dist-packages"} & set(parts)
+    return bool(installed) and not any(each in parts for each in (*_PASSING, PACKAGE.name))
+
+
 def current() -> CallOrigin | None:
     """The origin of the code that runs now on this thread; None if it is not the program's."""
     frame: FrameType | None = sys._getframe(1)
+    where: ProgramLine | None = None
+    begun, later = TASK_ORIGIN.get(), LATER.get()
+    waiting: list[tuple[str, int, dict[str, Any], bool]] = []
     while frame is not None:
-        if is_program(frame.f_code.co_filename):
-            line = _line(frame.f_code, frame.f_lineno)
-            return CallOrigin(line._replace(caller=_caller(frame)), _actor())
-        if frame.f_code is _RUN_ONCE:
-            break  # the frames below belong to the code that runs the loop
+        code = frame.f_code
+        program = is_program(code.co_filename)
+        if code is _RUN_ONCE:
+            if where is None:
+                return begun  # the frames below belong to the code that runs the loop
+        elif code.co_filename.startswith(_POOLS):
+            later = True  # the error comes to the line that asks the pool for the result
+        if program and where is None:
+            where = _line(code, frame.f_lineno)._replace(caller=_caller(frame))
+        if program or _is_library(code.co_filename):
+            waiting.append((code.co_filename, frame.f_lineno, frame.f_globals, not program))
         frame = frame.f_back
-    return TASK_ORIGIN.get()
+    if where is None:
+        return begun
+    lines = [WaitingLine(*each, later=later) for each in waiting]
+    if begun is not None:
+        lines += begun.waiting
+    return CallOrigin(where, _actor(), tuple(lines))
 
 
 def _caller(frame: FrameType) -> str:
@@ -141,6 +180,29 @@ def _line(code: CodeType, number: int) -> ProgramLine:
     return ProgramLine(code.co_filename, number, code.co_name)
 
 
+def of_new_task(*, by_program: bool) -> CallOrigin | None:
+    """The origin of an asyncio task that is being created; None if it is not the program's.
+
+    Args:
+        by_program: whether the program creates it. Then another line may wait for it, unless it is
+            the main task of a loop.
+    """
+    origin = current()
+    if origin is None or not by_program or _runs_loop():
+        return origin
+    return origin._replace(waiting=tuple(each._replace(later=True) for each in origin.waiting))
+
+
+def _runs_loop() -> bool:
+    """Whether the running code starts an event loop, which raises the error of its main task."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and not is_program(frame.f_code.co_filename):
+        if frame.f_code in (_RUN_UNTIL_COMPLETE, _RUN):
+            return True
+        frame = frame.f_back
+    return False
+
+
 def _actor() -> int:
     with contextlib.suppress(RuntimeError):
         if (task := asyncio.current_task()) is not None:
@@ -148,5 +210,8 @@ def _actor() -> int:
     return threading.get_ident()
 
 
+_POOLS = str(Path(concurrent.futures.__file__).parent)
 _LOOP: Any = asyncio.BaseEventLoop
 _RUN_ONCE = _LOOP._run_once.__code__
+_RUN_UNTIL_COMPLETE = _LOOP.run_until_complete.__code__
+_RUN = asyncio.Runner.run.__code__

@@ -34,7 +34,7 @@ from aioduco.supervision.command import MotionCommand
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.task_command import shown
 from aioduco.sync._runner import Runner
-from aioduco.testing.preflight import lines
+from aioduco.testing.preflight import going_on, lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -270,7 +270,7 @@ def _loops(clock: ProgramClock) -> None:
         return soon_from_thread(self, *args, **options)
 
     def task(self: Any, coro: Any, *, name: Any = None, context: Any = None) -> Any:
-        origin = lines.current()
+        origin = lines.of_new_task(by_program=bool(_asked_by_program()))
         if origin is not None:
             context = contextvars.copy_context() if context is None else context
             context.run(lines.TASK_ORIGIN.set, origin)
@@ -484,6 +484,7 @@ def _calls(recorder: RunRecorder) -> None:
 
     def called_by_vendor(self: Any, name: str, args: Any) -> Any:
         with recorder.call(name, args) as record:
+            record.of_vendor = True
             record.result = vendor_call(self, name, args)
             return record.result
 
@@ -553,3 +554,4 @@ def _simulator(clock: ProgramClock, recorder: RunRecorder, serve: Callable[..., 
             clock.call_begins()
 
     processor.answer, tasks.new, runtime.wait = answered, made, waited
+    going_on.install(recorder, lambda: getattr(serving, "record", None))

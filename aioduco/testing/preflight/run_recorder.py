@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import contextvars
 import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -19,16 +20,39 @@ if TYPE_CHECKING:
 
     from aioduco.sim import Simulator
     from aioduco.sim.snapshot import SimulationSnapshot
+    from aioduco.testing.preflight.handlers import WaitingLine
     from aioduco.testing.preflight.lines import CallOrigin, ProgramLine
     from aioduco.testing.preflight.program_clock import ProgramClock
 
-__all__ = ["ProgramCall", "RunRecorder"]
+__all__ = ["CHECKED", "CheckedMotion", "ProgramCall", "RunRecorder"]
 
 #: time between two samples of the moving arm [s]
 _SAMPLE = 0.02
 #: calls that are not the program's work, but keep the connection and poll tasks
 _UPKEEP = frozenset({"rpc_heartbeat", "get_noneblock_taskstate"})
 _LONGEST = 80
+#: values of a call that the report does not need
+_NOT_REPORTED = ("taken", "waiting", "of_vendor")
+
+
+@dataclass
+class CheckedMotion:
+    """What the check against the envelope found of the motion that is sent next.
+
+    Attributes:
+        name: the function of the wire protocol.
+        impossible, slowed: as those of `ProgramCall`.
+    """
+
+    name: str
+    impossible: str = ""
+    slowed: float = 1.0
+
+
+#: the motion that the running task sends next; None if none was checked
+CHECKED: contextvars.ContextVar[CheckedMotion | None] = contextvars.ContextVar(
+    "preflight_checked", default=None
+)
 
 
 @dataclass
@@ -49,6 +73,14 @@ class ProgramCall:
         message: the simulator's message about the end.
         started, ended: start and end of the task [s]; -1 for never.
         meanwhile: the program's line when the task ended with an error.
+        waiting: the lines that wait for the call.
+        impossible: why the motion cannot be carried out, if the run went on nevertheless as if it
+            had been; else empty.
+        replaced: whether a joint motion took its place.
+        elsewhere: whether it begins where the motion before it was broken off, so that its path is
+            not that of the real arm.
+        of_vendor: whether the vendor's class made it, which returns the state of a motion.
+        slowed: share of its speed to which the envelope slowed it; 1 if it did not.
     """
 
     name: str
@@ -66,6 +98,12 @@ class ProgramCall:
     started: float = -1.0
     ended: float = -1.0
     meanwhile: ProgramLine | None = None
+    waiting: tuple[WaitingLine, ...] = field(default=(), repr=False)
+    impossible: str = ""
+    replaced: bool = False
+    elsewhere: bool = False
+    of_vendor: bool = False
+    slowed: float = 1.0
     taken: bool = field(default=False, repr=False)
 
 
@@ -111,11 +149,14 @@ class RunRecorder:
             origin and origin.where,
             origin.actor if origin else 0,
             self._clock.passed,
+            waiting=origin.waiting if origin else (),
         )
         acts = call_kind(name) is not CallKind.READ and name not in _UPKEEP
         if acts:
             record.text = _text(name, args)
             record.radius = _radius(name, args)
+            if (checked := CHECKED.get()) is not None and checked.name == name:
+                record.impossible, record.slowed = checked.impossible, checked.slowed
             self.progress = record.begin
             with self._lock:
                 self.calls.append(record)
@@ -186,6 +227,12 @@ class RunRecorder:
                 {"kind": kind, "where": where, "text": text, "time": self._clock.passed, **more}
             )
 
+    @property
+    def passing_over(self) -> bool:
+        """Whether the arm moves on a path that is not the program's."""
+        moving = [call for call in tuple(self._open.values()) if call.started >= 0.0]
+        return any(call.replaced or call.elsewhere for call in moving)
+
     # -- the arm ------------------------------------------------------------------------------
 
     def attach(self, simulator: Simulator) -> None:
@@ -213,12 +260,13 @@ class RunRecorder:
                 if text not in self._listed:
                     self.errors.append({"time": now, "text": text})
             self._listed = view.errors
-        self._touch(touched(), now, len(self._times), pressing=view.force_control)
+        passing_over = self.passing_over
+        self._touch(touched(), now, len(self._times), meant=view.force_control or passing_over)
         if now >= self._next_sample:
             self._next_sample = now + _SAMPLE
             self._signals(now, snapshot.time)
             moved = not self._q or np.abs(snapshot.q - self._q[-1]).max() > 1e-5
-            if moved or view.moving:
+            if (moved or view.moving) and not passing_over:
                 self._times.append(now)
                 self._q.append(snapshot.q.copy())
                 self._qd.append(snapshot.qd.copy())
@@ -242,7 +290,7 @@ class RunRecorder:
                 del self._open[number]
                 self.progress = now
 
-    def _touch(self, touched: str, now: float, sample: int, *, pressing: bool) -> None:
+    def _touch(self, touched: str, now: float, sample: int, *, meant: bool) -> None:
         pairs = frozenset(touched.split(", ")) if touched else frozenset()
         if self._at_first is None:
             self._at_first = pairs  # such as the base on its floor, things on a table
@@ -257,7 +305,7 @@ class RunRecorder:
                 continue
             contact = {
                 "pair": [one, other], "time": now, "end": now, "sample": sample,
-                "meant": pressing,
+                "meant": meant,
             }  # fmt: skip
             self.contacts.append(contact)
             self._touching[pair] = contact
@@ -285,7 +333,7 @@ class RunRecorder:
         with self._lock:
             calls = [
                 {
-                    **{key: value for key, value in vars(call).items() if key != "taken"},
+                    **{key: value for key, value in vars(call).items() if key not in _NOT_REPORTED},
                     "where": _where(call.where),
                     "meanwhile": _where(call.meanwhile),
                     "result": call.result if isinstance(call.result, int | float | str) else None,

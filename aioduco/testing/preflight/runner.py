@@ -208,7 +208,7 @@ def preflight(
         try:
             address_of(address)
         except ValueError as error:
-            raise PreflightError(f"{error}: nothing was run") from None
+            raise PreflightError(f"{error}, and no program was run") from None
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="aioduco-preflight-") as folder:
         options = {

@@ -138,7 +138,7 @@ def test_what_is_its_own_or_of_this_package_works(tmp_path: Path, body: str) -> 
     tried = tmp_path / "tried.py"
     tried.write_text(BEGIN + body)
     # The program's time races while it waits for a server, which has the time of the wall.
-    settings = PreflightSettings(timeout=110, patience=1e9)
+    settings = PreflightSettings(timeout=110, patience=1e6)
     report = preflight(tried, (), settings, quiet=True)
     assert report.ok, report.findings
     assert report.status == 0
@@ -166,7 +166,8 @@ def test_what_is_named_is_reached_and_a_bad_name_is_refused(tmp_path: Path, ther
     for bad in (f":{there}", str(there), "host:0", "host:70000", "host:port"):
         status, said = run("--reach", bad)
         assert status == 2
-        assert f"{bad!r} is no address" in said
+        assert repr(bad) in said
+        assert "no program was run" in said
 
 
 @pytest.mark.slow
