@@ -54,7 +54,6 @@ if TYPE_CHECKING:
     from aioduco.envelope import Envelope
     from aioduco.models.controller_clock import Clock
     from aioduco.models.pose import PoseLike
-    from aioduco.models.state import RobotStates
     from aioduco.models.trace import Trace
     from aioduco.recording.publication import Publication
     from aioduco.recording.recorder import Recording, RobotObserver
@@ -495,18 +494,22 @@ class Robot(Uncopied, ManualNames):
         """Return statistics of lanes, tasks, stops and heartbeat since the robot was opened."""
         return self._supervisor.statistics()
 
-    async def bring_up(self, *, timeout: float = 30.0) -> RobotStates:
+    async def bring_up(self, *, timeout: float = 30.0) -> RecoverReport:
         """Bring the arm into a state in which it can move: power on, enable, clear.
 
         A safety stop is cleared by powering off and on, a collision by its reset. Each step is
         taken when the controller's states require it, and has ended when they show its effect. A
         motion or a program that is paused or runs is left alone: see `recover`, `stop`, `resume`.
 
+        A controller that enables its arm tares the force sensor. If the arm touches something
+        then, as after a collision, it measures that force as zero: the report's `advice` says so.
+
         Args:
             timeout: seconds in which the arm must be ready.
 
         Returns:
-            The states: enabled, with no program running.
+            The states, enabled and with no program running, and what to do before forces are
+            measured.
 
         Raises:
             RobotStateError: a person has to do something first, such as to release the emergency
@@ -521,11 +524,9 @@ class Robot(Uncopied, ManualNames):
     async def recover(self, *, timeout: float = 30.0) -> RecoverReport:
         """Bring the arm out of a stop: clear, power off and on if needed, enable.
 
-        It works as `bring_up`. In addition, it ends a motion or a program that is paused or runs
-        in the controller, and restarts a heartbeat that was withheld. It moves nothing.
-
-        A controller that enables its arm tares the force sensor. If the arm touches something
-        then, as after a collision, it measures that force as zero: the report's `advice` says so.
+        It works as `bring_up`, and returns the same. In addition, it ends a motion or a program
+        that is paused or runs in the controller, and restarts a heartbeat that was withheld. It
+        moves nothing.
 
         Args:
             timeout: seconds in which the arm must be ready.

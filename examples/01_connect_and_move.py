@@ -20,8 +20,8 @@ HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 
 async def main(host: str, port: int) -> None:
     async with aioduco.connect(host, port) as robot:
-        states = await robot.bring_up()
-        print("ready:", states)
+        report = await robot.bring_up()
+        print("ready:", report)
 
         outcome = await robot.motion.movej2(HOME, v=0.8, a=1.5)
         print("at home:", outcome.value)

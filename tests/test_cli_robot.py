@@ -233,6 +233,13 @@ def test_an_arm_is_brought_up_and_recovered_once_that_is_confirmed() -> None:
         recovered = run("recover", at(sim), typed="y\n")
         assert recovered.exit_code == 0
         assert "tare again with nothing touched" in recovered.stderr
+        sim.collide(3)
+        again = run("bring-up", at(sim), "--yes", "--json")
+        assert again.exit_code == 0, again.stderr
+        assert (
+            "After the collision it may still touch something" in json.loads(again.stdout)["advice"]
+        )
+        assert "tare again with nothing touched" in again.stderr
         assert sim.view.robot.name == "ENABLE"
 
 

@@ -17,6 +17,7 @@ from aioduco.cli.sessions import observing_session
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco import RecoverReport
     from aioduco.models.state import RobotStates
     from aioduco.sync import Robot
 
@@ -49,7 +50,9 @@ def bring_up(
     address = robot_at(host, port, cell)
     what = f"The arm at {address} will be powered on and enabled: its brakes open.\n{SAFE}"
     ask(what, "Bring it up?", yes=yes)
-    _done(address, lambda robot: robot.bring_up(timeout=timeout), "ready", json)
+    with observing_session(address) as robot:
+        report = robot.bring_up(timeout=timeout)
+    _ready(address, report, json)
 
 
 def recover(
@@ -74,12 +77,7 @@ def recover(
     ask(what, "Recover it?", yes=yes)
     with observing_session(address) as robot:
         report = robot.recover(timeout=timeout)
-    if json:
-        print_json(_named(report.states) | {"advice": report.advice})
-    else:
-        say(f"{address}: ready; {report.states}")
-    if report.advice:
-        say(report.advice, error=True)
+    _ready(address, report, json)
 
 
 def stop(host: Host = None, port: Port = None, cell: CellFile = None, json: Json = False) -> None:
@@ -126,6 +124,16 @@ def resume(
     # A program that leaves its robot stops what it resumed; this operator wants it to go on.
     left_moving = ClosingSteps(stop=None, standstill=None)
     _done(address, lambda robot: robot.resume(), "resumed", json, closing_steps=left_moving)
+
+
+def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
+    """Print the states of an arm that can move, and what to do before forces are measured."""
+    if as_json:
+        print_json(_named(report.states) | {"advice": report.advice})
+    else:
+        say(f"{address}: ready; {report.states}")
+    if report.advice:
+        say(report.advice, error=True)
 
 
 def _done(

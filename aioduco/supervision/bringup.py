@@ -57,23 +57,25 @@ class BringUpStep(Enum):
 
 @dataclass(frozen=True, slots=True)
 class RecoverReport:
-    """How the robot was brought out of a stop.
+    """How the robot was brought into a state in which it can move.
 
     Attributes:
         states: the states afterwards: enabled, with no program running.
         collision: whether a collision was reset.
+        stopped: whether the arm was powered off to clear a safety stop.
         sensor_tared: whether the arm was powered off or enabled: a controller with a force sensor
             then tares it (manual 1.3.10).
     """
 
     states: RobotStates
     collision: bool = False
+    stopped: bool = False
     sensor_tared: bool = False
 
     @property
     def advice(self) -> str:
-        """What to do before forces are measured again; empty if there is nothing to do."""
-        if not self.sensor_tared:
+        """What to do before forces are measured again; empty if there was no stop to clear."""
+        if not self.sensor_tared or not (self.collision or self.stopped):
             return ""
         touching = (
             "After the collision it may still touch something"
@@ -175,7 +177,7 @@ class BringUp:
             )
 
 
-async def bring_up(supervisor: Supervisor, timeout: float) -> RobotStates:
+async def bring_up(supervisor: Supervisor, timeout: float) -> RecoverReport:
     """Bring the robot into a state in which it can move; `Robot.bring_up` describes it."""
     supervisor.check_open("bring_up")
     return await _go(supervisor, BringUp(), timeout)
@@ -184,16 +186,10 @@ async def bring_up(supervisor: Supervisor, timeout: float) -> RobotStates:
 async def recover(supervisor: Supervisor, timeout: float) -> RecoverReport:
     """Bring the robot out of a stop; `Robot.recover` describes it."""
     supervisor.check_open("recover")
-    decide = BringUp(end_programs=True, call="recover")
-    states = await _go(supervisor, decide, timeout)
-    return RecoverReport(
-        states,
-        collision=decide.has_taken(BringUpStep.RESET_COLLISION),
-        sensor_tared=decide.has_taken(BringUpStep.POWER_OFF, BringUpStep.ENABLE),
-    )
+    return await _go(supervisor, BringUp(end_programs=True, call="recover"), timeout)
 
 
-async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotStates:
+async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RecoverReport:
     limit = SECONDS("timeout", timeout)
     ticker = every(LOOK_EVERY)
     until = ticker.due + limit
@@ -212,7 +208,12 @@ async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotS
                 states, emergency_stop=status.emcStopSignal, collision=status.collision
             )
             if step is BringUpStep.DONE:
-                return states
+                return RecoverReport(
+                    states,
+                    collision=decide.has_taken(BringUpStep.RESET_COLLISION),
+                    stopped=decide.has_taken(BringUpStep.POWER_OFF),
+                    sensor_tared=decide.has_taken(BringUpStep.POWER_OFF, BringUpStep.ENABLE),
+                )
             if step is not BringUpStep.WAIT:
                 await _carry_out(supervisor, step, states, until - time.monotonic())
                 ticker.restart()

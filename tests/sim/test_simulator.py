@@ -485,7 +485,7 @@ async def test_a_restart_is_awaited_to_its_end() -> None:
         await robot.system.restart(timeout=60.0)
         assert sim.view.robot == RobotState.POWER_OFF
         assert sim.time > before + 1.0
-        assert (await robot.bring_up()).robot is RobotState.ENABLE
+        assert (await robot.bring_up()).states.robot is RobotState.ENABLE
         with pytest.raises(aioduco.RobotStateError, match="has not started after"):
             await robot.system.restart(timeout=0.001)
 

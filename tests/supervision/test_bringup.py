@@ -134,8 +134,10 @@ def test_no_sequence_of_states_asks_for_a_step_twice(
 
 async def test_from_power_off_to_ready(robot: aioduco.Robot, bench: Bench) -> None:
     bench.states[:3] = [4, 0, 4]
-    states = await robot.bring_up()
-    assert states.robot is RobotState.ENABLE
+    report = await robot.bring_up()
+    assert report.states.robot is RobotState.ENABLE
+    assert report.sensor_tared
+    assert report.advice == "", "nothing was touched at the last stop"
     assert bench.commands == ["power_on", "enable"]
 
 
@@ -157,22 +159,24 @@ async def test_what_can_be_cleared_is_cleared(robot: aioduco.Robot, bench: Bench
     ]
 
 
-async def test_recover_says_when_the_force_sensor_was_tared(
-    robot: aioduco.Robot, bench: Bench
+@pytest.mark.parametrize("name", ["bring_up", "recover"])
+async def test_a_report_says_when_the_force_sensor_was_tared(
+    robot: aioduco.Robot, bench: Bench, name: str
 ) -> None:
-    report = await robot.recover()
+    make_ready = getattr(robot, name)
+    report = await make_ready()
     assert not report.sensor_tared
     assert report.advice == ""
     assert str(report) == str(report.states)
     bench.collision = True
     bench.states[:3] = [6, 3, 7]
-    report = await robot.recover()
+    report = await make_ready()
     assert report.collision
     assert report.sensor_tared
     assert "After the collision it may still touch something" in report.advice
     assert "fc_force_set_value" in str(report)
     bench.states[:3] = [6, 3, 7]
-    report = await robot.recover()
+    report = await make_ready()
     assert "If it touches something" in report.advice
 
 

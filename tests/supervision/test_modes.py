@@ -65,8 +65,8 @@ async def test_no_mode_is_on_when_the_robot_was_left(
     assert not sim.tasks
     async with aioduco.connect(sim.host, sim.port) as robot:
         assert not await robot.force.fc_mode_is_active()
-        states = await robot.bring_up()
-        assert states.robot is aioduco.RobotState.ENABLE
+        report = await robot.bring_up()
+        assert report.states.robot is aioduco.RobotState.ENABLE
 
 
 async def test_force_control_goes_on_through_a_stop(sim: Simulator) -> None:

@@ -126,7 +126,7 @@ def test_calls_return_values_and_raise_what_the_awaited_ones_do(
     robot: aioduco.sync.Robot, desk: Desk
 ) -> None:
     assert robot.state.get_tcp_pose().x == 0.5
-    assert robot.bring_up().robot is aioduco.RobotState.ENABLE
+    assert robot.bring_up().states.robot is aioduco.RobotState.ENABLE
     desk.answer("get_tcp_pose", [1.0])
     with pytest.raises(aioduco.StaleState):
         robot.state.get_tcp_pose()

@@ -73,7 +73,7 @@ if TYPE_CHECKING:
     from anyio.abc import TaskGroup
     from websockets.asyncio.server import ServerConnection
 
-    from aioduco import Robot, Snapshot, Task
+    from aioduco import RecoverReport, Robot, Snapshot, Task
     from aioduco.envelope import Envelope
     from aioduco.integrations.panel.arm_scene import ArmScene
     from aioduco.integrations.panel.control_lease import LeaseEffect
@@ -520,8 +520,8 @@ class Panel(Uncopied):
 
     async def _act(self, robot: Robot, verb: str) -> None:
         steps: dict[str, tuple[Callable[[], Awaitable[Any]], str]] = {
-            "bring_up": (robot.bring_up, "brought up: the arm can move"),
-            "recover": (lambda: self._recover(robot), "recovered: the arm can move"),
+            "bring_up": (lambda: self._advised(robot.bring_up()), "brought up: the arm can move"),
+            "recover": (lambda: self._advised(robot.recover()), "recovered: the arm can move"),
             "pause": (robot.pause, "paused: the arm stands"),
             "resume": (robot.resume, "resumed"),
         }
@@ -531,8 +531,9 @@ class Panel(Uncopied):
         if await self._carry_out(verb, step, said) and verb != "resume":
             self._resumed = False
 
-    async def _recover(self, robot: Robot) -> None:
-        if advice := (await robot.recover()).advice:
+    async def _advised(self, step: Awaitable[RecoverReport]) -> None:
+        """Carry out a step, and show what to do before forces are measured again."""
+        if advice := (await step).advice:
             self._note(advice, "warning")
 
     async def _carry_out(self, name: str, step: Callable[[], Awaitable[Any]], said: str) -> bool:

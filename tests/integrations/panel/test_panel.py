@@ -92,6 +92,20 @@ async def page_of(panel: Panel, **options: Any) -> AsyncIterator[Page]:
         group.cancel_scope.cancel()
 
 
+@pytest.mark.parametrize("verb", ["bring_up", "recover"])
+async def test_after_a_collision_a_page_is_told_to_tare_again(bench: Bench, verb: str) -> None:
+    async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
+        await page.command(panel.token)
+        bench.collision = True
+        bench.states[:3] = [6, 3, 7]
+        await page.ask("do", verb=verb)
+        await eventually_async(
+            lambda: any("can move" in each["text"] for each in page.all("event"))
+        )
+        warned = [each["text"] for each in page.all("event") if each["severity"] == "warning"]
+        assert any("After the collision" in text and "tare again" in text for text in warned)
+
+
 async def test_one_page_commands_and_the_others_watch(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:

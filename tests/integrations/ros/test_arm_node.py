@@ -292,7 +292,9 @@ async def test_an_arm_that_is_not_ready_refuses_goals(node: ArmNode, sim: Simula
 
 async def test_services_do_what_they_say(node: ArmNode, sim: Simulator) -> None:
     services = node.services
-    assert (await services.bring_up()).success
+    assert "tare" not in (await services.bring_up()).message
+    sim.collide(3)
+    assert "After the collision it may still touch" in (await services.bring_up()).message
     assert (await services.set_digital_output(3, True)).success
     assert sim.get_digital_output(3)
     assert (await services.set_tool_output(1, True)).success
