@@ -15,7 +15,7 @@ _NUMBERS = re.compile(r"\d+(?:\.\d+)*")
 _DOTTED = re.compile(r"(?<![\d.])(\d+)\.(\d+)(?:\.\d+)*")
 #: versions whose behaviour one of the two manuals describes, as (first, last)
 _OLDER: Final = ((1, 0), (3, 8))
-_NEWER: Final = (4, 3)
+_NEWER: Final = ((4, 3), (99, 0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +49,12 @@ class ControllerVersion:
 
         The manuals of 3.8 and 4.3 contradict each other, in the directions of a jog among others.
         It is inferred that versions up to 3.8 follow the one, and those from 4.3 the other. A
-        version between them, and a text without one version number, tell nothing.
+        version between them, a date, and a text without one version number tell nothing.
         """
         found = {(int(major), int(minor)) for major, minor in _DOTTED.findall(self.text)}
         if found and all(_OLDER[0] <= each <= _OLDER[1] for each in found):
             return "3.8"
-        if found and all(each >= _NEWER for each in found):
+        if found and all(_NEWER[0] <= each <= _NEWER[1] for each in found):
             return "4.3"
         return None
 

@@ -75,7 +75,10 @@ def test_the_version_tells_the_directions(version: str, directions: JogDirection
 
 @pytest.mark.parametrize(
     "version",
-    ["", "unknown", "V3", "V3.9.1", "V4.0", "V4.2.9", "V0.9", "V3.8.0 V4.3.0", "GCR5-910"],
+    [
+        *("", "unknown", "V3", "V3.9.1", "V4.0", "V4.2.9", "V0.9", "V3.8.0 V4.3.0", "GCR5-910"),
+        *("2026.04.14", "V4.3.0 of 2026.04.14", "192.168.1.10"),
+    ],
 )
 def test_an_unknown_version_tells_no_directions(version: str) -> None:
     with pytest.raises(ParameterError, match=r"JogDirections\.MANUAL_4_3"):

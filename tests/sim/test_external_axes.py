@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 import aioduco
@@ -199,6 +200,9 @@ async def test_what_axes_cannot_do_is_refused(robot: aioduco.Robot, cell: Simula
     far = axes.move_eaxis("rail", [3.1, 0.0, 0.0], 0.5)
     await refused(cell, far, aioduco.TaskFailed, "would leave -0.5 to 3")
     assert await where(robot) == 0.0
+    # where it is, as read in 32 bits
+    await axes.move_eaxis("table", [float(np.float32(-math.pi)), 0.0, 0.0], 2.0)
+    assert await where(robot, "table") == pytest.approx(-math.pi, abs=1e-6)
     # As fast as it can, if it is asked for more.
     await axes.move_eaxis("rail", [1.0, 9.9, 9.9], 100.0)
     assert await where(robot) == 1.0

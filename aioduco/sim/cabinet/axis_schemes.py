@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from aioduco.models.bounds import outside
 from aioduco.models.enums import TaskState
 from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.path import PlanError
@@ -223,7 +224,7 @@ class SimulatedExternalAxes:
         scheme = self._active(name)
         axes = [self._axes[number] for number in scheme.axes]
         for axis, end in zip(axes, target, strict=False):
-            if not axis.lower <= end <= axis.upper:
+            if outside(end, axis.lower, axis.upper):
                 way = f"{axis.lower:g} to {axis.upper:g}"
                 raise PlanError("limits", f"an axis of {name!r} would leave {way}")
         return self._move(scheme.axes, list(target[: len(axes)]), [speed] * len(axes))

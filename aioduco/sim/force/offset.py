@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.kinematics.rates import ArmRates
+from aioduco.models.bounds import least, most
 from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
@@ -66,7 +67,8 @@ class FlangeOffset:
         self._cycle = cycle
         fastest = [_FASTER * speed for speed in arm.velocity]
         braking = [_BRAKING * rate for rate in arm.acceleration]
-        self._bounds = tuple(zip(fastest, braking, arm.lower, arm.upper, strict=True))
+        bounds = map(least, arm.lower), map(most, arm.upper)
+        self._bounds = tuple(zip(fastest, braking, *bounds, strict=True))
         self._hard = np.array(braking)
         self._shift: Sequence[float] = _NOWHERE
         self._turn: Array = _STRAIGHT

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
+from aioduco.models.bounds import least, most
 from aioduco.sim.planner.limits import STOPPING
 from aioduco.sim.planner.path import JointSetPoint
 
@@ -79,7 +80,8 @@ class TargetFollower(ABC):
         self._after_stop: Literal["", "stand", "end"] = ""  # the next action after slowing down
         self._hard = np.array(arm.acceleration) * STOPPING
         self._fastest = np.array(arm.velocity) * _FASTER
-        self._lower, self._upper = np.array(arm.lower), np.array(arm.upper)
+        self._lower = np.array([least(bound) for bound in arm.lower])
+        self._upper = np.array([most(bound) for bound in arm.upper])
         self._ended = False
 
     @property

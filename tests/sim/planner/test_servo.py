@@ -128,6 +128,15 @@ def test_a_stop_and_a_pause_slow_down_at_once() -> None:
     assert np.abs(rows[-1, 0] - (Q + 1.0)).max() > 0.1
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_joint_at_its_limit_as_it_is_read_in_32_bits_goes_on(sign: float) -> None:
+    read = float(np.float32(sign * 2.0 * np.pi))
+    servo = ServoFollower(ARM, np.array([read, *Q[1:]]), CYCLE)
+    servo.aim(np.array([sign * 2.0 * np.pi, *Q[1:]]), tuning(v=1.0, a=1.0))
+    run(servo)
+    assert servo.failure is None
+
+
 def test_a_joint_does_not_pass_its_limit() -> None:
     servo = ServoFollower(ARM, Q, CYCLE)
     servo.aim(np.array([7.0, *Q[1:]]), tuning(v=3.0, a=np.inf))
