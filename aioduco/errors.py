@@ -34,6 +34,7 @@ __all__ = [
     "GuardLost",
     "HeartbeatLost",
     "HoldUnknown",
+    "LayoutUnknown",
     "MissingExtra",
     "ModbusError",
     "ModbusGarbled",
@@ -284,6 +285,25 @@ class UnknownFunction(ControllerError):
     def of(self, version: str) -> UnknownFunction:
         """Return the same error with the controller's version."""
         return UnknownFunction(self.function, self._message, self.code, version=version)
+
+
+class LayoutUnknown(DucoError):
+    """How the controller's version takes the arguments of a function is not known.
+
+    Nothing was sent.
+
+    Attributes:
+        function: the function of the wire.
+        version: the version of the controller's software.
+    """
+
+    def __init__(self, function: str, version: str, known: str) -> None:
+        self.function = function
+        self.version = version
+        super().__init__(
+            f"{function}: how a controller of version {version} takes its arguments is not known: "
+            f"{known}; nothing was sent"
+        )
 
 
 class Refused(DucoError):

@@ -12,6 +12,7 @@ import struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco._wire.framing import Malformed, StructScanner, TType
+from aioduco._wire.newer import SCHEMES
 from aioduco._wire.type_checks import TypeMismatch
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
@@ -42,6 +43,8 @@ LAST_SEQUENCE: Final = 0x7FFFFFFF
 def encode(function: Function, args: tuple[Any, ...]) -> bytes:
     """Encode the arguments of a call.
 
+    A motion with external axes whose schemes are in lists is encoded as manual 4.3 has it.
+
     Args:
         function: the function of the wire.
         args: one value per parameter.
@@ -61,6 +64,8 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
             f"{function.name} takes {len(parameters)} arguments ({', '.join(parameters)}), "
             f"not {len(args)}"
         )
+    if function.listed is not None and isinstance(args[SCHEMES[function.name] - 1], list):
+        function = function.listed
     parameter = ""
     try:
         for check, parameter, value in zip(function.checks, parameters, args, strict=True):  # noqa: B007  # read when a check raises
@@ -103,6 +108,9 @@ def decode_arguments(function: Function, body: bytes) -> dict[str, Any]:
     """
     args = function.args()
     _thrift().read_struct(body, args)
+    if function.listed is not None and args.scheme_name is None:
+        args = function.listed.args()
+        _thrift().read_struct(body, args)
     came = ((name, getattr(args, name)) for name in function.parameters)
     return {name: _text(value) for name, value in came if value is not None}
 

@@ -85,6 +85,8 @@ class Function:
         void: whether the function returns nothing.
         head: the name in the encoding of a message: its length and its text.
         texts: whether the result contains strings, at any depth.
+        listed: the function with the arguments of manual 4.3, if its schemes of external axes come
+            in lists there; None for all others.
         layouts: layouts of replies that were received.
     """
 
@@ -105,6 +107,7 @@ class Function:
         self.void: bool = 0 not in self.result.thrift_spec
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
+        self.listed: Function | None = None
         self.layouts: Layouts = Layouts(self.result.thrift_spec)
         #: for each parameter, a factory for the value that a missing field has
         self.zeros: tuple[Any, ...] = tuple(map(zero, entries))
@@ -131,7 +134,10 @@ class Functions(Mapping[str, Function]):
         made = self._made.get(name)
         if made is None:
             returned, arguments = self._lines.get(name) or (NEWER[name], "")
-            function = Function(name, fields_of(arguments), _result(returned))
+            spec = fields_of(arguments)
+            function = Function(name, spec, _result(returned))
+            if name in newer.SCHEMES:
+                function.listed = Function(name, listed(name, spec), _result(returned))
             made = self._made.setdefault(name, function)
         return made
 
@@ -193,6 +199,15 @@ def zero(entry: tuple[Any, ...]) -> Any:
 def fields_of(text: str) -> _Spec:
     """Return the fields of a struct, from their text as in the IDL."""
     return {int(number): _entry(kind, name) for number, kind, name in _FIELD.findall(text)}
+
+
+def listed(name: str, spec: _Spec) -> _Spec:
+    """Return the fields of a motion with external axes, its schemes in lists as in manual 4.3."""
+    first = newer.SCHEMES[name]
+    lists = {
+        number: _entry(kind, spec[number][1]) for number, kind in enumerate(newer.IN_LISTS, first)
+    }
+    return {**spec, **lists}
 
 
 def _entry(kind: str, name: str) -> tuple[Any, ...]:

@@ -1,9 +1,11 @@
-"""What the wire of manual 4.3 has beyond that of 3.8: structs in answers, calls without arguments.
+"""What the wire of manual 4.3 has otherwise than that of 3.8: answers, calls, schemes in lists.
 
-The numbers of these fields are inferred: the manual prints the structs in order. None of them is
-sent. A controller of 3.8 never sends them, so its answers are read as structs of `rpc`. A call
-without arguments is its name alone, so those of 4.3 can be sent; what they return follows from the
-manual, and is an assumption for the two of the newest headers.
+The numbers of the fields in answers are inferred: the manual prints the structs in order. None of
+them is sent. Motions with external axes name several schemes; their lists are sent under the
+numbers that the single values have in 3.8, to controllers of 4.3 alone. A controller of 3.8 never
+sends what is added, so its answers are read as structs of `rpc`. A call without arguments is its
+name alone, so those of 4.3 can be sent; what they return follows from the manual, and is an
+assumption for the two of the newest headers.
 """
 
 # The names of fields are the manual's.
@@ -28,10 +30,13 @@ __all__ = [
     "GET_TCP_POSE_COMMAND",
     "GET_TCP_SPEED_COMMAND",
     "INSTEAD",
+    "IN_LISTS",
     "RESET_LASER_TRACK",
+    "SCHEMES",
     "EAxissInfo",
     "ReachabilityParam",
     "RobotStatus",
+    "in_lists",
 ]
 
 GET_BASE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_base", ())
@@ -73,6 +78,18 @@ class ReachabilityParam(rpc.ReachabilityParam):
     singularity_type: int = 0
 
 
+#: types of the name, the target and the speed of schemes of external axes in 4.3
+IN_LISTS: Final = ("list<string>", "list<list<double>>", "list<double>")
+#: motions with external axes, by name the number of the first of these three fields; of the last
+#: one, which no manual describes, it is not known what 4.3 takes
+SCHEMES: Final[dict[str, int]] = {
+    "move_eaxis": 1,
+    "movej2_eaxis": 5,
+    "movej2_pose_eaxis": 8,
+    "movel_eaxis": 8,
+    "movec_eaxis": 9,
+    "move_circle_eaxis": 10,
+}
 _TORQUES: Final = (
     "22: list<double> jointAuxiliaryPosition 23: list<double> jointDynamicTorque "
     "24: list<double> jointGravityTorque 25: list<double> jointActualTorque "
@@ -87,3 +104,11 @@ ADDED: Final[dict[str, tuple[type, str]]] = {
 INSTEAD: Final[dict[str, tuple[type, str]]] = {
     "reach_check": (ReachabilityParam, "1: bool result 2: i32 index 3: i32 singularity_type"),
 }
+
+
+def in_lists(call: rpc.WireCall[int]) -> rpc.WireCall[int]:
+    """Return a motion with external axes as 4.3 takes it: with a list of one scheme."""
+    first = SCHEMES[call.name] - 1
+    args = list(call.args)
+    args[first : first + 3] = ([value] for value in args[first : first + 3])
+    return rpc.WireCall(call.name, tuple(args))

@@ -993,6 +993,7 @@ class BlockingMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14.
         """
@@ -1031,6 +1032,7 @@ class BlockingMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -1078,6 +1080,7 @@ class BlockingMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -1126,6 +1129,7 @@ class BlockingMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -1179,6 +1183,7 @@ class BlockingMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -1231,6 +1236,7 @@ class BlockingMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """

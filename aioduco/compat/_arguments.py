@@ -13,7 +13,7 @@ import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from aioduco._wire import idl
+from aioduco._wire import idl, newer
 from aioduco._wire.framing import TType
 from aioduco._wire.type_checks import BITS, type_of
 
@@ -40,23 +40,25 @@ def wire_arguments(name: str, args: tuple[Any, ...], op: Op) -> tuple[Any, ...]:
     """
     if name == "combine_motion_config" and isinstance(args[_PATH_DWELL], (list, tuple)):
         args = (*args[:_PATH_DWELL], False, args[_PATH_DWELL])
-    conversions = _conversions(name)
-    parameters = idl.functions()[name].parameters
+    function = idl.functions()[name]
+    if function.listed is not None:  # programs for the newer class name several schemes, in lists
+        scheme = args[newer.SCHEMES[name] - 1]
+        function = function.listed if isinstance(scheme, (list, tuple)) else function
+    conversions = _conversions(function)
     return tuple(
         op if parameter == "op" and value is None else convert(value)
-        for parameter, convert, value in zip(parameters, conversions, args, strict=True)
+        for parameter, convert, value in zip(function.parameters, conversions, args, strict=True)
     )
 
 
 @functools.cache
-def _conversions(name: str) -> tuple[_Convert, ...]:
+def _conversions(function: idl.Function) -> tuple[_Convert, ...]:
     """For each parameter of a function, the conversion of its argument to a value of the wire."""
-    entries = idl.functions()[name].args.thrift_spec.values()
     return tuple(
         _or_nothing(*type_of(entry))
-        if entry[1] in _MAY_BE_NOTHING and not name.startswith("set_")
+        if entry[1] in _MAY_BE_NOTHING and not function.name.startswith("set_")
         else _conversion(*type_of(entry))
-        for entry in entries
+        for entry in function.args.thrift_spec.values()
     )
 
 

@@ -2366,6 +2366,7 @@ class BlockingMotions(_Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14.
         """
@@ -2404,6 +2405,7 @@ class BlockingMotions(_Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -2451,6 +2453,7 @@ class BlockingMotions(_Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -2499,6 +2502,7 @@ class BlockingMotions(_Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -2552,6 +2556,7 @@ class BlockingMotions(_Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -2604,6 +2609,7 @@ class BlockingMotions(_Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """
@@ -3453,6 +3459,7 @@ class ExternalAxes(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14.
         """
@@ -3535,6 +3542,7 @@ class ExternalAxes(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -3583,6 +3591,7 @@ class ExternalAxes(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -3630,6 +3639,7 @@ class ExternalAxes(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -3682,6 +3692,7 @@ class ExternalAxes(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -3733,6 +3744,7 @@ class ExternalAxes(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """

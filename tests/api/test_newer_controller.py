@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import aioduco
-from aioduco._wire import codec, idl, rpc
+from aioduco._wire import codec, idl, newer, rpc
 from aioduco._wire.framing import TType
 
 if TYPE_CHECKING:
@@ -112,6 +112,57 @@ async def test_the_rates_of_external_axes(desk: Desk, vel: float) -> None:
         desk.answer("get_eaxis_info", [rpc.EAxissInfo("rail", 1, 0.5)])
         (scheme,) = await robot.external_axes.get_eaxis_info()
         assert math.isnan(scheme.vel)
+
+
+def moves(robot: aioduco.Robot) -> dict[str, Any]:
+    """How to make each motion with external axes."""
+    axes, to = robot.external_axes, ("rail", [0.5, 0.0, 0.0], 0.25)
+    return {
+        "move_eaxis": lambda: axes.move_eaxis(*to),
+        "movej2_eaxis": lambda: axes.movej2_eaxis(HOME, 1.0, 1.0, *to),
+        "movej2_pose_eaxis": lambda: axes.movej2_pose_eaxis(POSE, 1.0, 1.0, *to),
+        "movel_eaxis": lambda: axes.movel_eaxis(POSE, 0.1, 0.1, *to),
+        "movec_eaxis": lambda: axes.movec_eaxis(POSE, TOOL, 0.1, 0.1, *to),
+        "move_circle_eaxis": lambda: axes.move_circle_eaxis(POSE, TOOL, 0.1, 0.1, *to),
+    }
+
+
+@pytest.mark.parametrize(
+    ("version", "refused"),
+    [
+        ("V3.8.0", ()),
+        ("", ()),
+        ("V4.0.1", tuple(newer.SCHEMES)),
+        ("2026.04.14", tuple(newer.SCHEMES)),
+        ("V4.3.0", ("move_circle_eaxis",)),
+    ],
+)
+async def test_motions_of_external_axes(desk: Desk, version: str, refused: tuple[str, ...]) -> None:
+    """A scheme by its name in 3.8, schemes in lists in 4.3; where that is not known, nothing."""
+    desk.answer("get_robot_version", version)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        for name, made in moves(robot).items():
+            if name in refused:
+                with pytest.raises(aioduco.LayoutUnknown, match=f"{name}.*{version}.*nothing was"):
+                    made()
+                continue
+            motion = made()
+            motion.hand_over()  # it is looked at in place of being sent
+            args = dict(zip(idl.functions()[name].parameters, motion.command.args, strict=True))
+            assert isinstance(args["scheme_name"], list) is (version == "V4.3.0")
+            speed = args["v"] if name == "move_eaxis" else args["eaxis_v"]
+            assert speed == ([0.25] if version == "V4.3.0" else 0.25)
+    assert not any(desk.received(name) for name in newer.SCHEMES)
+
+
+@pytest.mark.parametrize("name", newer.SCHEMES)
+def test_a_tap_reads_schemes_in_lists(name: str) -> None:
+    function = idl.functions()[name]
+    assert function.listed is not None
+    zeros = dict(zip(function.parameters, (zero() for zero in function.listed.zeros), strict=True))
+    lists = {"scheme_name": ["rail"], "epose": [[0.5]]}
+    data = codec.encode(function, tuple((zeros | lists).values()))
+    assert codec.decode_arguments(function, data) | lists == codec.decode_arguments(function, data)
 
 
 async def test_functions_without_arguments(desk: Desk) -> None:

@@ -138,3 +138,49 @@ def test_installation_of_a_wall() -> None:
 def test_an_unknown_generation() -> None:
     with pytest.raises(ParameterError, match="first, oldest, older"):
         Simulator(generation="5.0")  # type: ignore[arg-type]
+
+
+RAIL = {"rail": [(-1.0, 1.0, 0.5, 2.0)]}
+
+
+@pytest.mark.parametrize("generation", ["3.8", "4.3"])
+async def test_external_axes_move_with_the_arm(generation: Any) -> None:
+    with Simulator(speed=float("inf"), generation=generation, external_axes=RAIL) as sim:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+            axes = robot.external_axes
+            await axes.enable_eaxis_scheme("rail")
+            await axes.move_eaxis("rail", [0.1, 0.0, 0.0], 0.5)
+            turned = list(sim.joints)
+            turned[0] = 0.2
+            moves = [
+                axes.movej2_eaxis(turned, 1.0, 2.0, "rail", [0.2, 0.0, 0.0], 0.5),
+                axes.movel_eaxis(
+                    await robot.state.get_tcp_pose(), 0.2, 0.5, "rail", [0.3, 0.0, 0.0], 0.5
+                ),
+            ]
+            for move, end in zip(moves, (0.2, 0.3), strict=True):
+                await move
+                (scheme,) = await axes.get_eaxis_info()
+                assert scheme.position == pytest.approx(end, abs=1e-6)
+            pose = await robot.state.get_tcp_pose()
+            x, y, z, *turn = pose
+            await robot.blocking.movec_eaxis(
+                [x, y - 0.02, z + 0.02, *turn], [x, y - 0.04, z, *turn], 0.2, 0.5, "rail",
+                [0.4, 0.0, 0.0], 0.5,
+            )  # fmt: skip
+            (scheme,) = await axes.get_eaxis_info()
+            assert scheme.position == pytest.approx(0.4, abs=1e-6)
+
+
+def test_a_program_for_the_newer_class_names_schemes_in_lists() -> None:
+    with Simulator(speed=float("inf"), generation="4.3", external_axes=RAIL) as sim:
+        robot: Any = DucoCobot(sim.host, sim.port)
+        robot.open()
+        robot.power_on(True)
+        robot.enable(True)
+        robot.enable_eaxis_scheme("rail")
+        assert robot.move_eaxis(["rail"], [[0.25, 0.0, 0.0]], [0.5], True) == 4
+        (scheme,) = robot.get_eaxis_info()
+        robot.close()
+    assert scheme.pos == pytest.approx(0.25)

@@ -4,31 +4,54 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.arguments import frames, limits, outputs
 from aioduco.api.section import JOG_TIME, Section
+from aioduco.errors import LayoutUnknown
 from aioduco.models import ranges
 from aioduco.models.jog import directions_of
 from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:
+    from aioduco._wire.rpc import WireCall
     from aioduco.models.jog import JogDirections
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import VectorLike
+    from aioduco.models.version import ControllerVersion
     from aioduco.supervision.command import HeldMotion, MotionCommand
 
 __all__ = ["AxisMotions"]
 
+#: the first version of which neither manual 3.8 nor, up to 4.3, the newer one says anything
+_AFTER_3_8 = (3, 9)
+#: on the wire of 3.8 alone: no manual has it
+_NOT_IN_4_3 = ("move_circle_eaxis",)
+#: what is known, for a version between the manuals, and for a function that manual 4.3 lacks
+_KNOWN = (
+    "up to 3.8 a scheme comes by its name, from 4.3 on several come in lists",
+    "no manual describes it, and 4.3 has changed the others like it",
+)
+
 
 class AxisMotions(Section):
     """Motions of external axes, alone or together with the arm.
+
+    Controllers of manual 4.3 take the scheme, its target and its speed in lists, one of each for
+    every scheme that moves. They are sent so, with one, to controllers whose version is 4.3 or
+    later. How a version between 3.8 and 4.3 takes them is not known, nor `move_circle_eaxis` in
+    4.3: there the motion is refused with `LayoutUnknown`, before anything is sent.
 
     The manual contradicts itself about `def_acc` here. By its name, and by section 1.3.5, the
     controller chooses the acceleration if it is true; the text of section 1.3.14 says the opposite.
     """
 
     __slots__ = ()
+
+    def _with_axes(self, call: WireCall[int], r: float = 0.0) -> MotionCommand:
+        """Make a motion whose schemes are sent as the controller's version takes them."""
+        return self._motion(_as_taken(call, self._supervisor.version), r)
 
     def move_eaxis(
         self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
@@ -48,6 +71,7 @@ class AxisMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14.
         """
@@ -55,7 +79,7 @@ class AxisMotions(Section):
         epose_ = ranges.EAXIS_POSITION("epose", epose)
         v_ = ranges.EAXIS_SPEED("v", v)
         op_ = wire_op("op", op, joint_motion=True)
-        return self._motion(calls.move_eaxis(name, epose_, v_, False, op_))
+        return self._with_axes(calls.move_eaxis(name, epose_, v_, False, op_))
 
     def move_jog_eaxis(
         self,
@@ -140,6 +164,7 @@ class AxisMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -147,7 +172,7 @@ class AxisMotions(Section):
         v_, a_, r_ = limits(ranges.EAXIS_JOINT_SPEED, ranges.EAXIS_JOINT_ACCELERATION, v, a, r)
         axes = _axes(scheme_name, epose, eaxis_v)
         end = outputs(op, def_acc, joint_motion=True)
-        return self._motion(calls.movej2_eaxis(q, v_, a_, r_, *axes, *end), r_)
+        return self._with_axes(calls.movej2_eaxis(q, v_, a_, r_, *axes, *end), r_)
 
     def movej2_pose_eaxis(
         self,
@@ -188,6 +213,7 @@ class AxisMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -196,7 +222,7 @@ class AxisMotions(Section):
         axes = _axes(scheme_name, epose, eaxis_v)
         there = frames(q_near, tool, wobj)
         end = outputs(op, def_acc, joint_motion=True)
-        return self._motion(calls.movej2_pose_eaxis(p, v_, a_, r_, *there, *axes, *end), r_)
+        return self._with_axes(calls.movej2_pose_eaxis(p, v_, a_, r_, *there, *axes, *end), r_)
 
     def movel_eaxis(
         self,
@@ -235,6 +261,7 @@ class AxisMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -243,7 +270,7 @@ class AxisMotions(Section):
         axes = _axes(scheme_name, epose, eaxis_v)
         there = frames(q_near, tool, wobj)
         end = outputs(op, def_acc)
-        return self._motion(calls.movel_eaxis(p, v_, a_, r_, *there, *axes, *end), r_)
+        return self._with_axes(calls.movel_eaxis(p, v_, a_, r_, *there, *axes, *end), r_)
 
     def movec_eaxis(
         self,
@@ -287,6 +314,7 @@ class AxisMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -296,7 +324,8 @@ class AxisMotions(Section):
         mode_ = ranges.ARC_MODE("mode", mode)
         there = frames(q_near, tool, wobj)
         end = outputs(op, def_acc)
-        return self._motion(calls.movec_eaxis(p1, p2, v_, a_, r_, *there, *axes, *end, mode_), r_)
+        call = calls.movec_eaxis(p1, p2, v_, a_, r_, *there, *axes, *end, mode_)
+        return self._with_axes(call, r_)
 
     def move_circle_eaxis(
         self,
@@ -339,6 +368,7 @@ class AxisMotions(Section):
 
         Raises:
             ParameterError: an argument is out of range.
+            LayoutUnknown: it is not known how the controller's version takes the arguments.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """
@@ -348,7 +378,7 @@ class AxisMotions(Section):
         mode_ = ranges.CIRCLE_MODE("mode", mode)
         there = frames(q_near, tool, wobj)
         end = outputs(op, def_acc)
-        return self._motion(
+        return self._with_axes(
             calls.move_circle_eaxis(p1_, p2_, v_, a_, r_, mode_, *there, *axes, *end), r_
         )
 
@@ -359,3 +389,13 @@ def _axes(scheme_name: str, epose: VectorLike, eaxis_v: float) -> tuple[str, lis
         ranges.EAXIS_POSITION("epose", epose),
         ranges.EAXIS_SPEED("eaxis_v", eaxis_v),
     )
+
+
+def _as_taken(call: WireCall[int], version: ControllerVersion) -> WireCall[int]:
+    """Return a call as a controller of a version takes it."""
+    manual = version.manual
+    if manual == "4.3" and call.name not in _NOT_IN_4_3:
+        return newer.in_lists(call)
+    if manual == "4.3" or (manual is None and version.at_least(*_AFTER_3_8)):
+        raise LayoutUnknown(call.name, version.text, _KNOWN[manual == "4.3"])
+    return call

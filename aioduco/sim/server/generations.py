@@ -5,7 +5,7 @@ that did not come. One of the present generation also answers the calls of older
 Those of the other generations know their own layouts only.
 
 The numbers of fields that manual 4.3 adds are inferred from the order in which it prints them. They
-are served, and never sent.
+are served, and never sent; lists in place of single values are both.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, TypeAlias, get_args
 
-from aioduco._wire import idl, rpc
+from aioduco._wire import idl, newer, rpc
 from aioduco.sim.server import older
 
 if TYPE_CHECKING:
@@ -29,13 +29,6 @@ GENERATIONS: Final[tuple[Generation, ...]] = get_args(Generation)
 
 _OLDER_WIRES = Path(__file__).with_name("older_wires.json")
 _Spec: TypeAlias = "dict[int, tuple[Any, ...]]"
-#: what manual 4.3 has otherwise: moves of external axes name several schemes, an arc may have a
-#: fixed radius, and reach_check takes the tool before the work object
-_SCHEMES = {"scheme_name": "list<string>", "epose": "list<list<double>>", "eaxis_v": "list<double>"}
-_WITH_SCHEMES = (
-    *("move_eaxis", "movej2_eaxis", "movej2_pose_eaxis", "movel_eaxis", "movec_eaxis"),
-    "move_circle_eaxis",
-)
 
 
 class Served(NamedTuple):
@@ -151,14 +144,9 @@ def wire_of(generation: Generation) -> Wire:
 
 def _newer_arguments() -> Any:
     functions = idl.functions()
-    for name in _WITH_SCHEMES:
-        spec = functions[name].args.thrift_spec
-        named = _SCHEMES | ({"v": "list<double>"} if name == "move_eaxis" else {})
-        text = {
-            fid: (named[entry[1]], entry[1]) for fid, entry in spec.items() if entry[1] in named
-        }
-        added = " ".join(f"{fid}: {kind} {field}" for fid, (kind, field) in text.items())
-        yield name, {**spec, **idl.fields_of(added)}
+    for name in newer.SCHEMES:
+        yield name, idl.listed(name, functions[name].args.thrift_spec)
+    # an arc may have a fixed radius, and reach_check takes the tool before the work object
     yield "movec", {**functions["movec"].args.thrift_spec, **idl.fields_of("13: double arc_rad")}
     present = functions["reach_check"].args.thrift_spec
     yield "reach_check", {**present, 2: present[3], 3: present[2]}
