@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import pickle
 import socket
 import struct
@@ -78,7 +79,10 @@ class ValueChannel:
         return pickle.loads(self._read(*_HEAD.unpack(head)))
 
     def close(self) -> None:
-        """Close the socket: the other side's `receive` ends."""
+        """Close the socket: `receive` ends on both sides, in other threads too."""
+        # A call to receive in another thread keeps a socket open that was closed only.
+        with contextlib.suppress(OSError):  # the other side has closed
+            self._link.shutdown(socket.SHUT_RDWR)
         self._link.close()
 
     def _read(self, size: int) -> bytearray:

@@ -99,8 +99,6 @@ class Tap(Uncopied):
     ) -> None:
         link, self._link = self._link, None
         if link is not None:
-            with contextlib.suppress(OSError):
-                link.shutdown(socket.SHUT_RDWR)
             link.close()
         linked, self._linked = self._linked, None
         if linked is not None:

@@ -234,20 +234,23 @@ class _Problem:
 
     def _best(self, x: Array, used: Flags) -> _Fit:
         """The likeliest of the steps with weights for each shape of noise."""
-        fits = [self._step(x, used, shape) for shape in _SHAPES]
-        return max(fits, key=lambda each: each[0])[1]
-
-    def _step(self, x: Array, used: Flags, shape: float) -> tuple[float, _Fit]:
-        """One linear step with weights for a shape of noise; its likelihood, and the fit."""
-        roots, determinants = self.whitened(shape)
-        roots, rows = roots[used], 6 * int(used.sum())
-        error = np.einsum("nij,nj->ni", roots, self.errors(x)[used]).ravel()
-        slopes = np.empty((rows, self._count))
+        errors = self.errors(x)[used]
+        changes = np.empty((len(errors), 6, self._count))
         for i, size in enumerate(self._prior):
             step = np.zeros(self._count)
             step[i] = 1e-3 * size
-            change = (self.errors(x - step) - self.errors(x + step))[used] / 2e-3
-            slopes[:, i] = np.einsum("nij,nj->ni", roots, change).ravel()
+            changes[..., i] = (self.errors(x - step) - self.errors(x + step))[used] / 2e-3
+        fits = [self._step(x, used, shape, errors, changes) for shape in _SHAPES]
+        return max(fits, key=lambda each: each[0])[1]
+
+    def _step(
+        self, x: Array, used: Flags, shape: float, errors: Array, changes: Array
+    ) -> tuple[float, _Fit]:
+        """One linear step with weights for a shape of noise; its likelihood, and the fit."""
+        roots, determinants = self.whitened(shape)
+        roots, rows = roots[used], 6 * int(used.sum())
+        error = np.einsum("nij,nj->ni", roots, errors).ravel()
+        slopes = (roots @ changes).reshape(rows, self._count)
         square, drive, prior = slopes.T @ slopes, slopes.T @ error, x / self._prior
         variance, free = float(error @ error) / rows, float(rows)
         information, step = np.eye(self._count), np.zeros(self._count)

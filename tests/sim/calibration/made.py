@@ -83,28 +83,35 @@ def turns(
     rounds: int = 2,
     rate: int = 8,
 ) -> Motions:
-    """Each joint turns there and back; samples every `rate` cycles of 1 ms, with their rounding."""
+    """Each joint turns there and back; samples every `rate` cycles of 1 ms, with their rounding.
+
+    The drives do not depend on each other: all joints are turned at once, and what each of them did
+    stands one after the other, with the others at rest.
+    """
     drives = TrailingDrives(lag.tolist(), gain.tolist(), 1e-3)
-    q = READY.copy()
-    rows, time = [], 0.0
-    cycle = 0
-    for joint in range(6):
-        for speed in speeds:
-            for side in (0.3, -0.3) * rounds:
-                for place, fast, hard in _trapezoid(side, speed, 5.0):
-                    wanted = q.copy()
-                    wanted[joint] += place
-                    unit = np.eye(6)[joint]
-                    there = drives.follow(JointSetPoint(wanted, fast * unit, hard * unit))
-                    cycle += 1
-                    if cycle % rate == 0:
-                        measured = there.q + noise * random.standard_normal(6)
-                        rows.append((cycle * 1e-3, wanted, fast * unit, measured, there.qd))
-                q[joint] += side
-    times, *columns = zip(*rows, strict=True)
-    steps = (STEP, SPEED_STEP, STEP, SPEED_STEP)
-    rounded = [np.round(np.array(c) / s) * s for c, s in zip(columns, steps, strict=True)]
-    return Motions(np.array(times) + time, *rounded)
+    q = 0.0
+    turned = []
+    for speed in speeds:
+        for side in (0.3, -0.3) * rounds:
+            for place, fast, hard in _trapezoid(side, speed, 5.0):
+                wanted = READY + q + place
+                there = drives.follow(JointSetPoint(wanted, np.full(6, fast), np.full(6, hard)))
+                turned.append((wanted, np.full(6, fast), there.q, there.qd))
+            q += side
+    together = np.array(turned)
+    rest = np.array([READY, np.zeros(6), READY, np.zeros(6)])
+    rows = np.concatenate([_one(together, rest, joint) for joint in range(6)])[rate - 1 :: rate]
+    rows[:, 2] += noise * random.standard_normal((len(rows), 6))
+    columns = zip(np.swapaxes(rows, 0, 1), (STEP, SPEED_STEP, STEP, SPEED_STEP), strict=True)
+    times = 1e-3 * rate * np.arange(1, len(rows) + 1)
+    return Motions(times, *(np.round(column / step) * step for column, step in columns))
+
+
+def _one(together: Array, rest: Array, joint: int) -> Array:
+    """What one joint did, with the others at rest."""
+    alone = np.repeat(rest[None], len(together), axis=0)
+    alone[:, :, joint] = together[:, :, joint]
+    return alone
 
 
 def _trapezoid(way: float, speed: float, hard: float) -> list[tuple[float, float, float]]:
