@@ -548,15 +548,17 @@ class SimulationRuntime:
                     continue
                 if self._plant_dirty or self._braked is not self._drive.brake:
                     self._change_plant()
-                self._plant.step(self._drive.setpoint)
+                    self._quiet = 0
+                if self._quiet * self.cycle < _SETTLING:  # else only the controller is at work
+                    self._plant.step(self._drive.setpoint)
                 pace.ran()
                 self._tick(begun)
                 now = clock()
                 self._times.add(self._batches.late, now - begun)
                 self._batches.ran()
-            if self._busy and not idle:
+            if self._busy and not self._braked and not idle:
                 self._quiet = 0
-            elif idle != self._is_idle(cycles):
+            elif idle != (self._rests(cycles) and not self._busy):
                 idle = not idle
                 self._batches.end()
                 pace.begin(now, idle=idle)
@@ -728,9 +730,13 @@ class SimulationRuntime:
             released += self._waiters.pop(id_, ())
         return released
 
-    def _is_idle(self, cycles: int) -> bool:
-        """Whether the arm has stood still for so long that the physics would change nothing."""
-        changing = self._busy or self._braked is not self._drive.brake or bool(self._changes)
+    def _rests(self, cycles: int) -> bool:
+        """Whether the arm has stood still for so long that the physics would change nothing.
+
+        That holds for an arm on its brakes, too, while its power changes.
+        """
+        changing = (self._busy and not self._braked) or self._braked is not self._drive.brake
+        changing = changing or bool(self._changes)
         changing = changing or self._pushed is not self._push or any(self._pushed)
         changing = changing or self._loaded is not self._load
         changing = changing or self._rubbed is not self._friction
