@@ -546,11 +546,7 @@ class SimulationRuntime:
                 if begun is None:
                     now = clock()
                     continue
-                if self._plant_dirty or self._braked is not self._drive.brake:
-                    self._change_plant()
-                    self._quiet = 0
-                if self._quiet * self.cycle < _SETTLING:  # else only the controller is at work
-                    self._plant.step(self._drive.setpoint)
+                self._step()
                 pace.ran()
                 self._tick(begun)
                 now = clock()
@@ -570,6 +566,14 @@ class SimulationRuntime:
         if self._controller.unplanned is not None:
             return True  # else a caller would wait for many cycles, which compete with the planning
         return bool(self._waiters) and self._controller.time_left < self._batches.longest
+
+    def _step(self) -> None:
+        """Let the physics move for one cycle, unless only the controller is at work."""
+        if self._plant_dirty or self._braked is not self._drive.brake:
+            self._change_plant()
+            self._quiet = 0
+        if self._quiet * self.cycle < _SETTLING:
+            self._plant.step(self._drive.setpoint)
 
     def _change_plant(self) -> None:
         """Pass the changes since the last cycle to the physics."""

@@ -81,7 +81,7 @@ async def test_a_beat_whose_time_has_passed_does_not_rearm() -> None:
     now = boot_time()
     gate = Gate(0.5, 2.0, now)
     gate.beaten(now - 10.0)  # the heartbeat has an answer of which the gate does not know yet
-    answered = cast("Heartbeat", SimpleNamespace(answered=True))
+    answered = cast("Heartbeat", SimpleNamespace(state=HeartbeatState.BEATING))
     assert not await _beats(answered, gate, 0.0)
     gate.beaten(now + 60.0)
     assert await _beats(answered, gate, 0.0)
