@@ -103,7 +103,7 @@ def turns(
     rows = np.concatenate([_one(together, rest, joint) for joint in range(6)])[rate - 1 :: rate]
     rows[:, 2] += noise * random.standard_normal((len(rows), 6))
     columns = zip(np.swapaxes(rows, 0, 1), (STEP, SPEED_STEP, STEP, SPEED_STEP), strict=True)
-    times: Array = 1e-3 * rate * np.arange(1, len(rows) + 1)
+    times = 1e-3 * rate * np.arange(1.0, len(rows) + 1.0, dtype=np.float64)
     return Motions(times, *(np.round(column / step) * step for column, step in columns))
 
 
