@@ -21,9 +21,9 @@ from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.words import ControlWord, Reason, StreamState
 from aioduco.streaming.speed import Speed
 from aioduco.streaming.track import TrackStreams
+from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch, Point
 from aioduco.streaming.worker.permit import StreamPermit
-from aioduco.streaming.worker.watch import ControllerWatch
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.testing import eventually, eventually_async, no_leaks
 
@@ -310,24 +310,24 @@ async def test_a_freeze_after_a_set_point_ends_it(
     arm: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The next tick is chosen after it, and is not late."""
-    look = ControllerWatch.look
+    follows = Driver._follows
     frozen: list[int] = []
     thawed = threading.Event()
 
-    def freeze(self: ControllerWatch, task: int) -> tuple[Reason, str]:
+    def freeze(self: Driver, task: int) -> bool:
         if armed.is_set() and not frozen:
             frozen.append(len(arm.points()))
             begin = boot_time()
             eventually(lambda: boot_time() > begin + 1.1)
             thawed.set()
-        return look(self, task)
+        return follows(self, task)
 
     def freeze_once(_: Stream) -> None:
         armed.set()
         thawed.wait(30.0)
 
     armed = threading.Event()
-    monkeypatch.setattr(ControllerWatch, "look", freeze)
+    monkeypatch.setattr(Driver, "_follows", freeze)
     error = await ended(arm, "servo", replace(THREAD, away_limit=1.0), freeze_once)
     assert isinstance(error, WorkerFailed)
     assert [len(arm.points())] == frozen

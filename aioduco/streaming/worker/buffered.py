@@ -262,8 +262,7 @@ class RealtimeQueueDriver(Driver):
                 "the controller takes no points from its queue any more; the newest on its error "
                 f"list: {error}"
             )
-        reason, text = self._watch.look(0)
-        return not reason or self._refuse(text)
+        return self._follows(0)
 
     def _more(self, count: int) -> list[bytes]:
         """The next points; after the last one, points at which the arm rests."""
@@ -391,8 +390,7 @@ class TrackPoolDriver(Driver):
                 return True
             case PoolAction.WAIT | PoolAction.FOLLOW:
                 pass
-        reason, text = self._watch.look(self._task if left else 0)
-        return not reason or self._finish(reason, text)
+        return self._follows(self._task if left else 0)
 
     def _go(self) -> bool:
         """Start the controller's motion through the pool."""

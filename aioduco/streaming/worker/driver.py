@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.words import StatusWord
-from aioduco.streaming.worker.watch import ControllerWatch
+from aioduco.streaming.worker.watch import disabled, ended
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
@@ -32,7 +33,11 @@ class Driver(ABC):
         self._connection = connection
         self._block = block
         self._timeout = options.timeout
-        self._watch = ControllerWatch(connection, options.watch, options.timeout)
+        #: time between two polls whether the controller still follows [ns], when the next is due,
+        #: and whether it is about the task
+        self._watch_every = int(options.watch * 1e9)
+        self._watch_due = time.monotonic_ns() + self._watch_every
+        self._task_next = False
         self._round_trip = block.histograms["round_trip"].record
         self._sent = 0
 
@@ -60,6 +65,27 @@ class Driver(ABC):
     def publish(self) -> None:
         """Write the status of the stream into the shared block."""
         self._block.status[StatusWord.SENT] = self._sent
+
+    def _follows(self, task: int) -> bool:
+        """Poll whether the controller still follows, if it is time to; if it does not, end.
+
+        Args:
+            task: the id that the controller returned for the last set-point; 0: none.
+
+        Returns:
+            Whether there is another tick.
+        """
+        now = time.monotonic_ns()
+        if not self._watch_every or now < self._watch_due:
+            return True
+        self._watch_due = now + self._watch_every
+        self._task_next = not self._task_next
+        call, timeout = self._connection.call, self._timeout
+        if self._task_next and task > 0:
+            reason, text = ended(task, call("get_noneblock_taskstate", (task,), timeout))
+        else:
+            reason, text = disabled(call("get_robot_state", (), timeout))
+        return not reason or self._finish(reason, text)
 
     def _finish(self, reason: Reason, text: str = "") -> bool:
         """End: no deceleration is possible or needed. Returns that there is no other tick."""

@@ -60,8 +60,7 @@ class CallDriver(Driver):
                 return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
         if self.state is StreamState.ENDED and self._ahead is None:
             return False
-        reason, text = self._watch.look(self._task)
-        return not reason or self._finish(reason, text)
+        return self._follows(self._task)
 
     def _look_ahead(self) -> None:
         self._ahead = self._feed.step()
