@@ -71,25 +71,16 @@ class RetryingReads:
             name: the function.
             args: one value per parameter.
         """
-        limit = self._lane.call_timeout
-        begin = time.monotonic()
-        try:
-            return await self._lane.call(name, args, limit)
-        except (ConnectError, ConnectionLost) as exc:
-            if call_kind(name) is not CallKind.READ or isinstance(exc, ProtocolError):
-                raise
-            return await self._again(name, args, begin + limit, exc)
-
-    async def _again(self, name: str, args: tuple[Any, ...], until: float, error: Exception) -> Any:
-        for pause in pauses(self._draw):
-            if time.monotonic() + pause >= until:
-                break
+        left = self._lane.call_timeout
+        until, following = time.monotonic() + left, pauses(self._draw)
+        while True:
+            try:
+                return await self._lane.call(name, args, left)
+            except (ConnectError, ConnectionLost) as exc:
+                if call_kind(name) is not CallKind.READ or isinstance(exc, ProtocolError):
+                    raise
+                if time.monotonic() + (pause := next(following)) >= until:
+                    raise
             await anyio.sleep(pause)
             self.retries += 1
-            try:
-                return await self._lane.call(name, args, max(0.001, until - time.monotonic()))
-            except (ConnectError, ConnectionLost) as exc:
-                if isinstance(exc, ProtocolError):
-                    raise
-                error = exc
-        raise error
+            left = max(0.001, until - time.monotonic())
