@@ -6,13 +6,19 @@ before it, and no more is loaded than a stop needs.
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._wire.framing import Malformed
 from aioduco._wire.lane import WireLane
-from aioduco.errors import DucoError, NotAController, ProtocolError, UnknownFunction
+from aioduco.errors import (
+    DucoError,
+    NotAController,
+    ProtocolError,
+    StopUnconfirmed,
+    UnknownFunction,
+)
 from aioduco.models.samples import Samples
 from aioduco.supervision.concurrency import run_to_completion
 from aioduco.supervision.stop_channel import FIRST_ATTEMPT, StopChannel
@@ -55,8 +61,12 @@ async def stop_arm(
     channel = StopChannel(lane, lane, lane)
 
     async def bring_to_rest() -> None:
-        if not await _accepted(lane):
-            await channel.stop(stop_timeout)
+        try:
+            if not await _accepted(lane):
+                await channel.stop(stop_timeout)
+        except StopUnconfirmed:
+            await _check_peer(lane)
+            raise
         await channel.rest(stop_timeout, standstill_timeout)
 
     await lane.open()
@@ -76,23 +86,20 @@ async def _accepted(lane: WireLane) -> bool:
     Raises:
         NotAController: what answers is no controller.
     """
-    begin = time.monotonic()
     try:
         answer: int = await lane.call("stop", (False,), FIRST_ATTEMPT)
-    except UnknownFunction as exc:
-        raise NotAController(lane.host, lane.port, f"it knows no stop ({exc})") from exc
-    except DucoError:
-        if time.monotonic() - begin < FIRST_ATTEMPT:
+    except DucoError as exc:
+        if isinstance(exc, UnknownFunction) or isinstance(exc.__cause__, Malformed):
             await _check_peer(lane)
         return False
     return answer >= 0
 
 
 async def _check_peer(lane: WireLane) -> None:
-    """Check that the other end speaks the protocol, after a call that failed without waiting."""
+    """Check that the other end has functions of a controller, after it did not take a stop."""
     try:
-        await lane.call("get_robot_state", (), FIRST_ATTEMPT)
-    except ProtocolError as exc:
+        await lane.call("get_robot_state", ())
+    except (ProtocolError, UnknownFunction) as exc:
         reason = f"what answers there is no controller ({exc}); the controller's port is 7003"
         raise NotAController(lane.host, lane.port, reason) from exc
     except DucoError:
