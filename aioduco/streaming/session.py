@@ -41,6 +41,7 @@ from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, Stre
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
+from aioduco.supervision.loop_watchdog import signs_of_life
 from aioduco.supervision.motion_sources import OpenStream
 
 if TYPE_CHECKING:
@@ -56,8 +57,6 @@ __all__ = ["Session"]
 _HALTED = 2.0  # seconds within which a halted worker must end
 _KILLED = 1.0  # seconds within which a killed process must end
 _EXIT = 5.0  # seconds within which a worker's process must exit after it has closed its socket
-_SIGNS = 10  # signs of life of the event loop per stall limit
-_SIGN_EVERY = 0.1  # longest time between two signs of life [s]
 _LOOK = 0.25  # seconds between two checks whether the worker's process hangs
 _LOOK_EVERY = 0.005  # seconds between two checks whether a worker has ended
 _FOR_EVER = 2**64 - 1  # ns
@@ -472,7 +471,7 @@ class Session(OpenStream):
     async def _send_signs_of_life(self) -> None:
         """Give the worker signs of life of the event loop; none counts once the gate is closed."""
         gate = self._endpoint.gate
-        async for _ in every(min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)):
+        async for _ in signs_of_life(self._config.stall_limit):
             if self.gone:
                 return
             if gate is None or gate.alive(boot_time()):

@@ -18,16 +18,29 @@ from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import GuardLost
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
+    from aioduco.supervision.concurrency import Ticker
 
-__all__ = ["BlockingCalls", "Liveness", "LoopWatchdog", "blocking_calls", "watchdogs"]
+
+__all__ = [
+    "BlockingCalls",
+    "Liveness",
+    "LoopWatchdog",
+    "blocking_calls",
+    "signs_of_life",
+    "watchdogs",
+]
 
 _log = BackgroundLogger(__name__)
 
+#: signs of life of an event loop per stall limit, and the longest time between two [s]
+_SIGNS: Final = 10
+_SIGN_EVERY: Final = 0.1
 #: calls of the stack that are kept
 _DEPTH: Final = 12
 #: functions of asyncio that run a loop
@@ -45,6 +58,16 @@ class BlockingCalls(NamedTuple):
 
     line: str
     stack: str
+
+
+def signs_of_life(stall_limit: float, first: float | None = None) -> Ticker:
+    """Return the moments at which an event loop gives a sign of life.
+
+    Args:
+        stall_limit: seconds without one after which its program counts as hung.
+        first: when the first one was due [s of `time.monotonic`]; None for now.
+    """
+    return every(min(stall_limit / _SIGNS, _SIGN_EVERY), first)
 
 
 class Liveness:

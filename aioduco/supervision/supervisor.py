@@ -54,7 +54,7 @@ from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
-from aioduco.supervision.loop_watchdog import Liveness, watchdogs
+from aioduco.supervision.loop_watchdog import Liveness, signs_of_life, watchdogs
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import RetryingReads, pauses
 from aioduco.supervision.state_feed import StateFeed
@@ -75,10 +75,6 @@ __all__ = ["Supervisor", "SupervisorStatistics"]
 
 _log = BackgroundLogger(__name__)
 
-#: signs of life of the event loop per stall limit
-_SIGNS = 10
-#: maximum seconds between two signs of life
-_SIGN_EVERY = 0.1
 #: seconds within which a stop must be accepted at the interpreter's exit
 _EXIT_LIMIT = 2.0
 #: seconds for a thread to end
@@ -601,8 +597,7 @@ class Supervisor:
 
     async def _live(self, due: float) -> None:
         """Give signs of life of the event loop, first at `due`."""
-        period = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
-        async for turn in every(period, due):
+        async for turn in signs_of_life(self.settings.loop_stall_limit, due):
             self._liveness.touch(turn, counts=self.gate.alive(boot_time()))
 
     def _crashed(self, error: BaseException) -> None:
