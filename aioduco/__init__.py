@@ -20,6 +20,7 @@ from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lis
 
 if TYPE_CHECKING:
     from aioduco._process.frozen import freeze_support
+    from aioduco.api.motion.switch import SwitchPlace, TrajectorySwitch
     from aioduco.models.enums import (
         FileKind,
         OperationMode,
@@ -121,7 +122,9 @@ __all__ = [  # noqa: RUF022  # grouped by purpose
     "WorkerOptions",
     "ServoGains",
     "StreamStatistics",
+    "SwitchPlace",
     "Tolerances",
+    "TrajectorySwitch",
     # states
     "ControllerVersion",
     "HeartbeatState",
@@ -143,6 +146,7 @@ __all__ += errors.__all__
 #: names by the module that provides them on first use; the imports above are for type checkers
 _HOMES = {
     "aioduco._process.frozen": ("freeze_support",),
+    "aioduco.api.motion.switch": ("SwitchPlace", "TrajectorySwitch"),
     "aioduco.models.enums": (
         "FileKind",
         "OperationMode",

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from aioduco.api.log import Log as AioLog
     from aioduco.api.modbus import Modbus as AioModbus
     from aioduco.api.motion import Motion as AioMotion, PlannedMotion, Through
+    from aioduco.api.motion.switch import TrajectorySwitch
     from aioduco.api.optimization import Optimization as AioOptimization
     from aioduco.api.program import Program as AioProgram
     from aioduco.api.realtime import Realtime as AioRealtime
@@ -312,6 +313,7 @@ class Motion(_Section):
         through: Through = 'auto',
         rate: float = 500.0,
         reach: float = 0.05,
+        switch: TrajectorySwitch | None = None,
         options: WorkerOptions | None = None,
     ) -> TrajectoryResult:
         """Follow joint positions at given times to the end, and wait until the arm has arrived.
@@ -333,6 +335,8 @@ class Motion(_Section):
                 set-point, "auto" for the queue if this controller has one, else servoj.
             rate: set-points per second through servoj [Hz]; the queue has 1000.
             reach: largest distance of each joint from the first point at the start [rad].
+            switch: leads the arm into another trajectory on the way. Then set-points are sent 0.4 s
+                ahead; without it, as far ahead as they fit.
             options: how the worker runs; None: in a process of its own.
 
         Returns:
@@ -350,7 +354,7 @@ class Motion(_Section):
         """
         work = self._made.follow_joint_trajectory(
             trajectory, v=v, a=a, tolerances=tolerances, feedback=feedback, through=through,
-            rate=rate, reach=reach, options=options
+            rate=rate, reach=reach, switch=switch, options=options
         )
         return self._call(work)
 

@@ -16,7 +16,8 @@ NAMES = {
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "
     "ForceFrame ForceLogic GuardedForce Jog Load "
     "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
-    "streams": "JointTrajectory WorkerOptions ServoGains StreamStatistics TaughtPoints Tolerances",
+    "streams": "JointTrajectory WorkerOptions ServoGains StreamStatistics SwitchPlace TaughtPoints "
+    "Tolerances TrajectorySwitch",
     "states": "ControllerVersion ForceStatus HeartbeatState IOStatus OperationMode ProgramState "
     "RobotState RobotStates RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),

@@ -11,6 +11,7 @@ from aioduco.api.motion.jog import Jogging
 from aioduco.api.motion.joints import JointMotions
 from aioduco.api.motion.lines import Lines
 from aioduco.api.motion.servo import ServoMotions
+from aioduco.api.motion.switch import TrajectorySwitch
 from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.motion.velocity import Velocity
@@ -161,6 +162,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         through: Through = "auto",
         rate: float = 500.0,
         reach: float = 0.05,
+        switch: TrajectorySwitch | None = None,
         options: WorkerOptions | None = None,
     ) -> TrajectoryResult:
         """Follow joint positions at given times to the end, and wait until the arm has arrived.
@@ -181,6 +183,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
                 set-point, "auto" for the queue if this controller has one, else servoj.
             rate: set-points per second through servoj [Hz]; the queue has 1000.
             reach: largest distance of each joint from the first point at the start [rad].
+            switch: leads the arm into another trajectory on the way. Then set-points are sent 0.4 s
+                ahead; without it, as far ahead as they fit.
             options: how the worker runs; None: in a process of its own.
 
         Returns:
@@ -205,6 +209,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             raise ParameterError("tolerances", tolerances, "Tolerances, or None")
         if feedback is not None and not callable(feedback):
             raise ParameterError("feedback", feedback, "a function, or None")
+        if switch is not None and not isinstance(switch, TrajectorySwitch):
+            raise ParameterError("switch", switch, "a TrajectorySwitch, or None")
         Feeding(rate=rate, reach=per_group("reach", reach, 6))  # checks both
         options = checked(options)
         self._supervisor.check_open("follow_joint_trajectory")
@@ -221,6 +227,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
                 feedback=feedback,
                 rate=rate,
                 reach=reach,
+                switch=switch,
                 options=options,
             )
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 import numpy as np
 
+from aioduco.api.motion.switch import SwitchPlace
 from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceViolated
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.streaming.options import per_group
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from aioduco.api.motion.switch import TrajectorySwitch
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import JointTrajectory
     from aioduco.streaming.options import WorkerOptions
@@ -32,6 +34,7 @@ __all__ = ["follow"]
 _LOOK = 0.02  # seconds between two reads of the arm's position
 _DEPTH = 100  # points in the controller's queue: it lasts for 0.1 s without new points
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
+_AHEAD = 0.4  # seconds of set-points that are sent ahead, where another trajectory may come
 _WINDOW = 60  # points of the path in that time with which the arm's position is compared
 
 
@@ -47,6 +50,7 @@ async def follow(
     feedback: Callable[[Feedback], object] | None = None,
     rate: float = 500.0,
     reach: float = 0.05,
+    switch: TrajectorySwitch | None = None,
     options: WorkerOptions | None = None,
 ) -> TrajectoryResult:
     """Follow a joint trajectory to its end, and wait until the arm has arrived.
@@ -65,6 +69,7 @@ async def follow(
         feedback: callback that gets a `Feedback` about 50 times a second.
         rate: set-points per second of servoj [Hz]; the queue has 1000.
         reach: largest distance of each joint from the first point at the start [rad].
+        switch: leads the arm into another trajectory on the way; None: none will come.
         options: how the worker runs; None: in a process of its own.
 
     Raises:
@@ -76,26 +81,29 @@ async def follow(
     limits = tolerances or Tolerances()
     curve = trajectory.curve(await read_joints())
     interval = CYCLE if realtime else 1 / rate
-    points = curve.at(curve.times[0] + instants(curve.duration, interval))
-    speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
-    if speed > v * (1 + 1e-6):
-        raise ParameterError("trajectory", f"a joint at {speed:.4g} rad/s", f"up to {v:g} rad/s")
+    points = _points(curve, interval, v)
     step = max(0.2, 2 * v * interval)
+    ahead = None if switch is None else max(2, round(_AHEAD / interval))
     stream: Stream
     if realtime:
         stream = RealtimeStreams(endpoint).stream(
-            "joint_position", v=v, a=a, depth=_DEPTH, max_step=step, reach=reach, options=options
-        )
+            "joint_position", v=v, a=a, depth=_DEPTH, max_step=step, reach=reach, ahead=ahead,
+            options=options,
+        )  # fmt: skip
     else:
         stream = Servo(endpoint).joints(
-            v=v, a=a, rate=rate, max_step=step, reach=reach, options=options
+            v=v, a=a, rate=rate, max_step=step, reach=reach, ahead=ahead, options=options
         )
-    watcher = _Watcher(curve, read_joints, stream, interval, limits, feedback)
+    way = _Way(curve, interval, limits)
+    watcher = _Watcher(way, read_joints, stream, feedback)
     start = time.monotonic()
     try:
         async with stream, anyio.create_task_group() as tasks:
             tasks.start_soon(watcher.watch)
-            await stream.play(points)
+            if switch is None:
+                await stream.play(points)
+            else:
+                await _send(stream, points, way, switch, v)
             tasks.cancel_scope.cancel()
     except BaseExceptionGroup as group:
         if watcher.strayed is not None and endpoint.stop is not None:
@@ -108,26 +116,116 @@ async def follow(
     )
 
 
+def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float64]:
+    """The set-points of a curve.
+
+    Raises:
+        ParameterError: it is too fast.
+    """
+    points = curve.at(curve.times[0] + instants(curve.duration, interval))
+    speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
+    if speed > v * (1 + 1e-6):
+        raise ParameterError("trajectory", f"a joint at {speed:.4g} rad/s", f"up to {v:g} rad/s")
+    return points
+
+
+async def _send(
+    stream: Stream, points: NDArray[np.float64], way: _Way, switch: TrajectorySwitch, v: float
+) -> None:
+    """Send set-points a little ahead of the arm, and go over to others when that is asked for.
+
+    The last one is sent as `Stream.play` does, which waits until it was taken.
+    """
+    index = 0
+    switch.begin()
+    try:
+        while index < len(points) - 1:
+            if switch.asked and (other := switch.made(way.place(index, stream.taken))) is not None:
+                trajectory, limits = other
+                curve = trajectory.curve(points[index])
+                points, index = _points(curve, way.interval, v), 0
+                way.go_over(curve, limits)
+            await stream.send(points[index])
+            way.sent += 1
+            index += 1
+    finally:
+        switch.end()
+    await stream.play(points[-1:])
+
+
+class _Part(NamedTuple):
+    """A trajectory that is followed from a set-point on."""
+
+    first: int
+    curve: Spline
+    tolerances: Tolerances
+
+
+class _Way:
+    """The trajectories that are followed one after the other, by the number of the set-point.
+
+    Attributes:
+        interval: time between two set-points [s].
+        sent: set-points that were sent.
+    """
+
+    def __init__(self, curve: Spline, interval: float, tolerances: Tolerances) -> None:
+        self.interval = interval
+        self.sent: int = 0
+        self._parts = [_Part(0, curve, tolerances)]
+
+    def place(self, index: int, taken: int) -> SwitchPlace:
+        """The place of the next set-point, which is the one of this index of its trajectory."""
+        curve = self._parts[-1].curve
+        at = curve.times[:1] + index * self.interval
+        delay = max(0, self.sent - taken) * self.interval
+        return SwitchPlace(curve.at(at)[0], curve.velocity(at)[0], delay)
+
+    def go_over(self, curve: Spline, tolerances: Tolerances) -> None:
+        """Follow another trajectory from the next set-point on."""
+        self._parts.append(_Part(self.sent, curve, tolerances))
+
+    def last(self) -> _Part:
+        """The trajectory at whose end the arm arrives."""
+        return self._parts[-1]
+
+    def part(self, number: float) -> _Part:
+        """The trajectory of a set-point."""
+        begun = [each for each in self._parts if each.first <= number]
+        return begun[-1] if begun else self._parts[0]
+
+    def time(self, number: float) -> float:
+        """The time of a set-point on the newest trajectory that was begun to be sent [s]."""
+        first, curve, _ = self._parts[-1]
+        since = min(max(0.0, number - first) * self.interval, curve.duration)
+        return float(curve.times[0]) + since
+
+    def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Places of set-points, and between them. Shape (n, 6)."""
+        places = np.empty((len(numbers), 6))
+        ends = [*(each.first for each in self._parts[1:]), np.inf]
+        low = -np.inf
+        for (first, curve, _), end in zip(self._parts, ends, strict=True):
+            here = (numbers >= low) & (numbers < end)
+            places[here] = curve.at(curve.times[0] + (numbers[here] - first) * self.interval)
+            low = end
+        return places
+
+
 class _Watcher:
     """Compares the arm's position with the trajectory."""
 
     def __init__(
         self,
-        curve: Spline,
+        way: _Way,
         read: Callable[[], Awaitable[Sequence[float]]],
         stream: Stream,
-        interval: float,
-        tolerances: Tolerances,
         feedback: Callable[[Feedback], object] | None,
     ) -> None:
-        self._curve = curve
+        self._way = way
         self._read = read
         self._stream = stream
-        self._interval = interval
         self._feedback = feedback
-        self._path = np.zeros(6) if not tolerances.path else _six("path", tolerances.path)
-        self._goal = _six("goal", tolerances.goal)
-        self._goal_time = tolerances.goal_time
         self.worst = np.zeros(6)
         self.goal_error = np.zeros(6)
         self.strayed: PathToleranceViolated | None = None
@@ -141,11 +239,13 @@ class _Watcher:
             actual = np.asarray(await self._read(), dtype=np.float64)
             error = self._compare(taken, self._stream.taken, actual)
             self.worst = np.maximum(self.worst, np.abs(error))
-            if np.any(self._path) and np.any(np.abs(error) > self._path):
-                joint = int(np.argmax(np.abs(error) - self._path))
+            allowed = self._way.part(taken - 1).tolerances.path
+            path = _six("path", allowed) if allowed else np.zeros(6)
+            if np.any(path) and np.any(np.abs(error) > path):
+                joint = int(np.argmax(np.abs(error) - path))
                 self.strayed = PathToleranceViolated(
                     f"joint {joint + 1} is {error[joint]:+.4g} rad from its trajectory, "
-                    f"{self._path[joint]:g} allowed; the arm was brought to rest, and stopped",
+                    f"{path[joint]:g} allowed; the arm was brought to rest, and stopped",
                     self._stream.statistics(),
                 )
                 raise self.strayed
@@ -159,33 +259,32 @@ class _Watcher:
                 on by the difference.
             actual: joint angles that were read [rad].
         """
-        now, end = (
-            self._curve.times[0] + min((taken - 1) * self._interval, self._curve.duration)
-            for taken in (before, after)
-        )
-        times = np.linspace(max(self._curve.times[0], now - _LAG), end + _LOOK / 2, _WINDOW)
-        places = self._curve.at(times)
+        interval = self._way.interval
+        first, last = max(0.0, before - 1 - _LAG / interval), after - 1 + _LOOK / 2 / interval
+        places = self._way.at(np.linspace(first, last, _WINDOW))
         errors = actual - places
         # By the sum of the distances: one joint with a large error does not shift the point.
         nearest = int(np.argmin(np.abs(errors).sum(axis=1)))
         if self._feedback is not None:
+            now = self._way.time(before - 1)
             self._feedback(Feedback(now, places[nearest], actual, errors[nearest]))
         return np.asarray(errors[nearest])
 
     async def arrive(self) -> None:
         """Wait until the arm is at its goal."""
-        goal = self._curve.at(self._curve.times[-1:])[0]
-        until = time.monotonic() + self._goal_time
+        _, curve, tolerances = self._way.last()
+        goal, allowed = curve.at(curve.times[-1:])[0], _six("goal", tolerances.goal)
+        until = time.monotonic() + tolerances.goal_time
         async for _ in every(_LOOK):
             actual = np.asarray(await self._read(), dtype=np.float64)
             self.goal_error = actual - goal
-            if np.all(np.abs(self.goal_error) <= self._goal):
+            if np.all(np.abs(self.goal_error) <= allowed):
                 return
             if time.monotonic() > until:
-                joint = int(np.argmax(np.abs(self.goal_error) - self._goal))
+                joint = int(np.argmax(np.abs(self.goal_error) - allowed))
                 raise GoalToleranceViolated(
                     f"joint {joint + 1} is {self.goal_error[joint]:+.4g} rad from its goal "
-                    f"{self._goal_time:g} s after the end, {self._goal[joint]:g} allowed",
+                    f"{tolerances.goal_time:g} s after the end, {allowed[joint]:g} allowed",
                     self._stream.statistics(),
                 )
 

@@ -45,6 +45,12 @@ class GoalQueue(Generic[G]):
             return self.running
         return None
 
+    def take_over(self) -> G:
+        """Let the waiting goal take the place of the running one."""
+        assert self.waiting is not None
+        self.running, self.waiting = self.waiting, None
+        return self.running
+
     def end(self) -> None:
         """The running goal has ended, with any result; the arm stands."""
         self.running = None

@@ -1,4 +1,4 @@
-"""Parts of a goal's path: the whole, or what remains of it for an arm at rest. No I/O, no clock."""
+"""Parts of a goal's path: the whole, or what remains of it for an arm that is elsewhere. No I/O."""
 
 from __future__ import annotations
 
@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.ros.trajectory_goals import ArmProfile
 
-__all__ = ["PathPart", "nearest_time", "rest_of_path", "whole_path"]
+__all__ = ["PathPart", "nearest_time", "path_from_motion", "rest_of_path", "whole_path"]
 
 _SAMPLE = 0.02  # time between two points of what remains of a path [s]
 _MOST_SAMPLES = 3000
 _SHORTEST = 0.2  # shortest time in which the arm reaches the path's speed [s]
+#: times in which a moving arm comes onto a path, the shortest that keeps the limits is taken [s]
+_BLENDS = (0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2, 1.6, 2.4)
 _SEARCH = 0.01  # distance of the times among which the nearest is searched [s]
 
 
@@ -101,6 +103,65 @@ def rest_of_path(
     low, high = np.asarray(profile.lower), np.asarray(profile.upper)
     made = JointTrajectory(np.clip(positions, low, high), moments, velocities)
     return PathPart(made, lambda time: float(np.interp(time, moments, place)))
+
+
+def path_from_motion(
+    path: Any,
+    place: NDArray[np.float64],
+    speed: NDArray[np.float64],
+    *,
+    begin: float,
+    factor: float,
+    profile: ArmProfile,
+) -> PathPart | None:
+    """What remains of a path, from an arm that moves and need not be on it.
+
+    Position and speed begin with those of the arm, and fade into those of the path.
+
+    Args:
+        path: the curve of the goal's trajectory.
+        place: set-point of the arm [rad]. Shape (6,).
+        speed: its speed [rad/s]. Shape (6,).
+        begin: time on the path at which the arm is there [s].
+        factor: factor of the path's speed, above 0 to 1.
+        profile: limits of the arm.
+
+    Returns:
+        The part; None if no fading within the limits ends before the path does.
+    """
+    begin = min(max(begin, float(path.times[0])), float(path.times[-1]))
+    duration = (float(path.times[-1]) - begin) / factor
+    at = np.array([begin])
+    gap, drift = place - path.at(at)[0], speed - factor * path.velocity(at)[0]
+    if duration < _BLENDS[0]:
+        return None
+    # close together as long as it may fade
+    near = min(duration, _BLENDS[-1])
+    moments = _moments(near)
+    if duration > near + _SAMPLE:
+        moments = np.concatenate([moments, near + _moments(duration - near)[1:]])
+    moments[-1] = duration
+    own, rate = path.at(begin + factor * moments), factor * path.velocity(begin + factor * moments)
+    own_change = np.abs(np.gradient(rate, moments, axis=0)).max(axis=0)
+    for blend in _BLENDS:
+        if blend > duration:
+            return None
+        share = np.minimum(moments / blend, 1.0)[:, None]
+        keep, out = (1.0 - share) ** 2 * (1.0 + 2.0 * share), share * (1.0 - share) ** 2 * blend
+        fading = -6.0 * share * (1.0 - share) / blend, (1.0 - share) * (1.0 - 3.0 * share)
+        positions = own + keep * gap + out * drift
+        velocities = rate + fading[0] * gap + fading[1] * drift
+        velocities[-1] = 0.0
+        # where the arm comes from, its speed was within the limits
+        fastest = np.maximum(profile.velocity, np.abs(speed))
+        slow = np.all(np.abs(velocities) <= fastest)
+        most = np.maximum(profile.acceleration, own_change)
+        soft = np.all(6.0 * np.abs(gap) / blend**2 + 4.0 * np.abs(drift) / blend <= most)
+        within = np.all((positions >= profile.lower) & (positions <= profile.upper))
+        if slow and soft and within:
+            made = JointTrajectory(positions, moments, velocities)
+            return PathPart(made, lambda time: min(begin + factor * time, float(path.times[-1])))
+    return None
 
 
 def nearest_time(path: Any, actual: Sequence[float], begin: float, end: float) -> float:

@@ -2,8 +2,10 @@
 
 Guarantees:
 - A refused goal moves nothing, and does not disturb the running goal.
-- A goal that is cancelled, superseded by a newer one, late, or whose client has gone, ends with the
-  arm at rest. Its result is sent only after that.
+- A goal that is cancelled, late, or whose client has gone, ends with the arm at rest. Its result is
+  sent only after that.
+- A newer goal that begins where the arm is or was on its way takes over without a stop, if it can
+  within the arm's limits. Otherwise the arm comes to rest, and follows it from there.
 - A goal that succeeded was there within its own times, stretched by the global speed, and its
   goal time tolerance.
 - No goal can end the server: each goal gets exactly one result.
@@ -21,10 +23,16 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 import anyio
 import numpy as np
 
-from aioduco import RobotState
+from aioduco import RobotState, TrajectorySwitch
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.goal_queue import GoalQueue
-from aioduco.integrations.ros.path_parts import PathPart, nearest_time, rest_of_path, whole_path
+from aioduco.integrations.ros.path_parts import (
+    PathPart,
+    nearest_time,
+    path_from_motion,
+    rest_of_path,
+    whole_path,
+)
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
     GoalEnded,
@@ -39,7 +47,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco import Robot, WorkerOptions
+    from aioduco import JointTrajectory, Robot, SwitchPlace, Tolerances, WorkerOptions
     from aioduco.integrations.ros.trajectory_goals import (
         ArmProfile,
         CheckedGoal,
@@ -190,6 +198,9 @@ class TrajectoryServer:
         self._error: GoalEnded | None = None
         #: the part of the goal that the arm follows; a pause, or another speed, ends it
         self._part: anyio.CancelScope | None = None
+        self._switch: TrajectorySwitch | None = None
+        #: what the arm follows, of the path of the running goal
+        self._followed: PathPart | None = None
         self._factor = 1.0
         self._paused = False
         self._at_rest = anyio.Event()
@@ -225,7 +236,7 @@ class TrajectoryServer:
         if dropped is not None:
             dropped.handle.cancelled("a newer goal came before it began")
         if self._queue.superseded:
-            self._halt("a newer goal came")
+            self._replace()
         self._changed.set()
 
     @property
@@ -318,6 +329,47 @@ class TrajectoryServer:
         finally:
             self.cancel_all("the driver ends")
 
+    def _replace(self) -> None:
+        """Let the waiting goal take over from the moving arm, or else bring the arm to rest."""
+        job = self._queue.waiting
+        assert job is not None
+
+        def rest() -> None:
+            if self._queue.superseded:
+                self._halt("a newer goal came")
+
+        def take_over(place: SwitchPlace) -> tuple[JointTrajectory, Tolerances] | None:
+            if self._queue.waiting is not job:
+                return None  # it was withdrawn, or a newer one asks for itself
+            path = job.checked.trajectory.curve(place.joints.tolist())
+            late = anyio.current_time() + place.delay - job.arrived if job.joins else 0.0
+            part = path_from_motion(
+                *(path, place.joints, place.speeds),
+                begin=late * self._factor,
+                factor=self._factor,
+                profile=self._profile,
+            )
+            if part is None:
+                rest()
+                return None
+            running = self._queue.running
+            assert running is not None
+            self._queue.take_over()
+            running.handle.cancelled("a newer goal took over")
+            job.handle.accepted()
+            self._path, self._followed, self._progress, self._rising = path, part, None, True
+            tolerances = job.checked.tolerances
+            end = place.delay + part.trajectory.duration
+            self._due = anyio.current_time() + end + tolerances.goal_time
+            return part.trajectory, tolerances
+
+        leads = job.joins or job.checked.trajectory.times[0] > 0.0
+        moving = self._part is not None and not (self._part.cancel_called or self._paused)
+        if leads and moving and not job.checked.begin and self._switch is not None:
+            self._switch.ask(take_over, rest)
+        else:
+            rest()
+
     def _halt(self, why: str, error: GoalEnded | None = None) -> None:
         """End the running goal, with an error or, without one, as cancelled."""
         if self._scope is not None:
@@ -330,21 +382,20 @@ class TrajectoryServer:
             self._part.cancel()
 
     async def _carry_out(self, job: _Job) -> None:
-        """Carry out one goal, from its acceptance to its result."""
-        handle, begun, finished = job.handle, False, False
+        """Carry out a goal and those that take over from it, from acceptance to the last result."""
+        begun, finished = False, False
         error: Exception | None = None
         self._why, self._error = "", None
         with anyio.CancelScope() as scope:
             self._scope = scope
             try:
                 actual = await self._ready(job)
-                handle.accepted()
+                job.handle.accepted()
                 begun = True
                 async with anyio.create_task_group() as tasks:
-                    tasks.start_soon(self._watch_client, handle)
-                    tasks.start_soon(self._watch_time, job.checked)
-                    if job.checked.path_speed is not None:
-                        tasks.start_soon(self._watch_speed, np.array(job.checked.path_speed))
+                    tasks.start_soon(self._watch_client)
+                    tasks.start_soon(self._watch_time)
+                    tasks.start_soon(self._watch_speed)
                     error = await self._follow(job, actual)
                     finished = error is None
                     tasks.cancel_scope.cancel()
@@ -354,11 +405,17 @@ class TrajectoryServer:
                 self._why = self._why or "the driver ends"
                 raise
             finally:
-                self._scope = self._part = self._progress = None
+                self._scope = self._part = self._progress = self._switch = None
                 self._due = math.inf
                 self._paused = False
                 self._at_rest.set()
+                handle = self._running.handle
                 self._tell(handle, error or self._error, begun=begun, finished=finished)
+
+    @property
+    def _running(self) -> _Job:
+        assert self._queue.running is not None
+        return self._queue.running
 
     def _tell(
         self, handle: GoalHandle, error: Exception | None, *, begun: bool, finished: bool
@@ -412,12 +469,12 @@ class TrajectoryServer:
         begin = anyio.current_time()
         if job.checked.begin:
             begin -= max(0.0, self._wall() - job.checked.begin)
-        tolerances = job.checked.tolerances
         while True:
+            tolerances = self._running.checked.tolerances
             self._due = begin + part.trajectory.duration + tolerances.goal_time
             try:
-                if await self._follow_part(job, part):
-                    await self._come_to_rest(job.checked)
+                if await self._follow_part(part, tolerances):
+                    await self._come_to_rest()
                     return None
                 if self._paused:
                     self._due = math.inf
@@ -427,6 +484,7 @@ class TrajectoryServer:
             except DucoError as error:
                 return error
             begin = anyio.current_time()
+            path, tolerances = self._path, self._running.checked.tolerances
             reached = 0.0 if self._progress is None else self._progress.time
             at = nearest_time(path, actual, reached - _LAG, reached + _LAG)
             away = np.abs(path.at(np.array([at]))[0] - np.asarray(actual))
@@ -439,21 +497,28 @@ class TrajectoryServer:
         self._rising = True
         return rest_of_path(path, actual, begin=begin, factor=self._factor, profile=self._profile)
 
-    async def _follow_part(self, job: _Job, part: PathPart) -> bool:
-        """Follow a part of a path. Return whether to its end, or until a pause or another speed."""
+    async def _follow_part(self, part: PathPart, tolerances: Tolerances) -> bool:
+        """Follow a part of a path, and the goals that take over on it.
+
+        Returns:
+            Whether to the end, or until a pause or another speed.
+        """
+        self._followed, self._switch = part, TrajectorySwitch()
         due = 0.0
         period = self._period
 
         def feedback(found: PathFeedback) -> None:
             nonlocal due
             now = anyio.current_time()
-            place = Progress(part.path_time(found.time), found.desired, found.actual, found.error)
+            assert self._followed is not None
+            time = self._followed.path_time(found.time)
+            place = Progress(time, found.desired, found.actual, found.error)
             self._progress = place
             self._recent.append((now, found.actual))
             if now >= due:
                 # Keep the schedule of the first feedback; missed ones are skipped.
                 due = max(due + period, now - period) if due else now + period
-                job.handle.feedback(place)
+                self._running.handle.feedback(place)
 
         with anyio.CancelScope() as scope:
             self._part = scope
@@ -463,8 +528,9 @@ class TrajectoryServer:
                 part.trajectory,
                 v=max(self._profile.velocity),
                 a=self._profile.acceleration,
-                tolerances=job.checked.tolerances,
+                tolerances=tolerances,
                 feedback=feedback,
+                switch=self._switch,
                 reach=2.0 * self._rules.start,
                 through=self._through,
                 options=self._options,
@@ -472,9 +538,9 @@ class TrajectoryServer:
             return True
         return False
 
-    async def _come_to_rest(self, checked: CheckedGoal) -> None:
-        """Wait until the joints are as slow as a goal asks for."""
-        start, number = anyio.current_time(), 0
+    async def _come_to_rest(self) -> None:
+        """Wait until the joints are as slow as the goal asks for."""
+        start, number, checked = anyio.current_time(), 0, self._running.checked
         while checked.goal_speed is not None:
             speeds = np.abs(await self._robot.state.get_actual_joints_speed())
             if np.all(speeds <= checked.goal_speed):
@@ -482,41 +548,46 @@ class TrajectoryServer:
             number += 1
             await anyio.sleep_until(start + number * _LOOK)
 
-    async def _watch_time(self, checked: CheckedGoal) -> None:
+    async def _watch_time(self) -> None:
         """End a goal that is late by its own times."""
         start, number = anyio.current_time(), 0
         while anyio.current_time() < self._due:
             number += 1
             await anyio.sleep_until(start + number * _LOOK)
-        text = f"not there {checked.tolerances.goal_time:g} s after the goal's own end"
+        late = self._running.checked.tolerances.goal_time
+        text = f"not there {late:g} s after the goal's own end"
         self._halt("", GoalEnded(ErrorCode.GOAL_TOLERANCE_VIOLATED, text))
 
-    async def _watch_speed(self, most: NDArray[np.float64]) -> None:
-        """End a goal whose joints have other speeds than its path, by more than `most` [rad/s]."""
+    async def _watch_speed(self) -> None:
+        """End a goal whose joints have other speeds than its path, by more than it allows."""
         start, number = anyio.current_time(), 0
         while True:
             number += 1
             await anyio.sleep_until(start + number * _LOOK)
-            place = self._progress
+            place, most = self._progress, self._running.checked.path_speed
+            if most is None:
+                continue
             speeds = await self._robot.state.get_actual_joints_speed()
             if place is None or self._part is None or self._part.cancel_called:
                 continue
+            if self._progress is not None and self._running.checked.path_speed is not most:
+                continue  # another goal took over meanwhile
             # the arm lags behind: each speed that the path had since then is right
             times = np.linspace(place.time - _LAG, place.time + _LOOK, 16)
             wanted = self._path.velocity(np.clip(times, 0.0, self._path.times[-1])) * self._factor
             low, high = wanted.min(axis=0), wanted.max(axis=0)
             if self._rising:
                 low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-            over = np.maximum(speeds - high, low - speeds) - most
+            over = np.maximum(speeds - high, low - speeds) - np.array(most)
             if over.max() > 0.0:
                 name = self._profile.joint_names[int(over.argmax())]
                 text = f"the speed of {name} is {over.max():.3g} rad/s beyond its path tolerance"
                 self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, text))
 
-    async def _watch_client(self, handle: GoalHandle) -> None:
+    async def _watch_client(self) -> None:
         """End a goal whose client has gone: no client could cancel it."""
         start, number = anyio.current_time(), 0
-        while handle.alive():
+        while self._running.handle.alive():
             number += 1
             await anyio.sleep_until(start + number * _LOOK)
         _log.warning("the client of the goal is gone: the arm comes to rest")

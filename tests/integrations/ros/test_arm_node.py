@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import math
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -194,6 +195,51 @@ async def test_a_newer_goal_may_begin_where_the_arm_was_on_its_way(
     await settled(node, newer)
     assert (older.told, newer.told) == (["accepted", "cancelled"], ["accepted", "succeeded"])
     np.testing.assert_allclose(sim.joints, START, atol=0.011)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", ["measured", "later"])
+async def test_a_newer_goal_takes_over_from_the_moving_arm(
+    node: ArmNode, sim: Simulator, first: str
+) -> None:
+    older = Client(goal(count=50, duration=6.0, far=0.8))
+    speeds: list[Any] = []
+    sim.observe(lambda snapshot, _: speeds.append(snapshot.setpoint.qd.copy()))
+    node.goals.submit(older)
+    await moving(older)
+    end = way(1.0, -0.2)
+    points = [GoalPoint(tuple(older.seen[-1].actual)), GoalPoint(end, time=6.0)]
+    newer = Client(goal(points=points[first == "later" :], goal_time_tolerance=60.0))
+    await settled(node, newer)
+    sim.observe(None)
+    assert (older.told, newer.told) == (["accepted", "cancelled"], ["accepted", "succeeded"])
+    assert "took over" in older.text
+    np.testing.assert_allclose(sim.joints, end, atol=0.011)
+    assert np.abs(np.diff(speeds, axis=0)).max() < 0.05  # 50 rad/s²: no step
+    times = [place.time for place in newer.seen]
+    assert times == sorted(times)
+
+
+@pytest.mark.slow
+async def test_a_goal_that_took_over_is_cancelled_paused_and_replaced(
+    node: ArmNode, sim: Simulator
+) -> None:
+    goals = [Client(goal(count=50, duration=6.0, far=far)) for far in (0.8, 0.6, 0.7)]
+    for client in goals:
+        client.goal = replace(client.goal, points=client.goal.points[1:])
+        node.goals.submit(client)
+        await moving(client)
+    assert [client.told for client in goals] == [["accepted", "cancelled"]] * 2 + [["accepted"]]
+    assert await node.goals.pause()
+    assert not sim.moving
+    assert node.goals.resume()
+    last = goals[-1]
+    count = len(last.seen)
+    await eventually_async(lambda: len(last.seen) > count + 5)
+    node.goals.cancel(last)
+    await eventually_async(lambda: last.done)
+    assert last.told == ["accepted", "cancelled"]
+    assert not sim.moving
 
 
 @pytest.mark.slow

@@ -8,7 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco import JointTrajectory
-from aioduco.integrations.ros.path_parts import nearest_time, rest_of_path, whole_path
+from aioduco.integrations.ros.path_parts import (
+    nearest_time,
+    path_from_motion,
+    rest_of_path,
+    whole_path,
+)
 
 from .goals import PROFILE, START
 
@@ -50,6 +55,44 @@ def test_what_remains_leads_from_rest_onto_the_path(
     assert on_path[0] == pytest.approx(begin, abs=1e-6)
     late = times > times[-1] / 2 + 2.0
     np.testing.assert_allclose(places[late], PATH.at(np.array(on_path))[late], atol=2e-3)
+
+
+SIX = st.lists(st.floats(-0.1, 0.1), min_size=6, max_size=6)
+
+
+@given(st.floats(0.0, 2.5), st.floats(0.05, 1.0), SIX, SIX)
+def test_a_moving_arm_comes_onto_the_path_without_a_step(
+    begin: float, factor: float, off: list[float], drift: list[float]
+) -> None:
+    at = np.array([begin])
+    place = PATH.at(at)[0] + off
+    speed = factor * PATH.velocity(at)[0] + drift
+    part = path_from_motion(PATH, place, speed, begin=begin, factor=factor, profile=PROFILE)
+    left = (3.0 - begin) / factor
+    if part is None:
+        assert left < 2.4
+        return
+    assert part.trajectory.duration == pytest.approx(left)
+    curve = part.trajectory.curve(place)
+    times = np.linspace(0.0, left, 4000)
+    places, speeds = curve.at(times), curve.velocity(times)
+    np.testing.assert_allclose(places[[0, -1]], [place, HERE - WAY], atol=1e-9)
+    np.testing.assert_allclose(speeds[0], speed, atol=1e-9)
+    assert np.abs(speeds[-1]).max() < 1e-6
+    assert (np.abs(speeds).max(axis=0) <= np.array(PROFILE.velocity) * 1.02).all()
+    changes = np.abs(np.diff(speeds, axis=0)) / (times[1] - times[0])
+    own = np.abs(np.diff(PATH.velocity(np.linspace(0.0, 3.0, 4000)), axis=0)) / (3.0 / 3999)
+    assert changes.max() <= PROFILE.acceleration + own.max() * factor**2 + 0.5
+    late = times > 2.4
+    on_path = np.array([part.path_time(time) for time in times])
+    np.testing.assert_allclose(places[late], PATH.at(on_path)[late], atol=2e-3)
+
+
+def test_where_a_moving_arm_cannot_come_onto_the_path_in_time() -> None:
+    here = PATH.at(np.array([2.9]))[0]
+    far = here + 0.3
+    made = path_from_motion(PATH, far, np.zeros(6), begin=2.9, factor=1.0, profile=PROFILE)
+    assert made is None
 
 
 def test_the_nearest_time_is_looked_for_in_a_window() -> None:
