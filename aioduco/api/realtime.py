@@ -112,7 +112,7 @@ class Realtime(Section, RealtimeStreams):
         joints = [p.values for p in given if p.mode is RealtimeMode.JOINT_POSITION]
         moves = _ENDING in self._supervisor.stop_coordinator.modes
         call = calls.realtime_data_enqueue([point.wire() for point in given], True)
-        with self._asked_for(call.name):
+        with self._supervisor.asked_for(call.name):
             await self._supervisor.envelope.admit(call.name, joints, moves=moves)
             check_finished(call.name, await self._feed(call))
 

@@ -39,7 +39,6 @@ from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle, adde
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
-    from contextlib import AbstractContextManager
 
     from aioduco._wire.rpc import WireCall
     from aioduco.supervision.supervisor import Supervisor
@@ -197,7 +196,7 @@ class Section(Uncopied, ManualNames):
                 f"robot.motion.{command.name} makes one that a command ends",
             )
         follower = supervisor.stop_coordinator.follower
-        with self._asked_for(command.name):
+        with supervisor.asked_for(command.name):
             before = await follower.error_list()
             state = await motion.block(supervisor.blocking)
         if state is TaskState.FINISHED or (state is TaskState.INTERRUPT and command.blends):
@@ -241,19 +240,6 @@ class Section(Uncopied, ManualNames):
         supervisor = self._supervisor
         supervisor.check_open(call.name)
         return await supervisor.dispatcher.feed(Command(call.name, call.args), supervisor.calls)
-
-    def _asked_for(self, name: str) -> AbstractContextManager[None]:
-        """Ask now for what the block sends: a stop that comes while it still reads ends it, too.
-
-        Args:
-            name: the function that can move the arm.
-
-        Raises:
-            RobotStateError, HeartbeatLost, TaskStopped: it is not permitted; nothing was sent.
-        """
-        self._supervisor.check_open(name)
-        permits = self._supervisor.permits
-        return permits.within(permits.ask(name))
 
     async def _perform(self, call: WireCall[int], timeout: float) -> None:
         """Carry out a function that becomes a task and moves nothing, and wait for its end.

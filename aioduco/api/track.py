@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from aioduco._process.platform import boot_time
 from aioduco._wire.rpc import calls
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, check_finished
-from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPoolFull
+from aioduco.errors import (
+    DucoError,
+    OutcomeUnknown,
+    RobotStateError,
+    TaskStopped,
+    TrackPoolFull,
+)
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
 from aioduco.streaming.track import TrackStreams
+from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL
 
 if TYPE_CHECKING:
@@ -50,7 +58,8 @@ class Track(Section, TrackStreams):
 
     A stop leaves points in the pool, and the next motion through it would follow them first. So a
     stop by this program empties a pool into which it has put points. After any other stop, such as
-    that of a lost heartbeat, the pool is emptied before this program's next motion or points.
+    that of a lost heartbeat, the pool is emptied before this program's next motion or points; also
+    if points were on their way when the arm was stopped.
     """
 
     def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:
@@ -76,6 +85,8 @@ class Track(Section, TrackStreams):
             RobotStateError: the pool holds points of the other kind; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
+            TaskStopped: the arm was stopped while they were on their way. The pool is emptied
+                before anything else is sent through it.
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
@@ -100,6 +111,8 @@ class Track(Section, TrackStreams):
             RobotStateError: the pool holds points of the other kind; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
+            TaskStopped: the arm was stopped while they were on their way. The pool is emptied
+                before anything else is sent through it.
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
@@ -195,7 +208,7 @@ class Track(Section, TrackStreams):
     ) -> None:
         """Put points into the pool; if the arm follows it, they move the arm."""
         if self._followed:
-            with self._asked_for(call.name):
+            with self._supervisor.asked_for(call.name):
                 await self._put_checked(kind, call, joints)
         else:
             await self._put_checked(kind, call, joints)
@@ -213,6 +226,8 @@ class Track(Section, TrackStreams):
             )
         await self._supervisor.envelope.admit(call.name, joints, moves=self._followed)
         self._last_kind = kind or held
+        gate = self._supervisor.permits.gate
+        permit = gate.ask(call.name, boot_time(), moves=False)
         # Before the call is sent, since its answer may be lost.
         filled = self._modes.enter(TRACK_POOL)
         try:
@@ -226,6 +241,18 @@ class Track(Section, TrackStreams):
             if not filled:
                 self._modes.over(TRACK_POOL)
             raise
+        finally:
+            # A stop that came meanwhile may have emptied the pool before they were put in.
+            stopped = gate.ending(permit) not in (None, PermitEnding.PAUSED)
+            if stopped:
+                self._modes.enter(TRACK_POOL)
+                self._modes.overdue(TRACK_POOL)
+        if stopped:
+            raise TaskStopped(
+                *(call.name, None),
+                "was stopped: the points were on their way, and the pool is emptied before "
+                "anything else is sent through it",
+            )
 
     @property
     def _kind(self) -> _Kind | None:

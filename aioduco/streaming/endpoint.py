@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from aioduco.streaming.shared.config import EnvelopeSettings
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
+    from contextlib import AbstractContextManager
 
     from aioduco.streaming.shared.config import StreamSpec
     from aioduco.supervision.gate import Gate, Permit
@@ -28,6 +30,8 @@ class StreamEndpoint:
         stop: stops the robot on another connection, for a worker that cannot do it any more; its
             argument is the function of the wire that ends the stream's mode, or "".
         streams: the open streams of the robot, at most one.
+        asked: asks at once for what its block awaits before the stream begins: a stop that comes
+            meanwhile ends it, too. Its argument is the stream's name.
         admit: returns the permit of a stream, or raises if the robot cannot accept one now; its
             argument is the stream's name.
         gate: decides until when the permit is valid; None: there is no robot that ends it.
@@ -45,6 +49,7 @@ class StreamEndpoint:
     port: int
     stop: Callable[[str], Awaitable[object]] | None = None
     streams: list[OpenStream] = field(default_factory=list)
+    asked: Callable[[str], AbstractContextManager[object]] = nullcontext
     admit: Callable[[str], Awaitable[Permit]] | None = None
     gate: Gate | None = None
     modes: Modes | None = None
@@ -72,6 +77,7 @@ class StreamEndpoint:
             supervisor.port,
             stop=coordinator.stop_stream,
             streams=coordinator.streams,
+            asked=supervisor.asked_for,
             admit=supervisor.admit_stream,
             gate=coordinator.gate,
             modes=coordinator.modes,

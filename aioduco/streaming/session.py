@@ -237,12 +237,13 @@ class Session(OpenStream):
         if self.block is not None:
             raise StreamClosed("a stream is opened once: make another one")
         self._owner_loop.require(self.name)
-        if self._endpoint.envelope is not None:
-            envelope = await self._endpoint.envelope(self._config.sent)
-            if envelope is not None:
-                self._config = replace(self._config, envelope=envelope)
-        if self._endpoint.admit is not None:
-            self._permit = await self._endpoint.admit(self.name)
+        with self._endpoint.asked(self.name):
+            if self._endpoint.envelope is not None:
+                envelope = await self._endpoint.envelope(self._config.sent)
+                if envelope is not None:
+                    self._config = replace(self._config, envelope=envelope)
+            if self._endpoint.admit is not None:
+                self._permit = await self._endpoint.admit(self.name)
         # Nothing may be awaited here; otherwise a motion could be sent in between.
         for other in self._endpoint.streams:
             raise RobotStateError(

@@ -63,6 +63,7 @@ from aioduco.supervision.stop_coordinator import StopCoordinator
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
+    from contextlib import AbstractContextManager
 
     from aioduco._wire.lane import LaneStatistics
     from aioduco.models.trace import Trace
@@ -335,6 +336,18 @@ class Supervisor:
             lane.observers = [*lane.observers, calls]
         follower.observers = [*follower.observers, tasks]
         return end
+
+    def asked_for(self, name: str) -> AbstractContextManager[None]:
+        """Ask now for what the block sends: a stop that comes while it still reads ends it, too.
+
+        Args:
+            name: the function that can move the arm, or the stream.
+
+        Raises:
+            RobotStateError, HeartbeatLost, TaskStopped: it is not permitted; nothing was sent.
+        """
+        self.check_open(name)
+        return self.permits.within(self.permits.ask(name))
 
     async def admit_stream(self, name: str) -> Permit:
         """Check that a stream of set-points may begin; `Dispatcher.admit_stream` describes it."""

@@ -3042,7 +3042,8 @@ class Track(_Section):
 
     A stop leaves points in the pool, and the next motion through it would follow them first. So a
     stop by this program empties a pool into which it has put points. After any other stop, such as
-    that of a lost heartbeat, the pool is emptied before this program's next motion or points.
+    that of a lost heartbeat, the pool is emptied before this program's next motion or points; also
+    if points were on their way when the arm was stopped.
     """
 
     __slots__ = ()
@@ -3060,6 +3061,8 @@ class Track(_Section):
             RobotStateError: the pool holds points of the other kind; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
+            TaskStopped: the arm was stopped while they were on their way. The pool is emptied
+                before anything else is sent through it.
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
@@ -3080,6 +3083,8 @@ class Track(_Section):
             RobotStateError: the pool holds points of the other kind; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
+            TaskStopped: the arm was stopped while they were on their way. The pool is emptied
+                before anything else is sent through it.
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.

@@ -14,7 +14,7 @@ import pytest
 from client.bench import HOME, POSE
 
 import aioduco
-from aioduco import Joints, RealtimeMode, RealtimePoint
+from aioduco import Joints, RealtimeMode, RealtimePoint, WorkerOptions
 from aioduco.envelope import Envelope, Zone
 from aioduco.supervision.command import MotionCommand
 from aioduco.testing import eventually_async
@@ -23,6 +23,8 @@ from api.desk import HELD, Desk
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
+
+    from aioduco.streaming.stream import Stream
 
 #: what the robot asks for by itself, all the time
 _BY_ITSELF = {
@@ -42,6 +44,7 @@ _READ = {
     "get_tcp_pose": POSE,
     "get_last_error": [],
 }
+_THREAD = WorkerOptions(run_in="thread")
 #: far below the arm, so that what it does is read, and allowed
 _ENVELOPE = Envelope("gcr5_910", Zone.plane((0, 0, -5.0), (0, 0, 1)))
 
@@ -185,3 +188,37 @@ async def test_points_whose_check_reads_while_the_arm_is_stopped_are_not_sent(
             read.set()
         assert isinstance(raised[0], aioduco.TaskStopped)
         assert len(desk.received(name)) == before
+
+
+STREAMS: dict[str, Callable[[aioduco.Robot], Stream]] = {
+    "servo": lambda robot: robot.servo.joints(v=1.0, a=5.0, options=_THREAD),
+    "servo in space": lambda robot: robot.servo.linear(v=1.0, a=5.0, options=_THREAD),
+    "realtime": lambda robot: robot.realtime.stream("joint_position", v=1, a=5, options=_THREAD),
+    "track": lambda robot: robot.track.stream("joints", speed=1, acc=5, options=_THREAD),
+}
+
+
+@pytest.mark.parametrize("kind", STREAMS)
+async def test_a_stream_whose_envelope_is_read_while_the_arm_is_stopped_is_not_opened(
+    desk: Desk, kind: str
+) -> None:
+    for name, answer in _READ.items():
+        desk.answer(name, answer)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        robot.envelope = _ENVELOPE
+        read = desk.hold("get_tcp_offset", [0.0] * 6)
+        raised: list[BaseException] = []
+
+        async def opened() -> None:
+            try:
+                async with STREAMS[kind](robot):
+                    pass
+            except aioduco.DucoError as exc:
+                raised.append(exc)
+
+        async with anyio.create_task_group() as group:
+            group.start_soon(opened)
+            await eventually_async(lambda: desk.received("get_tcp_offset"))
+            await robot.stop()
+            read.set()
+        assert isinstance(raised[0], aioduco.TaskStopped)

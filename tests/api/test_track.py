@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import anyio
 import numpy as np
 import pytest
 
 import aioduco
 from aioduco import Joints, PointOp, Pose
 from aioduco.supervision.gate import PermitEnding
-from aioduco.testing import Cut, FaultProxy, Place
+from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 from api.motion_cases import HOME, POSE
 
 if TYPE_CHECKING:
@@ -165,6 +166,35 @@ async def test_a_motion_through_the_pool_does_not_follow_points_from_before_a_st
     robot.stop_now()
     await robot.track.trackJointMotion(1.0, 2.0)
     assert pool.commands == ["trackEnqueue", "stop", "trackClearQueue", "trackJointMotion"]
+
+
+@pytest.mark.parametrize("followed", [False, True])
+async def test_points_that_arrive_after_a_stop_are_not_followed_later(
+    robot: aioduco.Robot, pool: Desk, followed: bool
+) -> None:
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    if followed:
+        await robot.track.trackJointMotion(1.0, 2.0)
+    before = len(pool.commands)
+    late = pool.hold("trackEnqueue", 4)
+    raised: list[BaseException] = []
+
+    async def put() -> None:
+        try:
+            await robot.track.trackEnqueue([Joints(*HOME)])
+        except aioduco.DucoError as exc:
+            raised.append(exc)
+
+    async with anyio.create_task_group() as group:
+        group.start_soon(put)
+        await eventually_async(lambda: len(pool.received("trackEnqueue")) == 2)
+        await robot.stop()  # empties the pool
+        late.set()
+    assert isinstance(raised[0], aioduco.TaskStopped)
+    stopped = pool.commands[before:]
+    await robot.track.trackJointMotion(1.0, 2.0)
+    assert "trackClearQueue" in stopped
+    assert pool.commands[-2:] == ["trackClearQueue", "trackJointMotion"]
 
 
 async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk) -> None:
