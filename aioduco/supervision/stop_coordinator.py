@@ -560,8 +560,10 @@ class StopCoordinator:
 
     async def _pause(self) -> None:
         if self._halt_streams():
-            # A stream follows a clock, so it cannot continue later where it was.
+            # A stream follows a clock, so it cannot continue later where it was. But what it has
+            # sent is paused, and continues when resumed.
             await self._silence_streams()
+            self.unfollowed_motion = True
         # A paused motion whose task has ended looks as if it were over, but continues when resumed.
         self.unfollowed_motion = self.unfollowed_motion or any(
             task.life.continues_after_task for task in self.follower.tasks

@@ -24,6 +24,7 @@ from aioduco.errors import (
     StreamStopped,
     WorkerFailed,
 )
+from aioduco.models.enums import ProgramState
 from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, TrajectoryResult
@@ -211,6 +212,15 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
         with pytest.raises(StreamStopped):
             await stream.__aexit__(None, None, None)
     assert not sim.view.moving
+
+
+async def test_what_it_had_sent_is_not_left_paused(sim: Simulator) -> None:
+    """Whoever resumes would move the arm on, long after the program has ended."""
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        await ready(robot)
+        await ended_by(robot, sim, "track joints", robot.pause, THREAD)
+        assert sim.view.program is ProgramState.PAUSED
+    assert sim.view.program is ProgramState.STOPPED
 
 
 async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
