@@ -208,6 +208,15 @@ def test_sim_says_so_when_the_port_is_taken() -> None:
     assert f"cannot listen on 127.0.0.1:{port}" in answer.output
 
 
+def test_panel_says_whether_its_page_or_the_controller_is_missing() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    answer = run("panel", f"127.0.0.1:{port}", "--listen", "0")
+    assert answer.exit_code == 1
+    assert f"cannot connect to 127.0.0.1:{port}" in answer.output
+    assert "listen" not in answer.output
+
+
 @pytest.mark.slow
 def test_sim_draws_what_the_arm_did(tmp_path: Path) -> None:
     film, cell = tmp_path / "out.gif", tmp_path / "cell.xml"

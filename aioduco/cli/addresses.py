@@ -43,7 +43,7 @@ HostOption: TypeAlias = Annotated[
 Port: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        min=1, max=65535, help="Its port, if it is not the one of the name or 7003.",
+        min=1, max=65535, help="Its port, if it is not the one of the name or address, or 7003.",
         show_default=False,
     ),
 ]  # fmt: skip

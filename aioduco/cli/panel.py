@@ -18,6 +18,7 @@ from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
 from aioduco.cli.jog import Manual  # noqa: TC001 - typer evaluates it
 from aioduco.cli.output import say
 from aioduco.cli.sim_do import control_port_of
+from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
     from aioduco.integrations.panel import Panel
@@ -123,8 +124,11 @@ def panel(
         )
         try:
             told = anyio.run(_serve, made, str(address))
+        except DucoError:
+            raise  # no controller: some are errors of the system, too, and none of this page's port
         except OSError as error:
-            say(f"cannot listen on {bind}:{listen}: {error.strerror or error}", error=True)
+            why = error.strerror or error
+            say(f"cannot listen on {bind}:{listen} (--bind, --listen): {why}", error=True)
             raise typer.Exit(FAILED) from None
     say("the panel was ended; what it moved stands", error=True)
     raise typer.Exit(SIGNALLED + told)

@@ -60,7 +60,7 @@ def find(given: str | None, port: int | None = None, cell: Path | None = None) -
 
     Args:
         given: a name of the file, or an address: `192.168.1.10`, `arm.lan:7003`, `[::1]:7003`.
-        port: TCP port; it overrides any other.
+        port: TCP port; it overrides that of a name. An address with another port is refused.
         cell: file of a cell; its section `[robots]` takes the place of the user's file.
 
     Raises:
@@ -88,6 +88,8 @@ def find(given: str | None, port: int | None = None, cell: Path | None = None) -
         if port is None:
             _refuse_misspelt(text, robots)
         host, told = _parsed(name, text)
+        if None not in (port, told) and port != told:
+            raise WrongAddress(f"{name} is {text!r}, but --port is {port}: give one of the two ports")
         found = RobotAddress(host, told or PORT)
     return found if port is None else replace(found, port=port)
 
