@@ -102,7 +102,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "testing.preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     # on top of the public interface; can be deleted with its folder
     "integrations.panel": {
-        *("errors", "kinematics", "envelope", "__init__", "planning"),
+        *("errors", "kinematics", "envelope", "__init__", "planning", "sim.twin"),
         *("_process.copying", "models", "recording.playback"),
     },
     # bridges to other systems: the public interface alone, and the simulator for environments

@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 import dataclasses
+import signal
 from contextlib import ExitStack
+from importlib import import_module
 from pathlib import Path  # noqa: TC003 - Typer reads the annotations
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
+import anyio
 import typer
 
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
-from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import observing_session, wait_until_ended
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
+    from aioduco.cli.addresses import RobotAddress
+    from aioduco.integrations.panel import Panel
     from aioduco.models.pose import Pose
-    from aioduco.sim.twin import TwinLimits
-    from aioduco.sync._generated_objects import Twin
+    from aioduco.sim.twin import Twin, TwinLimits
+    from aioduco.sync._generated_objects import Twin as BlockingTwin
 
 __all__ = ["twin"]
 
 #: exit status if the arm and its twin have parted
 PARTED = 6
+#: seconds between two looks at a twin that the browser shows
+_LOOK = 0.1
 
 
 def twin(
@@ -57,6 +65,12 @@ def twin(
         float | None, typer.Option(min=0.0, help="Duration [s]. Default: until Ctrl-C.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print each divergence as JSON.")] = False,
+    panel: Annotated[
+        bool, typer.Option("--panel", help="Show the arm and its twin in the browser.")
+    ] = False,
+    listen: Annotated[
+        int, typer.Option(min=0, max=65534, help="With --panel: port of the page. 0: any.")
+    ] = 8080,
 ) -> None:
     """Watch an arm beside a simulated one, whichever program moves it, until Ctrl-C.
 
@@ -69,6 +83,8 @@ def twin(
     aioduco twin --learn good.mcap --limits left.json
 
     aioduco twin left --limits left.json --action pause
+
+    aioduco twin left --limits left.json --panel
 
     aioduco twin --judge run.mcap --limits left.json
 
@@ -85,6 +101,12 @@ def twin(
             _judge(judge, known, arm, base, as_json=json)
         if learn is not None and host is None:
             return
+    if panel:
+        if action != "report" or output is not None:
+            raise typer.BadParameter(
+                "it only shows: without --action and --output", param_hint="--panel"
+            )
+        _show_page(robot_at(host, port), known, arm, base, listen, seconds, as_json=json)
     with observing_session(robot_at(host, port), state_rate=rate) as robot, ExitStack() as stack:
         if output is not None:
             stack.enter_context(robot.record(output))
@@ -145,10 +167,78 @@ def _judge(
     raise typer.Exit(PARTED if found else 0)
 
 
+def _show_page(
+    address: RobotAddress,
+    known: TwinLimits | None,
+    arm: str | None,
+    base: Pose,
+    listen: int,
+    seconds: float | None,
+    *,
+    as_json: bool,
+) -> NoReturn:
+    """Show the arm and its twin in the browser until Ctrl-C, and end the command."""
+    extras.need("panel")
+    # All imports run before the event loop: loading would block it.
+    from aioduco.integrations.panel import Panel  # noqa: PLC0415
+    from aioduco.planning import Scene  # noqa: PLC0415
+
+    import_module("aioduco.integrations.panel.arm_scene")
+    with ended_by_errors():
+        made = Panel(
+            address.host,
+            address.port,
+            listen=listen,
+            token="",  # watching only: the twin's page commands nothing
+            name=address.name,
+            model=arm,
+            scene=Scene(arm or "gcr5_910", mounting=base) if any(base) else None,
+            twin=known or True,
+        )
+        try:
+            told, count = anyio.run(_serve_page, made, str(address), seconds, as_json)
+        except OSError as error:
+            say(f"cannot listen on port {listen}: {error.strerror or error}", error=True)
+            raise typer.Exit(FAILED) from None
+    if told == signal.SIGTERM:
+        raise typer.Exit(SIGNALLED + told)
+    if made.twin is not None and made.twin.error is not None:
+        say(f"it ended early: {made.twin.error}", error=True)
+        raise typer.Exit(FAILED)
+    raise typer.Exit(PARTED if count else 0)
+
+
+async def _serve_page(
+    made: Panel, address: str, seconds: float | None, as_json: bool
+) -> tuple[int, int]:
+    """Serve the page; return the signal that ended it, 0 for none, and how often they parted."""
+    told = 0
+    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+        async with made:
+            assert made.twin is not None
+            shown = _Shown(made.twin, as_json=as_json)
+            say(f"{address} and its twin are on {made.url}; Ctrl-C ends it")
+            async with anyio.create_task_group() as group:
+
+                async def signalled() -> None:
+                    nonlocal told
+                    told = await anext(aiter(signals))
+                    group.cancel_scope.cancel()
+
+                group.start_soon(signalled)
+                with anyio.move_on_after(seconds):
+                    async for _ in every(_LOOK):
+                        if not shown.going():
+                            break
+                group.cancel_scope.cancel()
+            shown.going()
+    return told, shown.count
+
+
 class _Shown:
     """Prints the divergences of a twin as they come."""
 
-    def __init__(self, made: Twin, *, as_json: bool) -> None:
+    def __init__(self, made: Twin | BlockingTwin, *, as_json: bool) -> None:
         self._made = made
         self._as_json = as_json
         self.count = 0

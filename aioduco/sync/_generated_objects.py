@@ -250,6 +250,11 @@ class Twin(Started):
         return self._made.figures
 
     @property
+    def joints(self) -> tuple[float, ...] | None:
+        """Where the arm should be [rad]; None before the first sample. Shape (6,)."""
+        return self._made.joints
+
+    @property
     def divergences(self) -> deque[TwinDiverged]:
         """The last hundred divergences, oldest first."""
         return self._made.divergences

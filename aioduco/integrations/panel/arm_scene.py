@@ -37,6 +37,7 @@ __all__ = ["ArmScene"]
 
 _TOLD: Final = (255, 170, 40)
 _AIM: Final = (60, 190, 120)
+_TWIN: Final = (170, 120, 245)
 _KEEP_OUT: Final = (215, 60, 60)
 _KEEP_IN: Final = (70, 150, 230)
 #: difference of joints below which two arms are drawn as one [rad]
@@ -71,9 +72,18 @@ class ArmScene:
         port: the port of the page, which transports the picture.
         scene: objects around the arm; None for nothing.
         envelope: envelope whose zones are drawn; None for none.
+        twin: whether to draw the arm's twin, too.
     """
 
-    def __init__(self, arm: Arm, port: int, scene: Scene | None, envelope: Envelope | None) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        port: int,
+        scene: Scene | None,
+        envelope: Envelope | None,
+        *,
+        twin: bool = False,
+    ) -> None:
         self.port = port
         self._server = _SilentViser()
         draw = self._server.scene
@@ -99,6 +109,8 @@ class ArmScene:
             "told": self._add_arm(arm, "told", _TOLD, 0.35),
             "aim": self._add_arm(arm, "aim", _AIM, 0.45),
         }
+        if twin:
+            self._arms["twin"] = self._add_arm(arm, "twin", _TWIN, 0.45)
         draw.add_frame("/base/is/1/2/3/4/5/6/flange", axes_length=0.12, axes_radius=0.004)
         for thing in scene or ():
             self._add_body(f"/things/{thing.name or id(thing)}", thing.mjcf(free=False))
@@ -111,7 +123,11 @@ class ArmScene:
         await self._server.door.serve(page)
 
     def show(
-        self, joints: Sequence[float], told: Sequence[float], aim: Sequence[float] | None
+        self,
+        joints: Sequence[float],
+        told: Sequence[float],
+        aim: Sequence[float] | None,
+        twin: Sequence[float] | None = None,
     ) -> None:
         """Draw the arm.
 
@@ -119,11 +135,14 @@ class ArmScene:
             joints: actual joints [rad], six.
             told: commanded joints [rad], six; drawn if they differ from the actual ones.
             aim: joints of the sliders [rad], six; None to draw none.
+            twin: joints of the twin [rad], six; drawn if they differ from the actual ones.
         """
         with self._server.atomic():
             self._turn("is", joints)
             self._turn("told", None if _near(joints, told) else told)
             self._turn("aim", None if aim is None or _near(joints, aim) else aim)
+            if "twin" in self._arms:
+                self._turn("twin", None if twin is None or _near(joints, twin) else twin)
 
     def close(self) -> None:
         """Stop the server: pages no longer show the scene."""

@@ -60,6 +60,7 @@ from aioduco.integrations.panel.page_state import (
     page_sample,
 )
 from aioduco.integrations.panel.simulator_port import ask_simulator
+from aioduco.integrations.panel.twin_view import TWIN_RATE, TwinView, parted_text
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.rules import Number
@@ -79,6 +80,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.panel.control_lease import LeaseEffect
     from aioduco.integrations.panel.page_requests import HoldMotion, PageRequest
     from aioduco.planning import Scene
+    from aioduco.sim.twin import Twin, TwinLimits
 
 __all__ = ["Panel"]
 
@@ -139,6 +141,8 @@ class Panel(Uncopied):
         page_limit: seconds without a keep-alive message or a button press of its page after which a
             lease ends, 0.5 to 600.
         directions: the controller's meaning of the directions of a jog; None: as its version says.
+        twin: whether to watch the arm beside a simulated one, and draw both: True with wide limits,
+            or the limits, from `aioduco.sim.twin.learn`. It reports, and never commands.
         options: further options of `connect`, for both robots, such as `clock`.
 
     Raises:
@@ -162,6 +166,7 @@ class Panel(Uncopied):
         hold_limit: float = 0.4,
         page_limit: float = 3.0,
         directions: JogDirections | None = None,
+        twin: TwinLimits | bool = False,
         **options: Any,
     ) -> None:
         rate = Number(2.0, 50.0, "Hz", source="this package")("rate", rate)
@@ -187,11 +192,14 @@ class Panel(Uncopied):
             bind, listen, self._hello, self._take, self._left,
             self._stop_for_all, self._show_picture,
         )  # fmt: skip
-        quiet = self._options | {"heartbeat": None, "state_rate": max(rate, 10.0)}
+        self._twin_limits = twin
+        states = max(rate, 10.0 if twin is False else TWIN_RATE)
+        quiet = self._options | {"heartbeat": None, "state_rate": states}
         self._observer: Robot = aioduco.connect(host, port, **quiet)
         self._observer.feed.forces = True
         self._commander: Robot | None = None
         self._scene: ArmScene | None = None
+        self._twin: TwinView | None = None
         self._arm = arm_of(model or _DRAWN_AS)
         self._measured = Measurement(self._arm)
         self._all: TaskGroup | None = None
@@ -218,6 +226,11 @@ class Panel(Uncopied):
 
     def __repr__(self) -> str:  # never with the token
         return f"<Panel of {self._name} on {self.url}, {self._lease!r}>"
+
+    @property
+    def twin(self) -> Twin | None:
+        """The arm's twin; None without one."""
+        return None if self._twin is None else self._twin.twin
 
     @property
     def url(self) -> str:
@@ -247,6 +260,10 @@ class Panel(Uncopied):
             await stack.enter_async_context(self._server.listening())
             self._scene = await anyio.to_thread.run_sync(self._make_scene)
             stack.push_async_callback(anyio.to_thread.run_sync, self._scene.close)
+            if (limits := self._twin_limits) is not False:
+                known = None if limits is True else limits
+                self._twin = TwinView(self._observer, known, self._arm, self._scene_around)
+                await stack.enter_async_context(self._twin.twin)
             self._all = group = await anyio.create_task_group().__aenter__()
             stack.push_async_callback(self._end_work, group)
             for work in (self._samples, self._happenings, self._ask_seldom, self._tell):
@@ -294,7 +311,8 @@ class Panel(Uncopied):
         with MissingExtra.named("the panel's picture", "panel"):
             from aioduco.integrations.panel.arm_scene import ArmScene  # noqa: PLC0415
 
-        return ArmScene(self._arm, self._server.port, self._scene_around, self._envelope)
+        around, twin = self._scene_around, self._twin_limits is not False
+        return ArmScene(self._arm, self._server.port, around, self._envelope, twin=twin)
 
     # -- requests of pages, on the event loop: nothing here waits ----------------------------------
 
@@ -310,6 +328,7 @@ class Panel(Uncopied):
             "fastest": self._arm.velocity,
             "scene_port": None if scene is None else scene.port,
             "watch_only": not self.token,
+            "twin": self._twin is not None,
             "simulator": self._simulator_port is not None,
             "limits": () if self._envelope is None else self._envelope.titles,
             "rate": self.rate,
@@ -586,7 +605,10 @@ class Panel(Uncopied):
     async def _happenings(self) -> None:
         with self._observer.events.subscribe("drop_oldest") as stream:
             async for event in stream:
-                self._note(event.line(), event.severity)
+                text = (
+                    parted_text(event) if isinstance(event, events.TwinDiverged) else event.line()
+                )
+                self._note(text, event.severity)
 
     async def _ask_seldom(self) -> None:
         robot, due = self._observer, anyio.current_time()
@@ -635,7 +657,8 @@ class Panel(Uncopied):
         self._sent.pop(number - self._numbered, None)
         if self._scene is not None and sample is not None:
             told = sample.status
-            self._scene.show([*told.joints], [*told.expected_joints], self._aim)
+            twin = None if self._twin is None else self._twin.joints
+            self._scene.show([*told.joints], [*told.expected_joints], self._aim, twin)
         age = math.inf if sample is None else sample.age
         robot = self._commander
         lease = self._lease
@@ -655,6 +678,7 @@ class Panel(Uncopied):
                 else [f"{each.name} {each.state.name}" for each in robot.tasks],
                 "busy": self._busy,
                 "sample": self._told or None,
+                "twin": None if self._twin is None else self._twin.as_json(),
                 "late": None if sample is None else history_point(self._told)[-1],
             }
         )

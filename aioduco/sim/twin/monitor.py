@@ -130,6 +130,11 @@ class TwinMonitor:
         mounting: pose of the base in the world [m, rad].
         commands: whether the program's commands are known: without them, nothing is said about
             paths, delays, and other programs.
+
+    Attributes:
+        figures: the present differences.
+        joints: where the arm should be [rad]: behind the rehearsed set-points, or while these are
+            not known behind the controller's, by the normal lag of each joint.
     """
 
     def __init__(
@@ -162,6 +167,7 @@ class TwinMonitor:
         self._masses = {"set_tool_data": 0.0, "set_load_data": 0.0}
         self._outcomes: list[Divergence] = []
         self.figures: TwinFigures = TwinFigures()
+        self.joints: tuple[float, ...] = ()
 
     def command(self, command: TwinCommand) -> None:
         """Take a command of the program, `predictor.AHEAD` before the samples of its time."""
@@ -186,6 +192,9 @@ class TwinMonitor:
         deviation = self._predictor.deviation(sample)
         found, self._outcomes = self._outcomes, []
         at = sample.time
+        rehearsed = self._predictor.rehearsal.setpoint if self._commands else None
+        q, speeds = rehearsed or (np.array(sample.expected), deviation.expected_speeds)
+        self.joints = tuple((q - self._lag * speeds).tolist())
         figures: dict[str, Any] = {"blind": self._predictor.rehearsal.blind}
         self._torques(deviation, figures)
         self._geometry(deviation, figures)

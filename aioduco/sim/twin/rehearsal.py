@@ -130,6 +130,11 @@ class Rehearsal:
         run = self._run
         return run is not None and self.idle and run.place(np.array(expected)).distance < _THERE
 
+    @property
+    def setpoint(self) -> tuple[Vector, Vector] | None:
+        """Joints of the set-point and their speeds [rad, rad/s]; None while it is blind."""
+        return None if self._run is None else self._run.setpoint
+
     def hide(self, why: str) -> None:
         """Predict nothing until the next `begin`."""
         self.blind = why
@@ -213,6 +218,11 @@ class _Run:
                 arm, runtime, controller.signals, controller.frames, series, model, "TWIN"
             )
         )
+
+    @property
+    def setpoint(self) -> tuple[Vector, Vector]:
+        """Joints of the set-point and their speeds [rad, rad/s]."""
+        return self._q, self._qd
 
     def _settle(self) -> None:
         """Run while the power changes; nothing moves, so that the cycles may be long."""

@@ -82,6 +82,7 @@ class Twin(Uncopied):
 
     Attributes:
         figures: the newest differences.
+        joints: where the arm should be [rad]; None before the first sample. Shape (6,).
         divergences: the last hundred divergences, oldest first.
     """
 
@@ -117,6 +118,7 @@ class Twin(Uncopied):
         self._samples = self._dropped = self._count = 0
         self._busy = 0.0
         self.figures: TwinFigures = TwinFigures()
+        self.joints: tuple[float, ...] | None = None
         self.divergences: deque[TwinDiverged] = deque(maxlen=100)
         self._error: Exception | None = None
 
@@ -311,7 +313,7 @@ class Twin(Uncopied):
                     self._fail(RuntimeError(f"its process has ended: {self._linked.stderr_tail}"))
                 return
             self._busy = found.busy
-            self.figures = found.figures
+            self.figures, self.joints = found.figures, found.joints
             self._tell("/twin", found.at, {**found.figures._asdict()})
             for divergence in found.divergences:
                 self._parted(divergence)

@@ -50,12 +50,14 @@ class Found(NamedTuple):
     Attributes:
         at: time of the sample [s].
         figures: the present differences.
+        joints: where the arm should be [rad].
         divergences: what has parted.
         busy: processor time of this process [s].
     """
 
     at: float
     figures: TwinFigures
+    joints: tuple[float, ...]
     divergences: tuple[Divergence, ...]
     busy: float
 
@@ -91,4 +93,5 @@ def _serve(channel: ValueChannel) -> None:
             found = monitor.sample(item)
             if found or not told <= item.time < told + _FIGURES_EVERY:
                 told = item.time
-                channel.send(Found(told, monitor.figures, tuple(found), time.process_time()))
+                busy = time.process_time()
+                channel.send(Found(told, monitor.figures, monitor.joints, tuple(found), busy))

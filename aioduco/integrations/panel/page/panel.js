@@ -308,6 +308,11 @@ function showState() {
     if (control.disabled !== off && control !== held) control.disabled = off;
   });
   $("move").textContent = held === $("move") ? "Moving: let go to stop" : !mine ? "Take control to move" : !aimed ? "Set a target first" : "Hold to move";
+  $("twin").hidden = $("twin-key").hidden = state.twin === null;
+  if (state.twin !== null) {
+    if ($("twin").textContent !== state.twin.text) $("twin").textContent = state.twin.text;
+    $("twin").classList.toggle("parted", state.twin.parted);
+  }
   if (now === null) return;
   pill("robot", now.robot, now.robot === "ENABLE" ? "good" : "warn");
   pill("program", now.program, now.program === "STOPPED" ? "" : "on");
