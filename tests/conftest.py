@@ -6,6 +6,7 @@ all of them run, with all of their cases.
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import os
 import signal
@@ -150,7 +151,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection() -> Generator[None, object, object]:
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
     """Keep Python's search for garbage away from the tests themselves, half a million objects.
 
     While they are collected it would find nothing, and take a fifth of the time. Afterwards it
@@ -158,11 +159,29 @@ def pytest_collection() -> Generator[None, object, object]:
     """
     gc.disable()
     try:
+        _import_a_share(session.config)
         return (yield)
     finally:
         gc.collect()
         gc.freeze()
         gc.enable()
+
+
+def _import_a_share(config: pytest.Config) -> None:
+    """Import every n-th module of the tests first, where n processes import all of them.
+
+    So each process compiles a part of them, in a fresh clone half of the time of collecting, and
+    finds the others compiled.
+    """
+    process = os.environ.get("PYTEST_XDIST_WORKER", "")
+    tests = Path(__file__).parent
+    if not process or [tests] != [config.rootpath / each for each in config.args]:
+        return
+    number, processes = int(process[2:]), int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
+    for path in sorted(tests.rglob("test_*.py"))[number::processes]:
+        name = ".".join(path.relative_to(tests).with_suffix("").parts)
+        with contextlib.suppress(Exception, pytest.skip.Exception):  # collecting it reports that
+            import_module(name)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -568,7 +568,7 @@ class SimulationRuntime:
         return bool(self._waiters) and self._controller.time_left < self._batches.longest
 
     def _step(self) -> None:
-        """Let the physics move for one cycle, unless only the controller is at work."""
+        """Let the physics run one cycle, unless it would change nothing."""
         if self._plant_dirty or self._braked is not self._drive.brake:
             self._change_plant()
             self._quiet = 0
