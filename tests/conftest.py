@@ -33,7 +33,7 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
     # Of Python's shared memory on Linux, and of none on Windows: no test is to have left it.
     resource_tracker.ensure_running()
 
-from cycle_time import COARSE, set_cycle  # noqa: E402 - see above
+from cycle_time import COARSE, SHORT, set_cycle, set_power_times  # noqa: E402 - see above
 from patient import be_patient  # noqa: E402
 from ports import give_each_once  # noqa: E402
 
@@ -112,6 +112,7 @@ def pytest_configure(config: pytest.Config) -> None:
     all_of_it: bool = config.getoption("thorough")
     if not all_of_it:
         set_cycle(COARSE)
+        set_power_times(SHORT)
     if getattr(config.option, "dist", "no") == "load":
         # Each process takes neighbours, so that a fixture of a module is made once or twice, and at
         # the end those that another one has left.

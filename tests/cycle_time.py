@@ -1,11 +1,18 @@
-"""The cycle of simulators whose test names none."""
+"""The times of simulators whose test names none."""
 
 from __future__ import annotations
 
-from aioduco.sim import Simulator
+import dataclasses
 
-#: What is not about the simulator itself needs no finer one, and it takes less of the computer [s].
+from aioduco.sim import Simulator
+from aioduco.sim.controller.power import CHANGES
+
+#: What is not about the simulator needs no finer cycle, and it takes less of the computer [s].
 COARSE = 0.004
+#: What is not about the simulator need not wait for its power: how long these last [s].
+SHORT = {"power_on": 0.05, "enable": 0.03}
+#: how long they last for a user [s]; both have one step
+USUAL = {name: CHANGES[name].steps[0][0] for name in SHORT}
 
 
 def set_cycle(seconds: float) -> float:
@@ -14,4 +21,13 @@ def set_cycle(seconds: float) -> float:
     assert defaults is not None
     before: float = defaults["cycle"]
     defaults["cycle"] = seconds
+    return before
+
+
+def set_power_times(times: dict[str, float]) -> dict[str, float]:
+    """Let changes of power last so long [s] in this process; how long they did."""
+    before = {name: CHANGES[name].steps[0][0] for name in times}
+    for name, seconds in times.items():
+        ((_, state),) = CHANGES[name].steps
+        CHANGES[name] = dataclasses.replace(CHANGES[name], steps=((seconds, state),))
     return before

@@ -141,6 +141,7 @@ TURNS = [
 ]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("sensor", ["torque", "force"])
 def test_a_hidden_load_is_found_and_written(arm: Simulator, tmp_path: Path, sensor: str) -> None:
     file = WaypointFile.new()

@@ -276,7 +276,7 @@ async def test_a_loop_that_does_not_wait_does_not_creep(
     assert nearest(seen) > -LAG
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["joints", "linear"])
 async def test_streams_of_speeds_opened_again_and_again_do_not_creep(
     robot: aioduco.Robot, seen: Seen, kind: str

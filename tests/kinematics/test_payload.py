@@ -63,6 +63,7 @@ def test_forces_give_a_hidden_load_within_what_is_stated() -> None:
     assert (held / 300 < 0.99).all()
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "noise",
     [(0.04, 0.04, 0.03, 0.01, 0.01, 0.01), (0.02,) * 6, (0.2, 0.01, 0.02, 0.03, 0.005, 0.02)],

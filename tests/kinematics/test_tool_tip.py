@@ -48,6 +48,7 @@ def test_a_hidden_tip_is_found_within_what_is_stated() -> None:
     assert np.median(stated) < 0.12e-3
 
 
+@pytest.mark.slow
 def test_an_uneven_set_states_its_uncertainty_too() -> None:
     turns, held = touching(5, 0.5), 0
     for seed in range(400):

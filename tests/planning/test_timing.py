@@ -58,7 +58,7 @@ def test_a_straight_way_takes_the_time_of_the_closed_form(
     assert excess(found, limits) <= 1.001
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_without_a_limit_of_jerk_it_is_as_fast_as_toppra(seed: int) -> None:
     # Loading it takes longer than all else in this file.

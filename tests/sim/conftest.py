@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from cycle_time import set_cycle
+from cycle_time import USUAL, set_cycle, set_power_times
 from thriftpy2.thrift import TApplicationException
 from thriftpy2.transport import TTransportException
 
@@ -28,10 +28,11 @@ OUT_OF_RANGE = 0
 
 @pytest.fixture(scope="package", autouse=True)
 def real_cycle() -> Iterator[None]:
-    """The cycle that a user's simulator has."""
-    before = set_cycle(CYCLE)
+    """The cycle and the times of power that a user's simulator has."""
+    cycle, times = set_cycle(CYCLE), set_power_times(USUAL)
     yield
-    set_cycle(before)
+    set_cycle(cycle)
+    set_power_times(times)
 
 
 class Wire:

@@ -305,6 +305,7 @@ def test_wrong_parameters_of_a_joint_motion(
     assert strict.get_last_error()[-1].startswith("movej2: ")
 
 
+@pytest.mark.slow
 def test_a_speed_far_above_its_range_is_the_highest(sim: Simulator, robot: Program) -> None:
     def hurry() -> None:
         with nothing_forgiven(sim):

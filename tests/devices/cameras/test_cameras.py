@@ -165,6 +165,7 @@ def test_the_uncertainty_holds_for_hidden_cameras(count: int, noise: str) -> Non
     assert np.median(ratios) < 12.0
 
 
+@pytest.mark.slow
 def test_it_is_not_worse_than_any_method_of_opencv() -> None:
     """On the same noisy views, with half turns of the wrist and without."""
     methods = [getattr(cv2, f"CALIB_HAND_EYE_{name}")

@@ -101,6 +101,7 @@ async def test_a_tool_is_measured_and_written() -> None:
             assert (measured.touches, measured.ahead) == ([], None)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("sensor", ["torque", "force"])
 async def test_a_load_is_measured_and_written(
     monkeypatch: pytest.MonkeyPatch, sensor: Sensor

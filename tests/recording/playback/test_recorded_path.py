@@ -109,6 +109,7 @@ def busy(seed: int) -> tuple[Array, Any]:
     return taken, lambda _: asked - taken + chance.uniform(0.0, 1e-4, len(asked))
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("seed", range(20))
 def test_a_recording_of_a_busy_computer_is_played_as_the_arm_moved(
     seed: int, tmp_path: Path

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("model", [MODEL, "gcr10_1300", "gcr20_1400", "gcr3_618"])
 def test_the_table_of_a_hidden_arm_is_found(model: str) -> None:
     inside = []
@@ -40,6 +40,7 @@ def test_the_table_of_a_hidden_arm_is_found(model: str) -> None:
     assert np.mean(inside) >= 0.95
 
 
+@pytest.mark.slow
 def test_its_intervals_hold_with_noise() -> None:
     inside = []
     for seed in range(4):

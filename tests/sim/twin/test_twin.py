@@ -86,6 +86,7 @@ async def push_when_it_moves(sim: Simulator, robot: aioduco.Robot) -> None:
     sim.push([0.0, 20.0, 0.0, 0.0, 0.0, 0.0])
 
 
+@pytest.mark.slow
 async def test_it_reports_only_otherwise(sim: Simulator, robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS) as twin:
         sim.push([0.0, 20.0, 0.0, 0.0, 0.0, 0.0])
@@ -138,6 +139,7 @@ def test_programs_that_wait_have_it_too() -> None:
             assert twin.over
 
 
+@pytest.mark.slow
 async def test_the_example_runs(
     sim: Simulator, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -102,6 +102,7 @@ asyncio.run(main())
 """
 
 
+@pytest.mark.slow
 def test_a_fault_in_a_function_is_shown_with_each_line_that_calls_it(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
     program.write_text(CALLS, encoding="utf-8")

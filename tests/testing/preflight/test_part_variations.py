@@ -72,6 +72,7 @@ def test_a_fault_of_a_part_is_applied_to_the_cell() -> None:
             Variation(parts=kind, part=0.7, extent=0.5).apply(bare)
 
 
+@pytest.mark.slow
 def test_a_program_that_trusts_its_part_is_found_out(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
     program.write_text(PICKS)
