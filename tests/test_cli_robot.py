@@ -79,7 +79,7 @@ def test_a_robot_is_an_address_a_name_the_environment_or_a_default(
         found = robot_at(given)
         assert (found.host, found.port) == (host, port), given
         assert robot_at(given, port) == found
-    with pytest.raises(typer.BadParameter, match="arm.lan:7004.*--port is 8114"):
+    with pytest.raises(typer.BadParameter, match=r"arm.lan:7004.*--port is 8114"):
         robot_at("arm.lan:7004", 8114)
     monkeypatch.setenv("XDG_CONFIG_HOME", "not/absolute")
     monkeypatch.setenv("HOME", "/home/somebody")

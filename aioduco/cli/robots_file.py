@@ -89,7 +89,9 @@ def find(given: str | None, port: int | None = None, cell: Path | None = None) -
             _refuse_misspelt(text, robots)
         host, told = _parsed(name, text)
         if None not in (port, told) and port != told:
-            raise WrongAddress(f"{name} is {text!r}, but --port is {port}: give one of the two ports")
+            raise WrongAddress(
+                f"{name} is {text!r}, but --port is {port}: give one of the two ports"
+            )
         found = RobotAddress(host, told or PORT)
     return found if port is None else replace(found, port=port)
 
