@@ -70,7 +70,9 @@ BODIES = {
     "hang": MOTION + "time.sleep(3.0)\nawait move\n",
     "wait": MOTION + "await move\n",
     "stream": STREAM,
-    "stream and stop": "asyncio.get_running_loop().call_later(1.0, robot.stop_now)\n" + STREAM,
+    "stream and stop": STREAM.replace(
+        "begun()", "begun()\n    asyncio.get_running_loop().call_later(1.0, robot.stop_now)"
+    ),
 }
 #: body, and what the test does to the program once the arm moves
 CASES = {
