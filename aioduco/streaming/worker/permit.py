@@ -39,7 +39,7 @@ class PermitEnded(Exception):
     """A set-point was not sent, since the permit has ended."""
 
 
-def _times() -> tuple[int, int]:
+def _both_clocks() -> tuple[int, int]:
     """The monotonic time, and the one that goes on while the computer sleeps [ns]."""
     return time.monotonic_ns(), int(boot_time() * 1e9)
 
@@ -74,7 +74,7 @@ class StreamPermit:
         control: Sequence[int],
         stall_limit: float,
         away_limit: float,
-        times: Callable[[], tuple[int, int]] = _times,
+        times: Callable[[], tuple[int, int]] = _both_clocks,
     ) -> None:
         self._control = control
         self._stall_limit = int(stall_limit * 1e9)
