@@ -134,6 +134,15 @@ class DucoError(Portable):
     """
 
 
+class Described(str):
+    """A value in words, such as "3 views". Errors have it without quotation marks."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
 class ParameterError(DucoError, ValueError):
     """An argument is outside what the manual allows. Nothing was sent.
 
@@ -147,7 +156,8 @@ class ParameterError(DucoError, ValueError):
         self.parameter = parameter
         self.value = value
         self.expected = expected
-        super().__init__(f"{parameter} is {_text(value)}, but must be {expected}; nothing was sent")
+        end = " Nothing was sent" if expected.endswith("?") else "; nothing was sent"
+        super().__init__(f"{parameter} is {_text(value)}, but must be {expected}{end}")
 
 
 class MotionCarriedOut(DucoError, TypeError):

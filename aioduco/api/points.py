@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Set
 from typing import TYPE_CHECKING, TypeVar
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 from aioduco.models.op import PointOp
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def points_with_outputs(
     expected = f"{count.low} to {count.high} points, each a PointOp"
     given = listed(name, points, expected)
     if not count.low <= len(given) <= count.high:
-        raise ParameterError(name, f"{len(given)} points", expected)
+        raise ParameterError(name, Described(f"{len(given)} points"), expected)
     for number, point in enumerate(given):
         if not isinstance(point, PointOp) or type(point.pos) not in kinds:
             words = " or a ".join(kind.__name__ for kind in kinds)

@@ -70,8 +70,8 @@ def call(
     where = place(name)
     if where is None:
         raise typer.BadParameter(
-            f"no function of the robot is called {name}{did_you_mean(name, _functions(''))}; "
-            "docs/functions.md lists all of them"
+            f"no function of the robot is called {name}; docs/functions.md lists all of them"
+            f"{did_you_mean(name, _functions(''))}"
         )
     address = robot_at(host, port, cell)
     robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -331,7 +331,7 @@ class Envelope:
         if not isinstance(model, Arm):
             raise ParameterError("arm", arm, "an Arm, or the name of a model")
         if len(limits) > _MOST:
-            raise ParameterError("limits", f"{len(limits)} limits", f"up to {_MOST}")
+            raise ParameterError("limits", Described(f"{len(limits)} limits"), f"up to {_MOST}")
         for number, limit in enumerate(limits):
             if not isinstance(limit, EnvelopeLimit):
                 raise ParameterError(f"limits[{number}]", limit, "a limit, such as a Zone")

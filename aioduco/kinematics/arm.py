@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from aioduco.errors import ParameterError, Unreachable
+from aioduco.errors import Described, ParameterError, Unreachable
 from aioduco.kinematics import forward, inverse, single
 from aioduco.models import bounds
 from aioduco.models.pose import JointsLike, Pose, PoseLike
@@ -202,7 +202,9 @@ class Arm:
 def _joints(q: JointsLike) -> Array:
     array = np.asarray(q, dtype=np.float64)
     if array.shape[-1:] != (6,):
-        raise ParameterError("q", f"an array of shape {array.shape}", "of shape (..., 6) [rad]")
+        raise ParameterError(
+            "q", Described(f"an array of shape {array.shape}"), "of shape (..., 6) [rad]"
+        )
     return array
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from aioduco.errors import CalibrationError, ParameterError
+from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.models.pose import Pose
 
@@ -87,7 +87,7 @@ def calibrate_tool_tip(
     hands = rigid_frames("flanges", flanges, "touch")
     count = len(hands)
     if count < _MIN_TOUCHES:
-        raise ParameterError("flanges", f"{count} touches", f"{_MIN_TOUCHES} or more")
+        raise ParameterError("flanges", Described(f"{count} touches"), f"{_MIN_TOUCHES} or more")
     if not 0.0 < limit < np.inf:
         raise ParameterError("limit", limit, "above 0 [m]")
     turns, places = hands[:, :3, :3], hands[:, :3, 3]

@@ -37,4 +37,4 @@ def unknown(name: str, known: Iterable[str], *, most: int = 12) -> str:
     """
     names = list(known)
     listed = f"; there are {', '.join(names) or 'none'}" if len(names) <= most else ""
-    return f"{name!r} is not known{did_you_mean(name, names)}{listed}"
+    return f"{name!r} is not known{listed}{did_you_mean(name, names)}"

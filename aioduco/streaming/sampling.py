@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 from aioduco.models.rules.scalars import LONGEST
 from aioduco.streaming.shared.space import PoseSpace
 
@@ -150,7 +150,7 @@ def instants(duration: float, interval: float) -> NDArray[np.float64]:
     if not duration <= _MOST_INSTANTS * interval:
         hint = " (seconds, not nanoseconds)" if duration >= LONGEST else ""
         expected = f"at most {_MOST_INSTANTS * interval:g} s long at {1 / interval:g} Hz{hint}"
-        raise ParameterError("times", f"{duration:g} s long", expected)
+        raise ParameterError("times", Described(f"{duration:g} s long"), expected)
     count = int(np.ceil(duration / interval - 1e-9))
     found: NDArray[np.float64] = np.minimum(np.arange(count + 1) * interval, duration)
     return found

@@ -22,7 +22,7 @@ def test_the_nearest_name(name: str, says: str) -> None:
 
 def test_a_short_list_is_shown_whole() -> None:
     assert (
-        unknown("lefft", ["left"]) == "'lefft' is not known: did you mean 'left'?; there are left"
+        unknown("lefft", ["left"]) == "'lefft' is not known; there are left: did you mean 'left'?"
     )
     assert unknown("a", [str(each) for each in range(20)]) == "'a' is not known"
     assert unknown("a", []) == "'a' is not known; there are none"

@@ -9,7 +9,7 @@ import anyio
 import numpy as np
 
 from aioduco.api.motion.switch import SwitchPlace
-from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceViolated
+from aioduco.errors import Described, GoalToleranceViolated, ParameterError, PathToleranceViolated
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.streaming.options import per_group
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
@@ -125,7 +125,9 @@ def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float64]:
     points = curve.at(curve.times[0] + instants(curve.duration, interval))
     speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
     if speed > v * (1 + 1e-6):
-        raise ParameterError("trajectory", f"a joint at {speed:.4g} rad/s", f"up to {v:g} rad/s")
+        raise ParameterError(
+            "trajectory", Described(f"a joint at {speed:.4g} rad/s"), f"up to {v:g} rad/s"
+        )
     return points
 
 

@@ -17,7 +17,7 @@ import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.bus import frames
-from aioduco.errors import ModbusGarbled, ModbusTimeout, ParameterError
+from aioduco.errors import Described, ModbusGarbled, ModbusTimeout, ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Signed
 
@@ -179,7 +179,9 @@ class ModbusRtu(Uncopied):
         """
         words = [value & 0xFFFF for value in _WORDS("values", values)]
         if len(words) > _MOST_WRITTEN:
-            raise ParameterError("values", f"{len(words)} values", f"at most {_MOST_WRITTEN}")
+            raise ParameterError(
+                "values", Described(f"{len(words)} values"), f"at most {_MOST_WRITTEN}"
+            )
         await self._exchange(frames.write(self._unit, _WORD("address", address), words))
 
     async def _exchange(self, request: Request) -> tuple[int, ...]:

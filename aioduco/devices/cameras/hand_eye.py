@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from aioduco.errors import CalibrationError, ParameterError
+from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, nearest_rotation, rigid_frames
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 
@@ -87,9 +87,11 @@ def calibrate_hand_eye(
     hands = rigid_frames("flanges", flanges, "view")
     seen = rigid_frames("boards", boards, "view")
     if len(hands) < _MIN_VIEWS:
-        raise ParameterError("flanges", f"{len(hands)} views", f"{_MIN_VIEWS} or more")
+        raise ParameterError("flanges", Described(f"{len(hands)} views"), f"{_MIN_VIEWS} or more")
     if len(seen) != len(hands):
-        raise ParameterError("boards", f"{len(seen)} views", f"{len(hands)}, as many as flanges")
+        raise ParameterError(
+            "boards", Described(f"{len(seen)} views"), f"{len(hands)}, as many as flanges"
+        )
     if mounted not in ("flange", "beside"):
         raise ParameterError("mounted", mounted, '"flange" or "beside"')
     if np.shape(limits) != (2,) or not all(0.0 < each < np.inf for each in limits):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import is_array, np
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Rule
@@ -178,7 +178,7 @@ class Points(Rule):
         except TypeError as exc:
             raise ParameterError(name, value, self.expected) from exc
         if not self.low <= len(points) <= self.high:
-            raise ParameterError(name, f"{len(points)} points", self.expected)
+            raise ParameterError(name, Described(f"{len(points)} points"), self.expected)
         return points
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 from aioduco.sim.twin.data import TwinCommand
 from aioduco.sim.twin.patterns import Friction, PatternFit
 from aioduco.sim.twin.predictor import Predictor
@@ -181,7 +181,7 @@ def learn(arm: Arm, good: Sequence[Deviation]) -> TwinLimits:
     seconds = sum(each.step for each in moving)
     if seconds < _LEAST:
         rule = f"a run in which the arm moves for {_LEAST:g} s or more, by all its joints"
-        raise ParameterError("run", f"{seconds:.1f} s in motion", rule)
+        raise ParameterError("run", Described(f"{seconds:.1f} s in motion"), rule)
     effort = np.array(arm.effort)
     friction, noise = _friction(moving, effort)
     lag = _lag(moving)

@@ -1,0 +1,32 @@
+"""How errors say what was given."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco.devices.cameras import calibrate_hand_eye
+from aioduco.errors import Described, ParameterError
+from aioduco.kinematics import calibrate_tool_tip
+from aioduco.models.similar import did_you_mean
+
+
+def test_what_is_described_is_not_quoted() -> None:
+    views = [np.eye(4)] * 2
+    with pytest.raises(ParameterError, match="flanges is 2 views, but must be 4 or more"):
+        calibrate_hand_eye(views, views)
+    with pytest.raises(ParameterError, match="flanges is 2 touches, but must be"):
+        calibrate_tool_tip(views)
+    error = ParameterError("points", Described("2 points"), "3 or more")
+    for other in (pickle.loads(pickle.dumps(error)), copy.deepcopy(error)):
+        assert str(other) == "points is 2 points, but must be 3 or more; nothing was sent"
+        assert repr(other.value) == "2 points"
+
+
+def test_a_question_ends_its_sentence() -> None:
+    error = aioduco.ParameterError("kind", "bx", f"box{did_you_mean('bx', ['box'])}")
+    assert str(error) == "kind is 'bx', but must be box: did you mean 'box'? Nothing was sent"
