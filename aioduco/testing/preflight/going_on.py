@@ -169,17 +169,17 @@ def _envelopes() -> None:
         CHECKED.set(CheckedMotion(command.name))
         return await check(self, command)
 
-    async def refused(self: Any, name: str, before: Any, found: Any, *why: str) -> None:
+    async def refused(self: Any, name: str, found: Any, *why: str) -> None:
         origin, motion = lines.current(), CHECKED.get()
         known = motion is not None and motion.name == name and name in WAYS
         if origin is None or not known or handled(origin.waiting, EnvelopeViolated):
-            await refuse(self, name, before, found, *why)
+            await refuse(self, name, found, *why)
         elif motion is not None:
             motion.impossible = f"it would lead beyond the envelope: {found}; {_TO_ITS_END}"
             passed.add(id(self._watch))
 
-    async def slowed(self: Any, command: Any, before: Any, share: float) -> Any:
-        slow = await slower(self, command, before, share)
+    async def slowed(self: Any, command: Any, share: float) -> Any:
+        slow = await slower(self, command, share)
         if (motion := CHECKED.get()) is not None:
             motion.slowed *= share
         return slow
