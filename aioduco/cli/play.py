@@ -101,6 +101,7 @@ def play(
         WaypointFile,
         read_envelope,
     )
+    from aioduco.recording.playback.sample_times import gaps_in_words  # noqa: PLC0415
 
     with ended_by_errors():
         what: RecordedPath | WaypointFile
@@ -109,8 +110,8 @@ def play(
             what = load_cell(file).waypoints if is_cell(file) else WaypointFile.read(file)
         else:
             what = RecordedPath.of(read(file), begin=begin, end=end, speed=speed, bridge=bridge)
-            for gap in what.gaps:
-                say(f"bridged: {gap}")
+            if what.gaps:
+                say(f"bridged: {gaps_in_words(what.gaps)}")
         told = model or _model_of(what)
         around = {} if scene is None else {"scene": str(scene.resolve())}
         limits = None
@@ -174,7 +175,7 @@ class _Playing:
         from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
         from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
-        say(f"on a simulated {self._model or 'gcr5_910'}: {self._what}")
+        say(f"on a simulated {self._model or 'gcr5_910'}: {self._called()}")
         start = self._what.start if isinstance(self._what, RecordedPath) else None
         options = {**around, "model": self._model or "gcr5_910"}
         if start is not None:
@@ -197,7 +198,7 @@ class _Playing:
             if only_check:
                 return
             states = robot.state.get_robot_state()
-            text = f"{self._what} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
+            text = f"{self._called()} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
         ask(text, "Move the arm?", yes=yes)
         with control_session(address) as robot:
             robot.bring_up()
@@ -220,6 +221,15 @@ class _Playing:
         return aioduco.sync.check_waypoints_on(
             robot, self._what, arm=self._model, envelope=self._envelope
         )
+
+    def _called(self) -> str:
+        """What is played, for people."""
+        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
+
+        if isinstance(self._what, RecordedPath):
+            return f"{self._what.source.name}, {self._what.duration:.2f} s of motion"
+        count = len(self._what.waypoints)
+        return f"{self._what.title}, {count} waypoint{'' if count == 1 else 's'}"
 
     def _announced(self, robot: Robot) -> str:
         """Announcement of the motion, as text."""

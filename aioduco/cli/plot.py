@@ -58,7 +58,9 @@ def _recording(path: Path, target: Path, over: Path | None) -> None:
         other = None if over is None else read(over)
         (draw_page if as_page else draw_png)(run, target, other)
     except (OSError, DucoError) as error:
-        say(f"{path} cannot be drawn: {error}", error=True)
+        # an error of a recording has its name
+        text = str(error) if isinstance(error, DucoError) else f"{path} cannot be drawn: {error}"
+        say(text, error=True)
         raise typer.Exit(1) from None
     for each in (run, other):
         if each is not None and not each.complete:

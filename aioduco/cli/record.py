@@ -68,6 +68,7 @@ def playable(path: Path, entries: int) -> str:
     from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
     from aioduco.recording import read  # noqa: PLC0415
     from aioduco.recording.playback import RecordedPath, check_path  # noqa: PLC0415
+    from aioduco.recording.playback.sample_times import gaps_in_words  # noqa: PLC0415
 
     try:
         motion = RecordedPath.of(read(path))
@@ -77,5 +78,5 @@ def playable(path: Path, entries: int) -> str:
     found = () if model is None else check_path(motion, model)
     if found:
         return f"it cannot be played: {'; '.join(str(each) for each in found)}"
-    bridged = "".join(f"; {gap}: bridged" for gap in motion.gaps)
+    bridged = f"; bridged: {gaps_in_words(motion.gaps)}" if motion.gaps else ""
     return f"it can be played: {motion.duration:.2f} s of motion{bridged}"

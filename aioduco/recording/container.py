@@ -110,7 +110,8 @@ class McapFile:
         try:
             data = memoryview(self._path.read_bytes())
         except OSError as exc:
-            raise RecordingError(f"{self._path} cannot be read: {exc}") from exc
+            why = exc.strerror or exc
+            raise RecordingError(f"{self._path} cannot be read: {why}") from exc
         if bytes(data[: len(MAGIC)]) != MAGIC:
             raise RecordingError(
                 f"{self._path} is no recording: it does not begin as MCAP files do"

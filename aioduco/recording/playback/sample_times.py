@@ -18,11 +18,13 @@ import numpy as np
 from aioduco.recording.moving_gaps import MAX_GAP, MOVED
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
 
-__all__ = ["RecordedGap", "gaps_between", "is_fresh", "steady_times"]
+__all__ = ["RecordedGap", "gaps_between", "gaps_in_words", "is_fresh", "steady_times"]
 
 #: joint speed [rad/s], and distance between two samples [rad], up to which the arm stands
 STILL, SAME = 2e-3, 3e-5
@@ -34,6 +36,8 @@ _CLOCKS = 0.1
 _SPAN = 0.03
 #: factor on the largest acceleration that is found, which lies between samples
 _SURE = 1.25
+#: number of gaps up to which each is told
+_FEW_GAPS = 3
 
 
 class RecordedGap(NamedTuple):
@@ -61,6 +65,19 @@ class RecordedGap(NamedTuple):
         if np.isfinite(self.off):
             text += f", known to {self.off * 1e3:.1f} mrad"
         return text
+
+
+def gaps_in_words(gaps: Sequence[RecordedGap]) -> str:
+    """One line about bridged gaps: each of them if they are few."""
+    if len(gaps) <= _FEW_GAPS:
+        return "; ".join(str(each) for each in gaps)
+    longest = max(gaps, key=lambda gap: gap.duration)
+    together = sum(gap.duration for gap in gaps)
+    off = max(gap.off for gap in gaps)
+    return (
+        f"{len(gaps)} gaps of {together:.2f} s together, the longest {longest.duration:.2f} s from "
+        f"{longest.time:.2f} s on; known to {off * 1e3:.1f} mrad"
+    )
 
 
 def is_fresh(positions: Array, velocities: Array) -> NDArray[np.bool_]:
