@@ -39,6 +39,10 @@ BODIES: tuple[str, ...] = get_args(Body)
 _MOST = 100  # largest number of limits in one envelope
 
 
+#: margin that is printed as none
+_AT = 0.5e-4
+
+
 class Crossing(NamedTuple):
     """A point of the arm, a limit, and the margin between them.
 
@@ -61,10 +65,12 @@ class Crossing(NamedTuple):
     def __str__(self) -> str:
         where = ", ".join(f"{each:.3f}" for each in self.place)
         there = f" at ({where}) m" if self.place[0] == self.place[0] else ""
-        return (
-            f"{self.limit!r}: {self.body}{there} has a margin of "
-            f"{self.margin:+.4f} {self.unit}".rstrip()
-        )
+        # what is beyond a zone with this action is too fast, and not at a forbidden place
+        slow = " (there the tool must be slow)" if (self.action, self.unit) == ("slow", "m") else ""
+        margin = f"has a margin of {self.margin:+.4f} {self.unit}".rstrip()
+        if abs(self.margin) < _AT:
+            margin = "is at the limit"
+        return f"{self.limit!r}{slow}: {self.body}{there} {margin}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

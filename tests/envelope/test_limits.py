@@ -158,6 +158,9 @@ def test_limits_of_one_name_are_numbered() -> None:
 def test_a_crossing_says_what_and_where() -> None:
     found = Crossing("table", "elbow", (0.1, 0.2, 0.3), -0.0123, "m", "refuse")
     assert str(found) == "'table': elbow at (0.100, 0.200, 0.300) m has a margin of -0.0123 m"
+    slow = found._replace(action="slow")
+    assert str(slow).startswith("'table' (there the tool must be slow): elbow at")
+    assert str(found._replace(margin=-3e-8)).endswith("m is at the limit")
 
 
 @pytest.mark.parametrize(
