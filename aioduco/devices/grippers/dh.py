@@ -74,7 +74,7 @@ class DhGripper(ModbusGripper):
         try:
             return registers.state(read)
         except ValueError as error:
-            raise ModbusGarbled(f"the state of {self!r} is none: {error}") from error
+            raise ModbusGarbled(f"the state of {self} is none: {error}") from error
 
     async def activate(self) -> None:
         """Find the ends of the stroke, unless they are known already.
@@ -98,7 +98,7 @@ class DhGripper(ModbusGripper):
                         break
             if not ready:
                 raise GripperTimeout(
-                    f"{self!r} was not ready within {self._timeout:g} s; it may still move"
+                    f"{self} was not ready within {self._timeout:g} s; it may still move"
                 )
         await self.read()
 
@@ -107,7 +107,7 @@ class DhGripper(ModbusGripper):
         found = await self.status()
         if found.initialization is not registers.Initialization.DONE:
             if self._going:
-                raise GripperNotActivated(f"{self!r} is not initialized any more: activate it")
+                raise GripperNotActivated(f"{self} is not initialized any more: activate it")
             under_way = found.initialization is registers.Initialization.UNDER_WAY
             return GripperState(None, None, under_way, at)
         moving = found.grip is registers.DhGrip.MOVING
@@ -121,7 +121,7 @@ class DhGripper(ModbusGripper):
     async def _go(self, width: float, speed: float, force: float) -> None:
         if (await self.status()).initialization is not registers.Initialization.DONE:
             raise GripperNotActivated(
-                f"{self!r} is not initialized: call activate(), which moves the fingers. Nothing "
+                f"{self} is not initialized: call activate(), which moves the fingers. Nothing "
                 "was moved"
             )
         write = self._modbus.write_register

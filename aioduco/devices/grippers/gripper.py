@@ -178,6 +178,10 @@ class PolledGripper(Uncopied, ABC):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._model.title}>"
 
+    def __str__(self) -> str:
+        """As errors call it."""
+        return f"the {self._model.title}"
+
     # -- what a driver implements ---------------------------------------------------------------
 
     @abstractmethod
@@ -273,7 +277,7 @@ class PolledGripper(Uncopied, ABC):
             GripperError: it was not started.
         """
         if self._state is None:
-            raise GripperError(f"{self!r} was not started: use it in its block. Nothing was sent")
+            raise GripperError(f"{self} was not started: use it in its block. Nothing was sent")
         return self._state
 
     async def read(self) -> GripperState:
@@ -353,7 +357,7 @@ class PolledGripper(Uncopied, ABC):
                 raise
             await self._halt_shielded()
             raise GripperTimeout(
-                f"{self!r} did not come to rest within {self._timeout:g} s; it was halted"
+                f"{self} did not come to rest within {self._timeout:g} s; it was halted"
             ) from error
         except anyio.get_cancelled_exc_class():
             await self._halt_shielded()
@@ -398,13 +402,13 @@ class PolledGripper(Uncopied, ABC):
     def _check(self, arm: str) -> None:
         """As `check_held`; the error ends with what was done to the arm."""
         if self._lost:
-            raise ObjectLost(f"{self!r} lost what it held: look where it lies; {arm}")
+            raise ObjectLost(f"{self} lost what it held: look where it lies; {arm}")
         if why := self._unknown:
             raise HoldUnknown(
-                f"it is not known whether {self!r} still holds its part: {why}. Look at it; {arm}"
+                f"it is not known whether {self} still holds its part: {why}. Look at it; {arm}"
             ) from self._failure
         if self.state.holding is False:
-            raise ObjectLost(f"{self!r} holds nothing: what it was to grip was not there; {arm}")
+            raise ObjectLost(f"{self} holds nothing: what it was to grip was not there; {arm}")
 
     @property
     def _unknown(self) -> str:
@@ -433,7 +437,7 @@ class PolledGripper(Uncopied, ABC):
             GripperError: the gripper is not polled; the block was not entered.
         """
         if not self._background:
-            raise GripperError(f"{self!r} is not polled: write `async with` it; {_NOTHING}")
+            raise GripperError(f"{self} is not polled: write `async with` it; {_NOTHING}")
         self._check(_NOTHING)
         error: Exception | None = None
         cancelled = False

@@ -108,7 +108,7 @@ class Robotiq(ModbusGripper):
                 if isinstance(error, DucoError):  # the gripper did not answer
                     raise
                 raise GripperTimeout(
-                    f"{self!r} was not ready within {self._timeout:g} s; it may still move"
+                    f"{self} was not ready within {self._timeout:g} s; it may still move"
                 ) from error
         await self.read()
 
@@ -127,7 +127,7 @@ class Robotiq(ModbusGripper):
         self._raise_fault(found)
         if found.activation is not registers.Activation.ACTIVE:
             if self._going:
-                raise GripperNotActivated(f"{self!r} is not activated any more: activate it")
+                raise GripperNotActivated(f"{self} is not activated any more: activate it")
             return GripperState(None, None, found.activation is registers.Activation.ACTIVATING, at)
         # Until the echo equals this request, the state may belong to the request before.
         stale = found.going and self._sent[0] >> 8 & 8 and found.requested != self._sent[1]
@@ -156,7 +156,7 @@ class Robotiq(ModbusGripper):
     async def _go(self, width: float, speed: float, force: float) -> None:
         if (await self.status()).activation is not registers.Activation.ACTIVE:
             raise GripperNotActivated(
-                f"{self!r} is not activated: call activate(), which moves the fingers. Nothing "
+                f"{self} is not activated: call activate(), which moves the fingers. Nothing "
                 "was moved"
             )
         words = registers.request(
