@@ -185,3 +185,13 @@ def test_a_load_is_not_made_up(arm: Simulator, typed: Any) -> None:
     assert not arm.moving
     ended = invoke("payload", at(arm), "--tool", "a", "--held")
     assert ended.exit_code == 2
+
+
+def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:
+    file = tmp_path / "cell.toml"
+    file.write_text(
+        'arm = "gcr5_910"\n[robots.left]\nhost = "127.0.0.1"\n'
+        "[[waypoint]]\njoints_deg = [0, 0, 90, 0, 90, 0]\n"
+    )
+    answer = CliRunner().invoke(app, ["payload", "127.0.0.1:1", "--poses", str(file), "--yes"])
+    assert (answer.exit_code, "cannot connect to 127.0.0.1:1" in answer.stderr) == (1, True)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
+from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.output import print_json, say
@@ -63,8 +64,8 @@ def payload(
     poses: Annotated[
         Path | None,
         typer.Option(
-            help="File of `aioduco teach`: the arm moves to its waypoints. Without it, the arm is "
-            "guided by hand.",
+            help="File of `aioduco teach`, or of a cell: the arm moves to its waypoints. Without "
+            "it, the arm is guided by hand.",
         ),
     ] = None,
     set_load: Annotated[
@@ -145,7 +146,7 @@ def _file(path: Path) -> WaypointFile:
     from aioduco.recording.playback import WaypointFile  # noqa: PLC0415 - quick help
 
     with ended_by_errors():
-        return WaypointFile.read(path)
+        return load_cell(path).waypoints if is_cell(path) else WaypointFile.read(path)
 
 
 def _arm(robot: Robot) -> Arm:
