@@ -81,7 +81,8 @@ class Event:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name != "at" and value not in ("", ()):
-                said[field.name] = str(getattr(value, "name", None) or value)
+                text = f"{value:.3g}" if isinstance(value, float) else value
+                said[field.name] = str(getattr(value, "name", None) or text)
         if said.keys() == {"before", "after"}:
             return f"{name.strip()} from {said['before']} to {said['after']}"
         values = ", ".join(f"{field} {value}" for field, value in said.items())

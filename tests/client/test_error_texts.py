@@ -13,6 +13,7 @@ from aioduco.devices.cameras import calibrate_hand_eye
 from aioduco.errors import Described, ParameterError
 from aioduco.kinematics import calibrate_tool_tip
 from aioduco.models.similar import did_you_mean
+from aioduco.supervision.events import LoopBlocked
 
 
 def test_what_is_described_is_not_quoted() -> None:
@@ -30,3 +31,7 @@ def test_what_is_described_is_not_quoted() -> None:
 def test_a_question_ends_its_sentence() -> None:
     error = aioduco.ParameterError("kind", "bx", f"box{did_you_mean('bx', ['box'])}")
     assert str(error) == "kind is 'bx', but must be box: did you mean 'box'? Nothing was sent"
+
+
+def test_an_event_is_short() -> None:
+    assert LoopBlocked(0.0, 0.329978032001236, "").line() == "loop blocked: seconds 0.33"
