@@ -10,6 +10,7 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.output import say
+from aioduco.models.toml_files import read_text
 
 __all__ = ["plot"]
 
@@ -38,7 +39,7 @@ def plot(
 
     target = picture or figures.with_suffix(".png")
     try:
-        found = json.loads(figures.read_text(encoding="utf-8"))
+        found = json.loads(read_text(figures))
         draw(found, target)
     except (OSError, ValueError, LookupError, RecursionError, TypeError) as error:
         say(f"{figures} cannot be drawn: {error!r}", error=True)

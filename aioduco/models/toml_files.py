@@ -5,9 +5,12 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 __all__ = ["parse_toml", "read_text", "read_toml", "rewrite"]
+
+#: bytes of the largest file that is read; a person edits none that is larger
+_LARGEST: Final = 1 << 26
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
@@ -15,9 +18,13 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is not UTF-8.
+        ValueError: it is not UTF-8, or larger than 64 MiB.
     """
-    return Path(path).read_bytes().decode("utf-8-sig")
+    with Path(path).open("rb") as file:
+        data = file.read(_LARGEST + 1)  # a device has no end
+    if len(data) > _LARGEST:
+        raise ValueError(f"it is larger than {_LARGEST >> 20} MiB")
+    return data.decode("utf-8-sig")
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -133,3 +133,16 @@ def test_a_text_with_its_own_line_ends_is_written_as_it_is(tmp_path: Path) -> No
     path.write_bytes(mixed.encode())
     rewrite(path, read_text(path) + "d = 3\n")
     assert path.read_bytes() == (mixed + "d = 3\n").encode()
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_file_that_no_person_wrote_is_refused_before_it_is_read_whole(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read, text, error = READERS[name]
+    file = tmp_path / "file.toml"
+    file.write_text(text + "#" * 1000)
+    read(file)
+    monkeypatch.setattr("aioduco.models.toml_files._LARGEST", 1000)
+    with pytest.raises(error, match="larger than"):
+        read(file)

@@ -295,6 +295,7 @@ def test_links_out_of_the_folder_are_refused(tmp_path: Path) -> None:
     ("content", "message"),
     [
         ("{", "is no JSON"),
+        ("[" * 100_000, "is no JSON"),
         ('{"a": 1}', "must be a list of calls"),
         ("[3]", "call 1: 3 is no call"),
         ('[["stop"], ["jump"]]', "call 2: there is no function 'jump'"),

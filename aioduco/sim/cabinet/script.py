@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from aioduco._wire import idl
+from aioduco.models.toml_files import read_text
 
 __all__ = ["Call", "ProgramError", "Script", "checked", "prepared", "read"]
 
@@ -63,8 +64,8 @@ def read(folder: str | Path) -> dict[str, list[Call]]:
         if file.resolve(strict=True).parent != root:
             raise ValueError(f"{file} leads out of {root}")
         try:
-            calls = json.loads(file.read_text(encoding="utf-8"))
-        except ValueError as exc:
+            calls = json.loads(read_text(file))
+        except (ValueError, RecursionError) as exc:
             raise ValueError(f"{file} is no JSON: {exc}") from None
         checked(str(file), calls)
         found[file.stem] = calls

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import Described, ParameterError
+from aioduco.models.toml_files import read_text
 from aioduco.sim.twin.data import TwinCommand
 from aioduco.sim.twin.patterns import Friction, PatternFit
 from aioduco.sim.twin.predictor import Predictor
@@ -133,14 +134,14 @@ class TwinLimits:
         """
         rule = "a file of limits, as TwinLimits.save writes it"
         try:
-            found: Any = json.loads(Path(path).read_text(encoding="utf-8"))
+            found: Any = json.loads(read_text(path))
             names = {each.name for each in fields(cls)}
             values: dict[str, Any] = {
                 name: tuple(value) if isinstance(value, list) else value
                 for name, value in found.items()
             }
             return cls(**{name: value for name, value in values.items() if name in names})
-        except (OSError, ValueError, TypeError, AttributeError) as exc:
+        except (OSError, ValueError, TypeError, AttributeError, RecursionError) as exc:
             raise ParameterError("path", str(path), rule) from exc
 
 

@@ -49,7 +49,7 @@ def test_a_file_has_all_of_them(learned: TwinLimits, tmp_path: Path) -> None:
     assert TwinLimits.load(tmp_path / "limits.json") == learned
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"arm": "gcr5_910"}'])
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"arm": "gcr5_910"}', "[" * 100_000])
 def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "limits.json").write_text(text)
     with pytest.raises(ParameterError, match="limits"):
