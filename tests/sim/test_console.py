@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import socket
 from contextlib import closing
@@ -207,6 +208,24 @@ def test_lines_are_answered_in_order_until_the_port_is_closed() -> None:
             LineServer(str.upper, lines.port)
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", lines.port), timeout=30)
+
+
+@pytest.mark.parametrize("length", [1, 5000])
+@pytest.mark.parametrize("method", ["POST", "GET", "OPTIONS"])
+def test_no_part_of_a_request_of_a_browser_is_a_command(method: str, length: int) -> None:
+    seen: list[str] = []
+
+    def answer(line: str) -> str:
+        seen.append(line)
+        return "ok"
+
+    with closing(LineServer(answer, 0)) as lines:
+        request = f"{method} /{'a' * length} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\nestop\n".encode()
+        with socket.create_connection(("127.0.0.1", lines.port), timeout=60.0) as client:
+            client.sendall(request)
+            with contextlib.suppress(ConnectionError):  # it is closed with the rest unread
+                assert client.recv(100) == b""
+    assert seen == []
 
 
 @pytest.mark.parametrize("length", [999, 1000, 1001, 5000])

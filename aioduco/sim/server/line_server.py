@@ -1,12 +1,14 @@
 """A loopback port for lines of text: each line is a command, and the answer is text.
 
-A line that is too long is answered by an error, and no part of it is a command.
+A line that is too long is answered by an error, and no part of it is a command. Nor is any part of
+a request of a browser: the page of any site can send one to a port of this computer.
 """
 
 from __future__ import annotations
 
 import socketserver
 import threading
+from http import HTTPMethod
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -16,12 +18,15 @@ __all__ = ["LineServer"]
 
 _HOST = "127.0.0.1"
 _LONGEST = 1000  # longest line [bytes]
+_REQUESTS = tuple(f"{method} ".encode() for method in HTTPMethod)
 
 
 class _Lines(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         assert isinstance(self.server, _Listener)
         while line := self.rfile.readline(_LONGEST):
+            if line.startswith(_REQUESTS):
+                return  # its body would be lines, too
             if len(line) == _LONGEST and not line.endswith(b"\n"):
                 # what follows belongs to this line, and is no command
                 while (rest := self.rfile.readline(_LONGEST)) and not rest.endswith(b"\n"):
