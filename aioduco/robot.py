@@ -14,7 +14,13 @@ import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco._wire.endpoint import HOST_RULE, is_host
-from aioduco.errors import DucoError, MissingExtra, ParameterError, StopsUnconfirmed
+from aioduco.errors import (
+    DucoError,
+    MissingExtra,
+    ParameterError,
+    RobotStateError,
+    StopsUnconfirmed,
+)
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import PORT
@@ -239,16 +245,20 @@ async def stop_all(robots: Iterable[Robot]) -> None:
 
     Raises:
         StopsUnconfirmed: it is not known that some of the arms stand, or their robots were not
-            open: press their emergency stops. The other arms stand.
+            open, or are no robots: press their emergency stops. The other arms stand.
 
     Manual section 1.3.3.
     """
     from aioduco.supervision.guard.client import shared as guard  # noqa: PLC0415
 
     chosen = tuple(robots)
+    known = [isinstance(robot, Robot) for robot in chosen]
     errors: list[DucoError | None] = [None] * len(chosen)
     with guard.together():
         for index, robot in enumerate(chosen):
+            if not known[index]:  # the others are stopped nevertheless
+                errors[index] = RobotStateError(f"{robot!r} is no robot that `connect` returned")
+                continue
             try:
                 robot._supervisor.check_open("stop")
                 robot._supervisor.stop_coordinator.begin_stop()
@@ -266,7 +276,10 @@ async def stop_all(robots: Iterable[Robot]) -> None:
             if error is None:
                 tasks.start_soon(stop, index)
     if (first := next(filter(None, errors), None)) is not None:
-        places = [f"{robot.host}:{robot.port}" for robot in chosen]
+        places = [
+            f"{robot.host}:{robot.port}" if known[index] else f"robots[{index}]"
+            for index, robot in enumerate(chosen)
+        ]
         raise StopsUnconfirmed.of(places, errors) from first
 
 

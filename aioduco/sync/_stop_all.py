@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.errors import DucoError, StopsUnconfirmed
+from aioduco.errors import DucoError, RobotStateError, StopsUnconfirmed
+from aioduco.sync._robot import RobotLifecycle
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -25,18 +26,22 @@ def stop_all(robots: Iterable[Robot]) -> None:
         robots: the robots.
 
     Raises:
-        StopsUnconfirmed: some arms are not known to stand, or their robots were not open; the
-            others stand. Press the emergency stops of the former.
+        StopsUnconfirmed: some arms are not known to stand, or their robots were not open, or are no
+            robots; the others stand. Press the emergency stops of the former.
 
     Manual section 1.3.3.
     """
     chosen = tuple(robots)
+    known = [isinstance(robot, RobotLifecycle) for robot in chosen]
     errors: list[DucoError | None] = [None] * len(chosen)
     started: dict[int, StartedCall[None]] = {}
     interrupts: list[KeyboardInterrupt] = []
     left = list(range(len(chosen)))
     while left:
         robot = chosen[left[0]]
+        if not known[left[0]]:  # the others are stopped nevertheless
+            errors[left.pop(0)] = RobotStateError(f"{robot!r} is no robot that `connect` returned")
+            continue
         try:
             started[left[0]] = robot._runner.start(robot._made.stop())
             left.pop(0)
@@ -54,7 +59,12 @@ def stop_all(robots: Iterable[Robot]) -> None:
     if interrupts:
         raise interrupts[0]
     if (first := next(filter(None, errors), None)) is not None:
-        places = [f"{robot.host}:{robot.port}" for robot in chosen]
+        places = [
+            f"{robot.host}:{robot.port}"
+            if isinstance(robot, RobotLifecycle)
+            else f"robots[{index}]"
+            for index, robot in enumerate(chosen)
+        ]
         raise StopsUnconfirmed.of(places, errors) from first
 
 

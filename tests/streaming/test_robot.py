@@ -219,8 +219,8 @@ async def test_what_it_had_sent_is_not_left_paused(sim: Simulator) -> None:
     async with aioduco.connect(sim.host, sim.port) as robot:
         await ready(robot)
         await ended_by(robot, sim, "track joints", robot.pause, THREAD)
-        assert sim.view.program is ProgramState.PAUSED
-    assert sim.view.program is ProgramState.STOPPED
+        paused = sim.view.program
+    assert (paused, sim.view.program) == (ProgramState.PAUSED, ProgramState.STOPPED)
 
 
 async def test_a_stop_does_not_wait_for_a_worker_that_hangs(

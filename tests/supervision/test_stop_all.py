@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import AsyncExitStack, ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
@@ -110,3 +110,18 @@ async def test_a_stop_that_nobody_awaited_is_no_later_one(fleet: Fleet) -> None:
 
 async def test_nobody_to_stop() -> None:
     await aioduco.stop_all([])
+
+
+async def test_what_is_no_robot_keeps_no_other_from_its_stop(fleet: Fleet) -> None:
+    """Such as the arm of a cell that has only one, or a robot of blocking programs."""
+    async with AsyncExitStack() as stack:
+        robots = await open_all(stack, fleet)
+        for robot in robots:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        missing: Any = None
+        with pytest.raises(
+            aioduco.StopsUnconfirmed, match=r"robots\[1\]: None is no robot"
+        ) as caught:
+            await aioduco.stop_all([robots[0], missing, *robots[1:]])
+        assert [error is None for error in caught.value.errors] == [True, False, True, True]
+        assert not any(bench.moving() for bench in fleet)

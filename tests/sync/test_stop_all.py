@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from api.desk import Desk
@@ -65,6 +65,16 @@ def test_who_fails_is_named_and_the_others_stand(robots: list[Robot], desks: lis
     assert f"{desks[0].host}:{desks[0].port}: " in str(caught.value)
     assert not desks[1].moving()
     desks[0].answer("stop", desks[0]._stop)
+
+
+def test_what_is_no_robot_keeps_no_other_from_its_stop(
+    robots: list[Robot], desks: list[Desk]
+) -> None:
+    start_all(robots, desks)
+    missing: Any = None
+    with pytest.raises(aioduco.StopsUnconfirmed, match=r"\[1\]: None is no robot"):
+        stop_all([robots[0], missing, *robots[1:]])
+    assert not any(desk.moving() for desk in desks)
 
 
 def test_an_interrupt_goes_on_when_all_stand(
