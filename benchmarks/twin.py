@@ -141,7 +141,7 @@ class Cell:
             client.open(), other.open()
             client.power_on(True), client.enable(True)
             sim.lock_time()
-            sim.friction(*self._friction)
+            sim.drag(*self._friction)
             self._start = sim.time
             sim.observe(self._seen)
             items = self._work(sim, client, other, seconds)
@@ -214,7 +214,7 @@ class Cell:
                 return False
             sim.load(0.0)
         elif self._change == "friction":
-            sim.friction(*self._friction.times(1.3))
+            sim.drag(*self._friction.times(1.3))
         elif self._change == "contact":
             way = np.array([draw.gauss(0.0, 1.0) for _ in range(3)])
             sim.push([*(10.0 * way / np.linalg.norm(way)).tolist(), 0.0, 0.0, 0.0])

@@ -200,8 +200,8 @@ def _wear(sim: Simulator, words: list[str]) -> None:
     sim.wear_tool(*_numbers(words, 1))
 
 
-def _friction(sim: Simulator, words: list[str]) -> None:
-    sim.friction(_numbers(words, 0, 6) or [0.0] * 6)
+def _drag(sim: Simulator, words: list[str]) -> None:
+    sim.drag(_numbers(words, 0, 6) or [0.0] * 6)
 
 
 def _mode(sim: Simulator, words: list[str]) -> None:
@@ -261,9 +261,7 @@ COMMANDS: dict[str, _Command] = {
         _Command("grip SHARE", "grip worse, 0 to 1; 1: as usual", _grip),
         _Command("mass PART KG", "give a part another mass", _mass),
         _Command("wear METRES", "shorten the tool", _wear),
-        _Command(
-            "friction [T1 T2 T3 T4 T5 T6]", "dry friction of the joints; alone: none", _friction
-        ),
+        _Command("drag [T1 T2 T3 T4 T5 T6]", "torques that drag at the joints; alone: none", _drag),
         _Command("mode manual|auto|remote", "turn the mode switch", _mode),
         _Command("drop", "cut every connection, as a pulled cable does", _drop),
         _Command("speed FACTOR", "go faster or slower than the wall clock", _speed),

@@ -112,8 +112,8 @@ class Plant(Protocol):
     def set_modelled_load(self, mass: float, centre: Sequence[float]) -> None:
         """Set a load in the drives without mounting it [kg, m]."""
 
-    def friction(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Set the joints' friction, which the drives do not know [N m, N m s/rad]."""
+    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
+        """Set what drags at the joints, which the drives do not know [N m, N m s/rad]."""
 
     def brake(self, on: bool) -> None:
         """Apply the brakes, or release them."""

@@ -65,7 +65,7 @@ _SETTLING = 0.3
 
 
 _NO_PUSH: tuple[float, ...] = (0.0,) * 6
-_NO_FRICTION: tuple[Sequence[float], Sequence[float]] = (_NO_PUSH, _NO_PUSH)
+_NO_DRAG: tuple[Sequence[float], Sequence[float]] = (_NO_PUSH, _NO_PUSH)
 #: more cycles than any idle time contains
 _MANY = 1_000_000
 _NO_EFFORT_LIMIT: tuple[float, ...] = (math.inf,) * 6
@@ -172,7 +172,7 @@ class SimulationRuntime:
         self._plant_dirty: bool = False
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
-        self._friction = self._rubbed = _NO_FRICTION
+        self._drag = self._dragged = _NO_DRAG
         self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
         self._loaded: tuple[float, Sequence[float]] = self._load
         self._carry: tuple[float, Sequence[float]] | None = None
@@ -457,9 +457,9 @@ class SimulationRuntime:
         self._plant_dirty = True
         self._wake.set()
 
-    def friction(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Set the joints' friction, which the drives do not know [N m, N m s/rad]."""
-        self._friction = (tuple(dry), tuple(viscous))
+    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
+        """Set what drags at the joints, which the drives do not know [N m, N m s/rad]."""
+        self._drag = (tuple(dry), tuple(viscous))
         self._plant_dirty = True
         self._wake.set()
 
@@ -588,9 +588,9 @@ class SimulationRuntime:
         if self._pushed is not self._push:
             self._pushed = self._push
             self._plant.push(self._pushed)
-        if self._rubbed is not self._friction:
-            self._rubbed = self._friction
-            self._plant.friction(*self._rubbed)
+        if self._dragged is not self._drag:
+            self._dragged = self._drag
+            self._plant.drag(*self._dragged)
         if self._carried is not self._carry and self._carry is not None:
             self._carried = self._carry
             self._plant.carry(*self._carried)
@@ -743,7 +743,7 @@ class SimulationRuntime:
         changing = changing or bool(self._changes)
         changing = changing or self._pushed is not self._push or any(self._pushed)
         changing = changing or self._loaded is not self._load
-        changing = changing or self._rubbed is not self._friction
+        changing = changing or self._dragged is not self._drag
         changing = changing or self._carried is not self._carry or not self._plant.still
         changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles

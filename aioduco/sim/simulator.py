@@ -587,30 +587,31 @@ class Simulator(PartFaults, Uncopied):
             )
         self._running().runtime.carry(mass, centre)
 
-    def friction(
+    def drag(
         self,
         dry: Sequence[float],
         viscous: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Set the friction of the joints from now on; at first there is none.
+        """Let something drag at the joints from now on, as a worn bearing or a hose does.
 
-        The controller's model of the arm does not include it: it appears in the joints' currents
-        and, with the opposite sign of the speed, in the observed external torques.
+        The controller does not know of it: it appears in the joints' currents and, with the
+        opposite sign of the speed, in the observed external torques. The `friction` of a profile
+        is another thing: that of the drives, for which they compensate.
 
         Args:
-            dry: dry friction of the six joints, at most 10,000 [N m].
-            viscous: friction that grows with the speed, likewise [N m s/rad].
+            dry: torque against the motion of the six joints, at most 10,000 [N m].
+            viscous: torque that grows with the speed, likewise [N m s/rad].
 
         Raises:
-            ValueError: One of them is not six such numbers; the friction is as before.
+            ValueError: One of them is not six such numbers; the drag is as before.
         """
         for name, values in {"dry": dry, "viscous": viscous}.items():
             if len(values) != 6 or not all(0.0 <= each <= _LARGEST_PUSH for each in values):
                 raise ValueError(
                     f"{name} is {tuple(values)}, but must be six numbers from 0 to "
-                    f"{_LARGEST_PUSH:g}: the friction is as before"
+                    f"{_LARGEST_PUSH:g}: the drag is as before"
                 )
-        self._running().runtime.friction(dry, viscous)
+        self._running().runtime.drag(dry, viscous)
 
     # -- step by step ---------------------------------------------------------------------------
 

@@ -64,7 +64,7 @@ def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:
 @pytest.mark.slow
 def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> None:
     dry = [6.0, 6.0, 6.0, 1.0, 1.0, 1.0]
-    sim.friction(dry)
+    sim.drag(dry)
     op = Op()
     goal = [0.5, 0.2, 1.2, 0.3, -1.2, 0.4]
     robot.movej2(goal, 0.5, 2.0, 0.0, False, op, False)
@@ -73,7 +73,7 @@ def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> 
     felt = [-torque if speed > 0.0 else torque for torque, speed in zip(
         robot.get_ext_torque(), speeds, strict=True)]  # fmt: skip
     assert felt == pytest.approx(dry, rel=0.2)
-    sim.friction([0.0] * 6)
+    sim.drag([0.0] * 6)
     sim.wait_until(lambda: not sim.moving)
     robot.movej2([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0], 0.5, 2.0, 0.0, False, op, False)
     sim.wait_until(lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
@@ -81,9 +81,9 @@ def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> 
 
 
 @pytest.mark.parametrize("wrong", [[1.0] * 5, [1.0] * 5 + [-1.0], [math.nan] * 6])
-def test_friction_is_six_numbers(sim: Simulator, wrong: list[float]) -> None:
-    with pytest.raises(ValueError, match="the friction is as before"):
-        sim.friction(wrong)
+def test_drag_is_six_numbers(sim: Simulator, wrong: list[float]) -> None:
+    with pytest.raises(ValueError, match="the drag is as before"):
+        sim.drag(wrong)
 
 
 def test_an_arm_may_have_lengths_of_its_own() -> None:

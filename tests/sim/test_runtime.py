@@ -70,7 +70,7 @@ class Follower:
     def set_modelled_load(self, mass: float, centre: Sequence[float]) -> None:
         self.told = (mass, tuple(centre))
 
-    def friction(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
+    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
         """Change nothing."""
 
     def push(self, wrench: Sequence[float]) -> None:

@@ -80,7 +80,7 @@ class World:
         gripper: a gripper that drives its fingers, in place of a tool.
         drives: how the joints trail their set-points; None if they follow at once.
         compensated: dry friction [N m] and viscous friction [N m s/rad] for which the drives
-            compensate, six each: it shows in their torques alone, unlike that of `friction`.
+            compensate, six each: it shows in their torques alone, unlike that of `drag`.
 
     Raises:
         SceneError: MuJoCo rejects the scene or the tool.
@@ -263,12 +263,12 @@ class World:
         turned = np.reshape(wrench, (2, 3)) @ self._turn.T
         self.data.xfrc_applied[self.model.body("flange").id] = turned.ravel()
 
-    def friction(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Set the friction of the joints, which the servos' model does not include.
+    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
+        """Set what drags at the joints, which the servos' model does not include.
 
         Args:
-            dry: dry friction [N m]. Six.
-            viscous: friction that grows with the speed [N m s/rad]. Six.
+            dry: torque against the motion [N m]. Six.
+            viscous: torque that grows with the speed [N m s/rad]. Six.
         """
         self._dry = np.array(dry)
         self.model.dof_damping[:6] = viscous
