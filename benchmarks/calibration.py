@@ -42,6 +42,7 @@ from aioduco.sim.calibration.evidence import (
     TimedCall,
 )
 from aioduco.sim.calibration.times import estimate_times
+from aioduco.sim.calibration.torques import estimate_friction
 from aioduco.sim.controller.power import PowerControl
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.profile import GEOMETRY
@@ -153,6 +154,47 @@ def made_up(seeds: Sequence[int]) -> dict[str, Any]:
     return figures(kind)
 
 
+def turned(profile: ArmProfile, random: np.random.Generator) -> Evidence:
+    """Each joint there and back at three speeds, in made-up time, with errors of the torques.
+
+    An error that is constant in a motion, as of an arm that still swings or warms up, and noise.
+    """
+    dry, viscous = (profile.six("friction", name, 0.0) for name in ("dry", "viscous"))
+    rows: list[tuple[list[float], list[float], list[float]]] = []
+    q = np.array([0.3, -0.2, 1.6, 0.1, -1.5, 0.4])
+    for joint in range(6):
+        for speed in (0.15, 0.45, 0.8):
+            for side in (0.3, -0.3):
+                own = 0.05 * random.standard_normal()
+                way, unit = math.copysign(speed, side), np.eye(6)[joint]
+                moving = [way] * round(abs(side) / speed / 0.008)
+                for fast in [0.0] * 60 + moving:
+                    q = q + fast * 0.008 * unit
+                    torque = 5.0 * np.cos(q)
+                    torque[joint] += dry[joint] * np.sign(fast) + viscous[joint] * fast
+                    torque += (own if fast else 0.0) + 0.02 * random.standard_normal(6)
+                    rows.append((q.tolist(), (fast * unit).tolist(), torque.tolist()))
+    joints, speeds, torques = (np.array(column) for column in zip(*rows, strict=True))
+    time = 0.008 * np.arange(len(rows))
+    none = np.zeros(0)
+    nothing = Reads(none, none, np.zeros((0, 6)))
+    poses = Poses(np.zeros((0, 6)), np.zeros((0, 4, 4)))
+    motions = Motions(time, joints, speeds, joints, speeds)
+    read = Reads(time[::2] - 1e-3, time[::2] + 1e-3, torques[::2])
+    return Evidence("made", "", poses, motions, nothing, read, (), ())
+
+
+def made_up_friction(seeds: Sequence[int]) -> dict[str, Any]:
+    """How often intervals of friction hold, by recordings in made-up time."""
+    kinds: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for seed in seeds:
+        profile = hidden(seed)
+        found = estimate_friction([turned(profile, np.random.default_rng(seed))])
+        for name, (value, _, _) in profile.values["friction"].items():
+            judge(kinds[name.rstrip("123456")], value, found.values.get(name))
+    return {name: figures(kind) for name, kind in kinds.items()}
+
+
 def judge(kind: dict[str, list[float]], value: float, estimate: Estimate | None) -> None:
     """Note how an estimate, if there is one, compares with the hidden value."""
     if estimate is None:
@@ -241,6 +283,8 @@ def main() -> None:
         ]
     result: dict[str, Any] = {"arms": len(pairs), **compare(pairs)}
     result["kinds"]["times in made-up time [s]"] = made_up(seeds)
+    for name, kind in made_up_friction(range(given.first, given.first + 10 * given.arms)).items():
+        result["kinds"][f"friction {name} in made-up time"] = kind
     for name, kind in {**result["kinds"], "all": result["all"]}.items():
         print(name, {key: float(f"{value:.3g}") for key, value in kind.items()})
     if given.save:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Flags: TypeAlias = NDArray[np.bool_]
 
-__all__ = ["estimate_friction", "estimate_load", "link_torques"]
+__all__ = ["deviations", "estimate_friction", "estimate_load", "link_torques"]
 
 #: speed below which a joint rests, and above which it turns [rad/s]
 _REST: Final = 3e-3
@@ -135,12 +135,9 @@ def estimate_friction(runs: Sequence[Evidence]) -> Findings:
         turns = np.concatenate(
             [[0], np.cumsum((np.diff(np.sign(qd)) != 0) | (np.diff(data.time[alone]) > _PAUSE))]
         )
-        scores = np.zeros((int(turns[-1]) + 1, matrix.shape[1]))
-        np.add.at(scores, turns, matrix * left[:, None])
-        inverse = np.linalg.pinv(matrix.T @ matrix)
-        spread = inverse @ (scores.T @ scores) @ inverse * len(scores) / max(len(scores) - 2, 1)
-        factor = float(student.ppf(0.975, max(len(scores) - 2, 1)))
-        halves = factor * np.sqrt(np.diag(spread)[:2])
+        # one of each motion, less what motions tell: dry, viscous, and the weight's constant
+        factor = float(student.ppf(0.975, max(int(turns[-1]) + 1 - 3, 1)))
+        halves = factor * deviations(matrix, left, turns)[:2]
         # At constant speed, the rounding of the recorded speed is constant, too.
         halves += abs(found[1]) * _ROUNDED * np.array([1.0, 1.0 / np.abs(qd).min()])
         largest = float(abs(found[0]) + abs(found[1]) * np.abs(qd).max())
@@ -153,6 +150,33 @@ def estimate_friction(runs: Sequence[Evidence]) -> Findings:
                 max(value, 0.0), value - half, max(value + half, 0.0)
             )
     return Findings("friction", values, (), tuple(missing))
+
+
+def deviations(matrix: Array, left: Array, turns: NDArray[np.intp]) -> Array:
+    """Standard deviations of a fit whose errors belong together within a motion.
+
+    Few motions draw the fit towards themselves, so that what it leaves of each is less than its
+    error. So each counts by how far it is from the fit without it (the estimator CR3 of clustered
+    errors).
+
+    Args:
+        matrix: the fit's matrix. Shape (n, k).
+        left: what the fit leaves over. Shape (n,).
+        turns: number of the motion of each row, from 0. Shape (n,).
+
+    Returns:
+        One for each of the k values.
+    """
+    normal = matrix.T @ matrix
+    inverse = np.linalg.pinv(normal, hermitian=True)
+    scores = []
+    for turn in range(int(turns.max()) + 1):
+        rows = matrix[turns == turn]
+        own, score = rows.T @ rows, rows.T @ left[turns == turn]
+        without = np.linalg.pinv(normal - own, rcond=1e-9, hermitian=True)
+        scores.append(inverse @ (score + own @ without @ score))
+    found: Array = np.sqrt(np.square(scores).sum(axis=0) * (len(scores) - 1) / len(scores))
+    return found
 
 
 def link_torques(arm: Arm, joints: Array) -> Array:

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 from aioduco.kinematics import arm
-from aioduco.sim.calibration.torques import estimate_friction, estimate_load, link_torques
+from aioduco.sim.calibration.torques import (
+    deviations,
+    estimate_friction,
+    estimate_load,
+    link_torques,
+)
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
 
@@ -25,6 +31,26 @@ def test_friction_is_found_without_any_mass(seed: int) -> None:
             estimate = found.values[f"{kind}{joint + 1}"]
             assert estimate.value == pytest.approx(truth[joint], rel=0.03)
             assert estimate.low <= truth[joint] <= estimate.high
+
+
+@pytest.mark.parametrize("rounds", [1, 2])
+def test_intervals_hold_with_few_motions_each_of_which_has_an_error_of_its_own(rounds: int) -> None:
+    random = np.random.default_rng(5)
+    motions = [(side * v, np.linspace(-0.1, 0.5, 8)) for v in (0.15, 0.45, 0.8) for side in (1, -1)]
+    motions *= rounds
+    turns = np.repeat(np.arange(len(motions)), 8)
+    speed = np.repeat([v for v, _ in motions], 8)
+    q = np.concatenate([places for _, places in motions])
+    matrix = np.stack([np.sign(speed), speed, np.ones_like(q), np.cos(q), np.sin(q)], axis=1)
+    factor, inside = float(student.ppf(0.975, len(motions) - 3)), []
+    for _ in range(400):
+        error = 0.05 * random.standard_normal(len(motions))[turns]
+        error += 0.02 * random.standard_normal(len(q))
+        found, *_ = np.linalg.lstsq(matrix, error, rcond=None)  # the true ones are zero
+        half = factor * deviations(matrix, error - matrix @ found, turns)
+        inside.append(np.abs(found[:2]) <= half[:2])
+    # three standard deviations of a share of 95 % of 400
+    assert np.mean(inside, axis=0).min() > 0.917, np.mean(inside, axis=0)
 
 
 def test_the_load_is_found_with_its_centre() -> None:
