@@ -127,9 +127,22 @@ def pytest_configure(config: pytest.Config) -> None:
         "suppress_health_check": [HealthCheck.too_slow],
         **({"derandomize": True, "database": None} if os.environ.get("CI") else {}),
     }
+    _draw_no_constants()
     settings.register_profile("quick", max_examples=10, **options)
     settings.register_profile("thorough", max_examples=100, **options)
     settings.load_profile("thorough" if all_of_it else "quick")
+
+
+def _draw_no_constants() -> None:
+    """Let Hypothesis draw no numbers and texts that it finds in the modules which are loaded.
+
+    It parses all of them in each process. The examples would depend on what is loaded, and so on
+    which tests a process has run before.
+    """
+    with contextlib.suppress(ImportError, KeyError):  # no part of its interface
+        providers = import_module("hypothesis.internal.conjecture.providers")
+        none = type(vars(providers)["_local_constants"])()
+        vars(providers)["_get_local_constants"] = lambda: none
 
 
 @pytest.hookimpl(tryfirst=True)
