@@ -8,9 +8,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
-from playwright.sync_api import Route, sync_playwright
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Route
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -33,6 +36,8 @@ def site(tmp_path: Path) -> Path:
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
 @pytest.mark.parametrize("page", ["index.html", "reference/motion.html"])
 def test_the_search_finds_a_word_and_asks_the_network_for_nothing(site: Path, page: str) -> None:
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - slow to load
+
     asked: list[str] = []
 
     def refused(route: Route) -> None:

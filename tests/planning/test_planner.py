@@ -6,7 +6,7 @@ import itertools
 import math
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
@@ -30,7 +30,7 @@ from aioduco.planning.spaces import UprightPathSpace
 from aioduco.sim.scene import Box, Rod
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 LEFT = Joints.deg(35, -15, 105, 0, -90, 0)
 RIGHT = Joints.deg(-50, -15, 105, 0, -90, 0)
@@ -349,22 +349,21 @@ def raised(scene: Scene, q: Joints, *by: float) -> Pose:
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("gap", [3e-4, 2e-4, 1e-5, 0.0])
-def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float) -> None:
+def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float, thorough: bool) -> None:
     scene = near(gap, [Rod(length=0.1, radius=0.01)] if gap in (3e-4, 1e-5) else None)
     here, up = raised(scene, RIGHT, 0, 0, 0), raised(scene, RIGHT, 0, 0, 0.1)
     above = Joints.of(scene.arm.ikine(up, RIGHT))
     turned = Joints.of(RIGHT.array + np.array([0, 0, 0, 0, 0, 1.0]))
+    aside = raised(scene, RIGHT, 0.02, 0, 0)
     with Planner(scene) as planner:
-        for plan in (
-            planner.plan_blocking(LEFT, RIGHT, timeout=20),
-            planner.plan_blocking(RIGHT, LEFT, timeout=20),
-            planner.plan_blocking(LEFT, here, timeout=20),
-            planner.plan_blocking(LEFT, Region(here, (0.001, 0.001, 0.0)), timeout=20),
-            planner.plan_blocking(RIGHT, turned, timeout=20),
-            planner.line_blocking(RIGHT, up, timeout=20),
-            planner.line_blocking(above, here, timeout=20),
-            planner.line_blocking(RIGHT, raised(scene, RIGHT, 0.02, 0, 0), timeout=20),
-        ):
+        free, line = planner.plan_blocking, planner.line_blocking
+        ways: list[tuple[Callable[..., Plan], Any, Any]] = [
+            *((free, LEFT, RIGHT), (free, LEFT, here), (free, RIGHT, LEFT)),
+            *((free, LEFT, Region(here, (0.001, 0.001, 0.0))), (free, RIGHT, turned)),
+            *((line, RIGHT, aside), (line, above, here), (line, RIGHT, up)),
+        ]
+        for how, start, end in ways if thorough else ways[::7]:
+            plan = how(start, end, timeout=20)
             assert plan.fraction == 1.0
             assert plan.check(scene), plan.check(scene)
             assert plan.padding <= max(gap, 1e-6)

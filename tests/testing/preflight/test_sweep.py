@@ -15,7 +15,6 @@ from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.sweep import sweep
 from aioduco.testing.preflight.variation import KINDS, Variation
 
-distributed = pytest.importorskip("distributed")
 PROGRAM = str(Path(__file__).parent / "programs/joint_limit.py")
 
 
@@ -43,6 +42,7 @@ def test_a_start_stays_within_the_limits() -> None:
 @pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_a_killed_worker_costs_no_result_and_a_failing_seed_repeats_alone() -> None:
+    distributed = pytest.importorskip("distributed")
     settings = PreflightSettings(vary=("start", "latency"), seed=5, timeout=100)
     killed: list[int] = []
     with distributed.LocalCluster(
