@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -167,8 +168,6 @@ def test_the_uncertainty_holds_for_hidden_cameras(count: int, noise: str) -> Non
 @pytest.mark.slow
 def test_it_is_not_worse_than_any_method_of_opencv() -> None:
     """On the same noisy views, with half turns of the wrist and without."""
-    import cv2  # noqa: PLC0415 - slow to load
-
     methods = [getattr(cv2, f"CALIB_HAND_EYE_{name}")
                for name in ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS")]  # fmt: skip
     ours, theirs = [], []
