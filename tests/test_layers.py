@@ -182,8 +182,11 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "simulator": {
         *("assembly", "cabinet", "controller", "physics", "server", "view"),
         *("runtime", "clock", "scene", "process", "forgiving", "part_faults", "profile"),
+        *("operator_actions", "arm_pictures"),
     },
     "part_faults": {"assembly", "physics"},
+    "operator_actions": {"assembly"},
+    "arm_pictures": {"assembly", "physics", "view"},
     # the controller without threads and physics
     "profile": set(),
     "console": {"simulator"},

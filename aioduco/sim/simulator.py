@@ -19,6 +19,7 @@ from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import WAIT
 from aioduco.models.rules import Number
+from aioduco.sim.arm_pictures import ArmPictures
 from aioduco.sim.assembly import SimulatorAssembly, SimulatorSettings
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
@@ -26,14 +27,13 @@ from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
 from aioduco.sim.forgiving import Forgiving
+from aioduco.sim.operator_actions import OperatorActions
 from aioduco.sim.part_faults import PartFaults
 from aioduco.sim.physics.parts import pose_of
-from aioduco.sim.physics.world import camera_of
 from aioduco.sim.profile import ArmProfile
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS
-from aioduco.sim.view.camera import Camera, PictureMark, towards
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.models.enums import OperationMode
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
@@ -57,20 +56,16 @@ if TYPE_CHECKING:
     from aioduco.sim.runtime import Observer
     from aioduco.sim.scene import MountingLike, SceneLike
     from aioduco.sim.server.generations import Generation
-    from aioduco.sim.view.viewer import Viewer
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
 #: delay with which a heartbeat may arrive [s]; 0 if strict. An assumption
 HEARTBEAT_SLACK = 0.5
-#: largest force and torque of a push [N, N m]; largest load [kg], and distance of its centre [m]:
-#: far beyond what an arm bears, and still safe to compute with
-_LARGEST_PUSH, _HEAVIEST, _FARTHEST = 1e4, 1000.0, 10.0
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
 
-class Simulator(PartFaults, Uncopied):
+class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
     """A simulated controller with its arm, on a TCP port of this computer.
 
     It runs in threads of this process, from entering its context to leaving it:
@@ -470,17 +465,7 @@ class Simulator(PartFaults, Uncopied):
         """Cut every connection, like a pulled cable, and return their number."""
         return 0 if self._assembly is None else self._assembly.server.drop()
 
-    # -- actions of a person at the machine -----------------------------------------------------
-
-    def set_digital_input(self, num: int, value: bool) -> None:
-        """Set a general input of the cabinet, 1 to 16."""
-        with self._running().runtime.command() as controller:
-            controller.signals.standard_in[num] = value
-
-    def set_tool_digital_input(self, num: int, value: bool) -> None:
-        """Set an input of the tool, 1 or 2."""
-        with self._running().runtime.command() as controller:
-            controller.signals.tool_in[num] = value
+    # -- wiring --------------------------------------------------------------------------------
 
     def rule(
         self,
@@ -512,106 +497,6 @@ class Simulator(PartFaults, Uncopied):
             if self._assembly is not None:
                 stack.enter_context(self._assembly.runtime.command())
             self._settings.rules.add(rule)
-
-    def switch_mode(self, mode: OperationMode) -> None:
-        """Turn the mode switch of the cabinet; running motions and programs are paused.
-
-        If `cabinet.mode_switch` is set, programs cannot switch the mode.
-
-        Args:
-            mode: manual, automatic or remote.
-        """
-        with self._running().runtime.command() as controller:
-            controller.switch_mode(mode)
-
-    def emergency_stop(self) -> None:
-        """Press the emergency stop."""
-        with self._running().runtime.command() as controller:
-            controller.press_emergency_stop()
-
-    def release_emergency_stop(self) -> None:
-        """Release the emergency stop; then power off, power on and enable end the stop."""
-        with self._running().runtime.command() as controller:
-            controller.release_emergency_stop()
-
-    def collide(self, joint: int) -> None:
-        """Make a joint, 1 to 6, detect a collision, unless a program has switched detection off."""
-        if not 1 <= joint <= 6:
-            raise ValueError(f"joint is {joint}, but must be from 1 to 6")
-        with self._running().runtime.command() as controller:
-            if controller.collisions.level:
-                controller.collide(joint)
-
-    def push(self, wrench: Sequence[float]) -> None:
-        """Push at the flange from now on, like a person that guides the arm by hand.
-
-        Args:
-            wrench: force [N], then torque [N m], in the base frame, each at most 10,000; six zeros
-                to end the push.
-
-        Raises:
-            ValueError: `wrench` is not six such numbers; the push is as before.
-        """
-        if len(wrench) != 6:
-            raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
-        if not all(abs(each) <= _LARGEST_PUSH for each in wrench):
-            raise ValueError(
-                f"wrench is {list(wrench)}, but must be numbers from -{_LARGEST_PUSH:g} to "
-                f"{_LARGEST_PUSH:g} [N, N m]: the push is as before"
-            )
-        self._running().runtime.push(wrench)
-
-    def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        """Mount a load at the flange, whatever load the program sets.
-
-        Until this is called, the mounted load is the one that the program sets by `set_tool_data`
-        and `set_load_data`. From then on the two are independent: if the program sets a wrong load,
-        the controller takes the difference for an external force, as a real one does.
-
-        Args:
-            mass: mass of the load, a point without inertia of its own, at most 1000 [kg]; zero for
-                no load.
-            centre: its centre of mass in the frame of the flange, at most 10 m along each axis [m].
-
-        Raises:
-            ValueError: One of the numbers is none of these; the load is as before.
-        """
-        if not 0.0 <= mass <= _HEAVIEST:
-            raise ValueError(
-                f"mass is {mass}, but must be from 0 to {_HEAVIEST:g} kg: the load is as before"
-            )
-        if len(centre) != 3 or not all(abs(each) <= _FARTHEST for each in centre):
-            raise ValueError(
-                f"centre is {tuple(centre)}, but must be three numbers from -{_FARTHEST:g} to "
-                f"{_FARTHEST:g} m: the load is as before"
-            )
-        self._running().runtime.carry(mass, centre)
-
-    def drag(
-        self,
-        dry: Sequence[float],
-        viscous: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    ) -> None:
-        """Let something drag at the joints from now on, as a worn bearing or a hose does.
-
-        The controller does not know of it: it appears in the joints' currents and, with the
-        opposite sign of the speed, in the observed external torques. The `friction` of a profile
-        is another thing: that of the drives, for which they compensate.
-
-        Args:
-            dry: torque against the motion of the six joints, at most 10,000 [N m].
-            viscous: torque that grows with the speed, likewise [N m s/rad].
-
-        Raises:
-            ValueError: One of them is not six such numbers; the drag is as before.
-        """
-        for name, values in {"dry": dry, "viscous": viscous}.items():
-            if len(values) != 6 or not all(0.0 <= each <= _LARGEST_PUSH for each in values):
-                raise ValueError(
-                    f"{name} is {tuple(values)}, but must be six numbers from 0 to "
-                    f"{_LARGEST_PUSH:g}: the drag is as before"
-                )
-        self._running().runtime.drag(dry, viscous)
 
     # -- step by step ---------------------------------------------------------------------------
 
@@ -685,98 +570,6 @@ class Simulator(PartFaults, Uncopied):
         """Simulated time [s], and the positions at that time, for `render`."""
         snapshot = self._running().runtime.snapshot
         return snapshot.time, snapshot.positions.copy()
-
-    def field_of_view(self, camera: str) -> float:
-        """Vertical angle of view of a camera of the scene or the tool [rad].
-
-        Raises:
-            ParameterError: there is no such camera.
-        """
-        return self._camera(camera)[0]
-
-    def camera_pose(self, camera: str) -> NDArray[np.float64]:
-        """Present frame of a camera of the scene or the tool in the world. Shape (4, 4).
-
-        Its z axis points along its view, x to the right, y down.
-
-        Raises:
-            ParameterError: there is no such camera.
-        """
-        return self._camera(camera)[1]
-
-    def _camera(self, name: str) -> tuple[float, NDArray[np.float64]]:
-        return camera_of(self._running().pictures.model, name, self.positions)
-
-    def render(
-        self,
-        *,
-        width: int = 640,
-        height: int = 480,
-        camera: Camera | str | None = None,
-        positions: NDArray[np.float64] | None = None,
-        marks: Sequence[PictureMark] = (),
-    ) -> NDArray[np.uint8]:
-        """Draw a picture of the arm and its surroundings, without a display.
-
-        A separate process draws it, which starts with the first picture. The simulation continues
-        meanwhile.
-
-        Args:
-            width: of the picture, at most 1920 [pixels].
-            height: of the picture, at most 1080 [pixels].
-            camera: a `Camera`, or the name of one in the scene; None for one that sees the whole
-                arm.
-            positions: positions to draw, as `positions` gave them at another instant; None for now.
-            marks: balls to draw in addition, such as one at a goal.
-
-        Returns:
-            Red, green, blue. Shape (height, width, 3).
-
-        Raises:
-            ParameterError: The picture is too large, or there is no such camera.
-            RenderError: This computer has no OpenGL for off-screen drawing.
-        """
-        shown = self.positions if positions is None else positions
-        seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._running().pictures.picture(shown, width, height, seen, marks)
-
-    def render_depth(
-        self,
-        *,
-        width: int = 640,
-        height: int = 480,
-        camera: Camera | str | None = None,
-        positions: NDArray[np.float64] | None = None,
-    ) -> NDArray[np.float32]:
-        """Draw a depth image, as a depth camera does; arguments and errors are those of `render`.
-
-        Returns:
-            Distances along the camera's axis [m]. Shape (height, width).
-        """
-        shown = self.positions if positions is None else positions
-        seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._running().pictures.depth(shown, width, height, seen)
-
-    def window(self) -> Viewer:
-        """Open MuJoCo's window with the arm; it needs a display.
-
-        The window shows the present state each time that its method `show` is called:
-
-            with sim.window() as window:
-                while window.running:
-                    window.show()
-                    time.sleep(1 / 30)
-
-        Returns:
-            The window.
-
-        Raises:
-            RenderError: There is no display.
-        """
-        from aioduco.sim.view.viewer import Viewer  # noqa: PLC0415 - for those who have a display
-
-        model = self._running().pictures.model
-        return Viewer(model, lambda: self.positions, towards(self.arm, self.mounting))
 
     # -- inside --------------------------------------------------------------------------------
 
