@@ -150,10 +150,12 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "controller": {"planner", "force", "cabinet", "cycle", "refusal", "forgiving"},
     "planning": {"planner", "controller"},
     "snapshot": {"planner", "controller", "cycle"},
+    "plant_changes": {"cycle"},
     "runtime": {
         *(
             "planner",
             "planning",
+            "plant_changes",
             "cabinet",
             "controller",
             "physics",

@@ -19,7 +19,6 @@ import logging
 import math
 import threading
 import time
-from collections import deque
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
@@ -30,6 +29,7 @@ from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.temperature import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planning import PlanningThreads
+from aioduco.sim.plant_changes import PlantChanges
 from aioduco.sim.refusal import Pending, Refusal
 from aioduco.sim.snapshot import SimulationSnapshot
 
@@ -63,9 +63,6 @@ _CHANGE = 2e-5
 #: simulated time at rest after which the physics need no further steps [s]
 _SETTLING = 0.3
 
-
-_NO_PUSH: tuple[float, ...] = (0.0,) * 6
-_NO_DRAG: tuple[Sequence[float], Sequence[float]] = (_NO_PUSH, _NO_PUSH)
 #: more cycles than any idle time contains
 _MANY = 1_000_000
 _NO_EFFORT_LIMIT: tuple[float, ...] = (math.inf,) * 6
@@ -96,7 +93,7 @@ class SimulatedClock:
         return self._runtime.hold(at, lasting=lasting)
 
 
-class SimulationRuntime:
+class SimulationRuntime(PlantChanges):
     """Runs a controller and its arm in a thread of its own.
 
     Args:
@@ -135,7 +132,7 @@ class SimulationRuntime:
         self.planning: PlanningThreads = PlanningThreads(
             controller, self._lock, self._changing, self._fail
         )
-        self._wake = threading.Event()
+        super().__init__()
         self._batches = Batches(self._pace, self._wake, self._has_waiters)
         self._snapshot_ready = threading.Condition()
         self._watchers = 0
@@ -167,16 +164,6 @@ class SimulationRuntime:
         self._misplaced: Exception | None = None
         self._busy: bool = False
         self._braked: bool | None = None
-        self._changes: deque[Callable[[], object]] = deque()
-        #: whether one of the following values was changed
-        self._plant_dirty: bool = False
-        self._push: Sequence[float] = _NO_PUSH
-        self._pushed: Sequence[float] = _NO_PUSH
-        self._drag = self._dragged = _NO_DRAG
-        self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
-        self._loaded: tuple[float, Sequence[float]] = self._load
-        self._carry: tuple[float, Sequence[float]] | None = None
-        self._carried: tuple[float, Sequence[float]] | None = None
         at = plant.reading()
         self._drive = DriveCommand(JointSetPoint.at_rest(at.q), brake=True)
         self._snapshot = SimulationSnapshot(
@@ -337,22 +324,6 @@ class SimulationRuntime:
     def _newer(self, seen: SimulationSnapshot) -> bool:
         return self._snapshot is not seen or self._closing
 
-    def change_world(self, change: Callable[[], object]) -> None:
-        """Change the physics before the next cycle, on the thread that computes it.
-
-        Args:
-            change: must not raise an error, which would end the simulation.
-        """
-        self._changes.append(change)
-        self._plant_dirty = True
-        self._wake.set()
-
-    def push(self, wrench: Sequence[float]) -> None:
-        """Push at the flange from now on [N, N m], in the base frame."""
-        self._push = tuple(wrench)
-        self._plant_dirty = True
-        self._wake.set()
-
     def now(self) -> float:
         """Simulated time [s]; after the simulation has ended or failed, the time of its end."""
         self._catch_up()
@@ -444,24 +415,6 @@ class SimulationRuntime:
         if self._closing:
             _ = self.snapshot  # raises the reason, if the simulation failed
             raise Refusal("the simulation ended")
-
-    def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Set a load in the drives [kg, m], and mount it unless `carry` has mounted another."""
-        self._load = (mass, tuple(centre))
-        self._plant_dirty = True
-        self._wake.set()
-
-    def carry(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange [kg, m], whatever load is set in the drives."""
-        self._carry = (mass, tuple(centre))
-        self._plant_dirty = True
-        self._wake.set()
-
-    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Set what drags at the joints, which the drives do not know [N m, N m s/rad]."""
-        self._drag = (tuple(dry), tuple(viscous))
-        self._plant_dirty = True
-        self._wake.set()
 
     def set_speed(self, speed: float) -> None:
         """Set another speed: simulated seconds per real second."""
@@ -569,35 +522,14 @@ class SimulationRuntime:
 
     def _step(self) -> None:
         """Let the physics run one cycle, unless it would change nothing."""
-        if self._plant_dirty or self._braked is not self._drive.brake:
-            self._change_plant()
+        if self._dirty or self._braked is not self._drive.brake:
+            self._pass_on(self._plant)
+            if self._braked is not self._drive.brake:
+                self._braked = self._drive.brake
+                self._plant.brake(self._braked)
             self._quiet = 0
         if self._quiet * self.cycle < _SETTLING:
             self._plant.step(self._drive.setpoint)
-
-    def _change_plant(self) -> None:
-        """Pass the changes since the last cycle to the physics."""
-        self._plant_dirty = (
-            False  # first: a change that comes meanwhile is passed in the next cycle
-        )
-        while self._changes:
-            self._changes.popleft()()
-        if self._braked is not self._drive.brake:
-            self._braked = self._drive.brake
-            self._plant.brake(self._braked)
-        if self._pushed is not self._push:
-            self._pushed = self._push
-            self._plant.push(self._pushed)
-        if self._dragged is not self._drag:
-            self._dragged = self._drag
-            self._plant.drag(*self._dragged)
-        if self._carried is not self._carry and self._carry is not None:
-            self._carried = self._carry
-            self._plant.carry(*self._carried)
-        if self._loaded is not self._load:
-            self._loaded = self._load
-            mount = self._plant.load if self._carried is None else self._plant.set_modelled_load
-            mount(*self._loaded)
 
     def _allowed(self) -> int:
         """Number of cycles that may run until simulated time must stand still."""
@@ -740,11 +672,7 @@ class SimulationRuntime:
         That holds for an arm on its brakes, too, while its power changes.
         """
         changing = (self._busy and not self._braked) or self._braked is not self._drive.brake
-        changing = changing or bool(self._changes)
-        changing = changing or self._pushed is not self._push or any(self._pushed)
-        changing = changing or self._loaded is not self._load
-        changing = changing or self._dragged is not self._drag
-        changing = changing or self._carried is not self._carry or not self._plant.still
+        changing = changing or self._acted_upon or not self._plant.still
         changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING
