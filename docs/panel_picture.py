@@ -57,7 +57,9 @@ async def point(page: Page, angles: dict[int, int]) -> None:
 async def shown(page: Page) -> None:
     """Lead the arm about, until the page shows it in mid motion."""
     await page.click("#take")
-    await page.click("#ask-yes")
+    # By the key: the question lies over the scene, and Chromium gives the scene a click that comes
+    # before the question has been drawn.
+    await page.press("#ask-yes", "Enter")
     await page.wait_for_selector("body.commanding")
     await page.click("[data-tab=signals]")
     await page.click("#outputs .lamp:nth-child(3)")
@@ -116,9 +118,12 @@ async def drawn(sim: Simulator, lines: LineServer, folder: Path | None) -> None:
         await page.wait_for_selector("#scene-wait", state="hidden")
         await page.wait_for_timeout(1500)
         await shown(page)
+        sim.lock_time()  # however long the browser draws, the arm is in mid motion
+        await page.wait_for_timeout(3000)
         await page.screenshot(path=PICTURE if folder is None else folder / f"panel-{WIDTH}.png")
         if folder is not None:
             await also(page, folder)
+        sim.unlock_time()
         await page.mouse.up()
         await browser.close()
     if folder is not None:

@@ -69,6 +69,8 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
         visual, "global", offwidth="1920", offheight="1080", azimuth="130", elevation="-20"
     )
     ET.SubElement(visual, "headlight", diffuse="0.5 0.5 0.5", ambient="0.3 0.3 0.3")
+    # the whole floor that is seen: beyond the region of shadows there are dark dots
+    ET.SubElement(visual, "map", shadowclip="2")
     asset = ET.SubElement(root, "asset")
     ET.SubElement(
         asset, "texture", name="sky", type="skybox", builtin="gradient",
