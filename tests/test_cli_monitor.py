@@ -143,6 +143,7 @@ def test_a_chart_shows_the_largest_value_of_each_column() -> None:
     assert (upper, lower) == ("█  ", "██▄")
     assert chart([1.0], 4, 4) == ("   █", "   █")
     assert chart([], 2, 4) == ("  ", "  ")
+    assert chart([1.0], 2, 2, least=16.0) == ("  ", " ▁"), "noise stays small"
 
 
 @pytest.mark.parametrize(

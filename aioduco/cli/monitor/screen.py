@@ -35,6 +35,8 @@ _COLUMNS, _MORE_COLUMNS = 70, 88
 _LEAST_BAR: Final = 8
 _EVENT_INDENT: Final = " " * 10
 _BLOCKS: Final = " ▁▂▃▄▅▆▇█"
+#: what the charts show: its name and unit, and the least value that fills them
+_CHARTS: Final = (("tool", "mm/s", 1.0), ("force", "N", 1.0), ("behind", "°", 0.1))
 #: part of a joint's range, at each end, that counts as near the limit
 _NEAR: Final = 0.05
 _POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
@@ -66,9 +68,11 @@ def screen(state: MonitorState, width: int, height: int) -> RenderableType:
 
 def _head(state: MonitorState, width: int) -> Text:
     rate = f"{state.measured_rate:.1f} of {state.rate:g} Hz"
-    if state.answer_time is not None:
-        rate += f", answered in {state.answer_time * 1e3:.0f} ms"
     title = f"{state.robot}  {state.arm}".rstrip()
+    if state.answer_time is not None:
+        answered = f", answered in {state.answer_time * 1e3:.0f} ms"
+        if len(title) + len(rate) + len(answered) + 3 <= width:
+            rate += answered
     gap = max(2, width - len(title) - len(rate) - 1)
     return Text.assemble(
         (title, "bold"), " " * gap, (rate, "red" if state.silent else "dim"), no_wrap=True
@@ -146,34 +150,32 @@ def _further(status: RobotStatus, row: int) -> tuple[str, str, str]:
 def _last_minute(state: MonitorState, width: int) -> list[Text]:
     """The last minute of the tool's speed and force, and of how far the joints are behind."""
     lines = []
-    for name, unit, values in zip(
-        ("tool", "force", "behind"), ("mm/s", "N", "°"), zip(*state.history, strict=True),
-        strict=False,
-    ):  # fmt: skip
+    for (name, unit, least), values in zip(_CHARTS, zip(*state.history, strict=True), strict=False):
         known = [value for value in values if not math.isnan(value)]
         if not known:
             continue
-        upper, lower = chart(values, width - 22, state.history_length)
+        upper, lower = chart(values, width - 22, state.history_length, least)
         most = f"to {_number(max(known), 1)} {unit}"
         lines += [Text(""), Text.assemble((f"{name:<6} {most:>13}  ", "dim"), (upper, "cyan"))]
         lines.append(Text.assemble((f"{'last minute':>20}  ", "dim"), (lower, "cyan")))
     return lines
 
 
-def chart(values: Sequence[float], width: int, most: int) -> tuple[str, str]:
+def chart(values: Sequence[float], width: int, most: int, least: float = 0.0) -> tuple[str, str]:
     """Values as columns of two lines, the newest at the right.
 
     Args:
         values: values from 0, the oldest first; NaN where there is none.
         width: number of columns.
         most: number of values that fill all columns.
+        least: value that fills both lines if all values are smaller, so that noise stays small.
     """
     columns = [math.nan] * width
     for place, value in enumerate(reversed(values)):
         column = width - 1 - place * width // most
         if column >= 0 and not math.isnan(value):
             columns[column] = value if math.isnan(columns[column]) else max(value, columns[column])
-    top = max((value for value in columns if not math.isnan(value)), default=0.0) or 1.0
+    top = max(least, *(value for value in columns if not math.isnan(value)), 0.0) or 1.0
     eighths = [0 if math.isnan(value) else max(1, round(16 * value / top)) for value in columns]
     return (
         "".join(_BLOCKS[max(0, eighth - 8)] for eighth in eighths),
