@@ -1,4 +1,4 @@
-"""Changes of the physics that callers ask for: a push, a load, friction, and others.
+"""Changes of the physics that callers ask for: a push, a load, a drag, and others.
 
 Any thread may ask. The simulation's thread passes them on before its next cycle.
 """
@@ -65,7 +65,7 @@ class PlantChanges:
         self._wake.set()
 
     def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Set the joints' friction, which the drives do not know [N m, N m s/rad]."""
+        """Set what drags at the joints, which the drives do not know [N m, N m s/rad]."""
         self._drag = (tuple(dry), tuple(viscous))
         self._dirty = True
         self._wake.set()
@@ -87,7 +87,7 @@ class PlantChanges:
             plant.push(self._pushed)
         if self._dragged is not self._drag:
             self._dragged = self._drag
-            plant.friction(*self._dragged)
+            plant.drag(*self._dragged)
         if self._carried is not self._carry and self._carry is not None:
             self._carried = self._carry
             plant.carry(*self._carried)

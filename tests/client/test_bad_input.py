@@ -168,6 +168,7 @@ async def test_what_is_run_or_followed_is_checked_before_anything_is_sent(
         "through": ("x", 1, None),
         "rate": (math.nan, "x", -1, True, None),
         "reach": (math.nan, "x", -1, True, None),
+        "switch": ("x", 1),
         "options": ("x", 1),
     }
     given: dict[str, Any] = {"trajectory": path, "v": 1.0, "a": 1.0}
