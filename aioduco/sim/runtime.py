@@ -499,15 +499,17 @@ class SimulationRuntime(PlantChanges):
                 if begun is None:
                     now = clock()
                     continue
-                self._step()
+                if self._dirty or self._braked is not self._drive.brake:
+                    self._change_plant()
+                self._plant.step(self._drive.setpoint)
                 pace.ran()
                 self._tick(begun)
                 now = clock()
                 self._times.add(self._batches.late, now - begun)
                 self._batches.ran()
-            if self._busy and not self._braked and not idle:
+            if self._busy and not idle:
                 self._quiet = 0
-            elif idle != (self._rests(cycles) and not self._busy):
+            elif idle != self._is_idle(cycles):
                 idle = not idle
                 self._batches.end()
                 pace.begin(now, idle=idle)
@@ -520,16 +522,12 @@ class SimulationRuntime(PlantChanges):
             return True  # else a caller would wait for many cycles, which compete with the planning
         return bool(self._waiters) and self._controller.time_left < self._batches.longest
 
-    def _step(self) -> None:
-        """Let the physics run one cycle, unless it would change nothing."""
-        if self._dirty or self._braked is not self._drive.brake:
-            self._pass_on(self._plant)
-            if self._braked is not self._drive.brake:
-                self._braked = self._drive.brake
-                self._plant.brake(self._braked)
-            self._quiet = 0
-        if self._quiet * self.cycle < _SETTLING:
-            self._plant.step(self._drive.setpoint)
+    def _change_plant(self) -> None:
+        """Pass the changes since the last cycle to the physics."""
+        self._pass_on(self._plant)
+        if self._braked is not self._drive.brake:
+            self._braked = self._drive.brake
+            self._plant.brake(self._braked)
 
     def _allowed(self) -> int:
         """Number of cycles that may run until simulated time must stand still."""
@@ -666,12 +664,9 @@ class SimulationRuntime(PlantChanges):
             released += self._waiters.pop(id_, ())
         return released
 
-    def _rests(self, cycles: int) -> bool:
-        """Whether the arm has stood still for so long that the physics would change nothing.
-
-        That holds for an arm on its brakes, too, while its power changes.
-        """
-        changing = (self._busy and not self._braked) or self._braked is not self._drive.brake
+    def _is_idle(self, cycles: int) -> bool:
+        """Whether the arm has stood still for so long that the physics would change nothing."""
+        changing = self._busy or self._braked is not self._drive.brake
         changing = changing or self._acted_upon or not self._plant.still
         changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles
