@@ -175,7 +175,7 @@ def turned(profile: ArmProfile, random: np.random.Generator) -> Evidence:
                     torque += (own if fast else 0.0) + 0.02 * random.standard_normal(6)
                     rows.append((q.tolist(), (fast * unit).tolist(), torque.tolist()))
     joints, speeds, torques = (np.array(column) for column in zip(*rows, strict=True))
-    time = 0.008 * np.arange(len(rows))
+    time = 0.008 * np.arange(len(rows), dtype=np.float64)
     none = np.zeros(0)
     nothing = Reads(none, none, np.zeros((0, 6)))
     poses = Poses(np.zeros((0, 6)), np.zeros((0, 4, 4)))

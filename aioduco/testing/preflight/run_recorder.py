@@ -274,11 +274,12 @@ class RunRecorder:
         self._clock.tick()
 
     def _follow(self, now: float) -> None:
+        # By the simulation's thread, and at the end by the program's: both may find an end at once.
         assert self._simulator is not None
         for number, record in tuple(self._open.items()):
             task = self._simulator.task(number)
             if task is None:
-                del self._open[number]
+                self._open.pop(number, None)
                 continue
             if record.started < 0.0 and task.state is not TaskState.IDLE:
                 record.started = now
@@ -287,7 +288,7 @@ class RunRecorder:
                 record.state, record.message = task.state.name, task.message
                 if task.state is TaskState.ERROR:
                     record.meanwhile = lines.of_main_thread()
-                del self._open[number]
+                self._open.pop(number, None)
                 self.progress = now
 
     def _touch(self, touched: str, now: float, sample: int, *, meant: bool) -> None:
