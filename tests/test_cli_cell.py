@@ -131,8 +131,9 @@ def test_options_come_before_what_the_cell_says(tmp_path: Path) -> None:
 
 def test_a_preflight_is_flown_in_the_cell(tmp_path: Path) -> None:
     file = written(tmp_path)
-    text = file.read_text().replace('name = "bench"', 'name = "bench"\nat = [0.55, 0.1, 0.2]')
-    file.write_text(text.replace("size", "size"))
+    # the flange gets 30 mm into it
+    text = file.read_text().replace('name = "bench"', 'name = "bench"\nat = [0.55, 0.1, 0.23]')
+    file.write_text(text)
     program = tmp_path / "main.py"
     program.write_text(
         "import aioduco.sync\n"
