@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
 import aioduco
 from aioduco import TaskState
+from aioduco._process.platform import boot_time
+from aioduco.supervision.gate import Gate
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -38,6 +41,9 @@ class _Launcher:
 
 class _Permits:
     """Permits everything: what ends a permit is left out."""
+
+    def __init__(self) -> None:
+        self.gate = Gate(None, math.inf, boot_time())
 
     def ask(self, _name: str) -> None:
         """Permit it."""
