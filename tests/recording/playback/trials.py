@@ -75,7 +75,8 @@ async def move(robot: aioduco.Robot, seed: int, number: int) -> None:
     chance = np.random.default_rng([seed, number])
     for _ in range(MOTIONS):
         v, a = chance.uniform(0.3, 1.5), chance.uniform(1.0, 4.0)
-        target = START + chance.uniform(-0.6, 0.6, 6)
+        # shoulder and elbow less, so that the hand stays above the floor
+        target = START + chance.uniform(-0.6, 0.6, 6) * (1.0, 0.5, 0.5, 1.0, 1.0, 1.0)
         await robot.motion.movej2(target, v=float(v), a=float(a))
 
 
