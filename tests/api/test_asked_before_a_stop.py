@@ -22,6 +22,7 @@ from api.cases import Case, blocking_cases, cases
 from api.desk import HELD, Desk
 
 if TYPE_CHECKING:
+    import threading
     from collections.abc import Awaitable, Callable
 
     from aioduco.streaming.stream import Stream
@@ -144,6 +145,26 @@ async def into_track(robot: aioduco.Robot) -> None:
     await robot.track.trackJointMotion(1.0, 2.0).start()
 
 
+async def refused_by_a_stop(
+    desk: Desk, robot: aioduco.Robot, ask: Callable[[], Awaitable[object]], read: threading.Event
+) -> None:
+    """Ask for something that reads the tool first, and stop the arm before that is answered."""
+    raised: list[BaseException] = []
+
+    async def asked() -> None:
+        try:
+            await ask()
+        except aioduco.DucoError as exc:
+            raised.append(exc)
+
+    async with anyio.create_task_group() as group:
+        group.start_soon(asked)
+        await eventually_async(lambda: desk.received("get_tcp_offset"))
+        await robot.stop()
+        read.set()
+    assert [type(each) for each in raised] == [aioduco.TaskStopped]
+
+
 FED: dict[
     str,
     tuple[Callable[[aioduco.Robot], Awaitable[None]], Callable[[aioduco.Robot], Awaitable[object]]],
@@ -172,21 +193,8 @@ async def test_points_whose_check_reads_while_the_arm_is_stopped_are_not_sent(
         await begin(robot)
         before = len(desk.received(name))
         read = desk.hold("get_tcp_offset", [0.0] * 6)
-        robot.envelope = Envelope("gcr5_910", Zone.plane((0, 0, -5.0), (0, 0, 1)))
-        raised: list[BaseException] = []
-
-        async def fed() -> None:
-            try:
-                await feed(robot)
-            except aioduco.DucoError as exc:
-                raised.append(exc)
-
-        async with anyio.create_task_group() as group:
-            group.start_soon(fed)
-            await eventually_async(lambda: desk.received("get_tcp_offset"))
-            await robot.stop()
-            read.set()
-        assert isinstance(raised[0], aioduco.TaskStopped)
+        robot.envelope = _ENVELOPE
+        await refused_by_a_stop(desk, robot, lambda: feed(robot), read)
         assert len(desk.received(name)) == before
 
 
@@ -207,18 +215,5 @@ async def test_a_stream_whose_envelope_is_read_while_the_arm_is_stopped_is_not_o
     async with aioduco.connect(desk.host, desk.port) as robot:
         robot.envelope = _ENVELOPE
         read = desk.hold("get_tcp_offset", [0.0] * 6)
-        raised: list[BaseException] = []
-
-        async def opened() -> None:
-            try:
-                async with STREAMS[kind](robot):
-                    pass
-            except aioduco.DucoError as exc:
-                raised.append(exc)
-
-        async with anyio.create_task_group() as group:
-            group.start_soon(opened)
-            await eventually_async(lambda: desk.received("get_tcp_offset"))
-            await robot.stop()
-            read.set()
-        assert isinstance(raised[0], aioduco.TaskStopped)
+        stream = STREAMS[kind](robot)
+        await refused_by_a_stop(desk, robot, stream.__aenter__, read)

@@ -132,8 +132,7 @@ async def test_time_in_which_the_event_loop_stood_still_does_not_count() -> None
         await hand.close()
         async with hand.carrying():
             hang(hand)
-            # A hung loop is what is tested: it has no condition, it is longer than max_age.
-            time.sleep(1.5)  # noqa: ASYNC251
+            time.sleep(1.5)  # noqa: ASYNC251 - a hung loop is what is tested: longer than max_age
             for _ in range(5):
                 await anyio.lowlevel.checkpoint()
             hand.answers.set()

@@ -55,9 +55,8 @@ def freeze(pids: Sequence[int]) -> None:
     while any(_states(pid) - {"T", "Z", "X"} for pid in pids):
         if time.monotonic() > until:
             raise TimeoutError(f"processes {pids} did not stop")
-        time.sleep(
-            0.0005
-        )  # a poll: the system tells nobody that a process that is no child stopped
+        # A poll: the system tells nobody that a process that is no child stopped.
+        time.sleep(0.0005)
 
 
 def thaw(pids: Sequence[int]) -> None:
