@@ -231,14 +231,11 @@ ONLY_IN: dict[str, set[str]] = {
     "thriftpy2": {"_wire", "sim/server"},
     "mujoco": {
         *("sim/physics", "sim/view/drawing.py", "sim/view/viewer.py"),
-        "planning/collision.py",
+        *("planning/band.py", "planning/collision.py"),
     },
     # OMPL's bindings complain when an interpreter ends: it is loaded in the planner's process alone
     "ompl": {"planning/search.py"},
-    "scipy": {
-        *("planning/curve.py", "planning/time_law.py", "planning/timing.py"),
-        "sim/calibration",
-    },
+    "scipy": {"sim/calibration"},
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},

@@ -102,7 +102,7 @@ def test_jerk_limits_need_their_extra_and_not_the_simulator() -> None:
         "stream": {"ruckig"},
         "cli": {"typer", "rich"},
         "plot": {"matplotlib", "pillow"},
-        "plan": {"mujoco-core", "ompl", "scipy"},
+        "plan": {"mujoco-core", "ompl"},
         "sweep": {"distributed"},
     }
     assert extras["all"] == ["aioduco[sim,stream,cli,plot,plan,record,panel,otel,fleet]"]

@@ -39,7 +39,7 @@ def calibrate(
 
     Exit codes: 0 written; 1 the recordings do not fit the arm, or show nothing; 2 wrong options.
     """
-    extras.need("record")
+    extras.need("record", "calibrate")
     if model is not None:
         extras.arm(model)
     from aioduco.sim.calibration import calibrate as estimate  # noqa: PLC0415 - for this command

@@ -18,7 +18,8 @@ __all__ = ["arm", "need"]
 _BRINGS = {
     "sim": ("mujoco",),
     "plot": ("matplotlib", "PIL"),
-    "plan": ("ompl", "scipy"),
+    "plan": ("ompl",),
+    "calibrate": ("scipy",),
     "sweep": ("distributed",),
     "record": ("foxglove", "zstandard"),
     "parquet": ("pyarrow",),
@@ -31,8 +32,8 @@ def need(*extras: str) -> None:
     """End with a message that says what to install, if a package of the extras is missing.
 
     Args:
-        extras: names of extras: "sim", "plot", "plan", "sweep", "record", "parquet", "fleet",
-            "panel".
+        extras: names of extras: "sim", "plot", "plan", "calibrate", "sweep", "record", "parquet",
+            "fleet", "panel".
     """
     missing = {
         extra: [name for name in _BRINGS[extra] if importlib.util.find_spec(name) is None]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from aioduco.planning.spaces import JointPathSpace
+from aioduco.planning.spline import BSpline
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,10 +20,7 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["Curve", "is_free", "joint_curve", "rounded", "through"]
-
-Curve: TypeAlias = "BSpline[Any]"
-"""Points over a length; the first and the last of its knots `t` are its ends."""
+__all__ = ["is_free", "joint_curve", "rounded"]
 
 _DEGREE = 3
 _WIDEST = 0.3  # longest spans, where nothing is near [m of the arm's furthest point, about]
@@ -34,7 +31,7 @@ _LEAST = 5e-5  # between two places of a path on which bodies nearly touch [m]
 _FIT = 0.01  # between two configurations that a curve of joints goes through [m, about]
 
 
-def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Curve | None:
+def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> BSpline | None:
     """Give a smooth curve along a path with corners, as round as the scene allows.
 
     Each corner is cut by a cubic B-spline, which keeps straight parts straight. Where the curve
@@ -77,7 +74,7 @@ def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Cur
 
 
 def is_free(
-    curve: Any, space: PathSpace, checker: CollisionChecker, begin: float, end: float
+    curve: BSpline, space: PathSpace, checker: CollisionChecker, begin: float, end: float
 ) -> bool:
     """Tell whether a part of a curve is free, also between the places that are checked.
 
@@ -164,7 +161,7 @@ def _joined(before: _Place, after: _Place) -> bool:
 
 
 def _free_between(
-    curve: Any,
+    curve: BSpline,
     space: PathSpace,
     look: Callable[[Points, float, float], _Place],
     before: _Place,
@@ -191,7 +188,7 @@ def _free_between(
     return True
 
 
-def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
+def joint_curve(curve: BSpline, space: PathSpace) -> BSpline | None:
     """Convert a curve of points to one of joints [rad], over the same length.
 
     Args:
@@ -202,18 +199,8 @@ def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
         The curve; None if the arm does not reach all of it.
     """
     if isinstance(space, JointPathSpace):
-        return BSpline(curve.t, space.joints(curve.c), _DEGREE)
-    begin, end = float(curve.t[0]), float(curve.t[-1])
+        return BSpline(curve.knots, space.joints(curve.control), _DEGREE)
+    begin, end = curve.begin, curve.end
     at = np.linspace(begin, end, max(int((end - begin) / _FIT), 8) + 1)
     q = space.joints(curve(at))
-    return None if q is None else through(at, q)
-
-
-def through(at: Points, q: Points) -> Curve:
-    """Give the curve of fifth degree through configurations.
-
-    Args:
-        at: lengths, rising. Shape (n,), n from 6.
-        q: joints [rad]. Shape (n, 6).
-    """
-    return make_interp_spline(at, q, k=5)
+    return None if q is None else BSpline.through(at, q)

@@ -36,7 +36,7 @@ __all__ = ["Planner"]
 
 _SPEED = Number(1e-4, unit="m/s", source="this package")
 _TIMEOUT = Number(1e-3, 600.0, "s", source="this package")
-_NEEDS = ("mujoco", "ompl", "scipy")
+_NEEDS = ("mujoco", "ompl")
 _GRACE = 5.0  # from a problem's time-out until its process is killed, such as to time a path [s]
 #: packages that the process imports; MuJoCo imports mostly OpenGL
 _PACKAGES = (*_NEEDS, "OpenGL", "charset_normalizer", "glfw")

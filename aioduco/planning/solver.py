@@ -20,11 +20,12 @@ from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy
 from aioduco.planning.clearance import TOUCHING
-from aioduco.planning.curve import is_free, joint_curve, rounded, through
+from aioduco.planning.curve import is_free, joint_curve, rounded
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
 from aioduco.planning.retreat import retreat
 from aioduco.planning.search import STEP, search
 from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
+from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import timed
 from aioduco.planning.toolpath import followed, poses_along
 
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.planning.clearance import Clearance
     from aioduco.planning.collision import CollisionChecker
-    from aioduco.planning.curve import Curve
 
     Points = NDArray[np.float64]
 
@@ -78,9 +78,9 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
         fraction = 1.0
     else:
         curve, fraction = _along(problem, checker, near)
-        corners = curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
+        corners = curve(np.linspace(curve.begin, curve.end, _CORNERS))
     found = time.process_time()
-    if curve.t[-1] - curve.t[0] <= 1e-6:
+    if curve.end - curve.begin <= 1e-6:
         still = np.zeros((1, 6))
         path = np.zeros(1), start[None, :], still, still
     else:
@@ -106,7 +106,7 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
 
 def _free(
     problem: PlanningProblem, checker: CollisionChecker, here: Clearance, deadline: float
-) -> tuple[Curve, Points]:
+) -> tuple[BSpline, Points]:
     """Find a path to any of the goals, as a curve of joints, and its corners.
 
     `here` is the clearance of the start.
@@ -173,14 +173,15 @@ def _free(
         checker.ease(eased, each.growth)
         outs.sort(key=lambda way: float(np.abs(way[0] - start).max()))
         if outs and float(np.abs(outs[0][0] - start).max()) < 1e-6:
-            return through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1))), start[None, :]
+            still = BSpline.through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1)))
+            return still, start[None, :]
         found = _way_to(outs, start_out, space, checker, each.until) if outs else None
         if found is not None and branch is None:
             curve, corners = found
             return curve, corners / checker.radii
         if found is not None:
             curve, _ = found
-            return curve, curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
+            return curve, curve(np.linspace(curve.begin, curve.end, _CORNERS))
     nearest = max(clearances, key=lambda each: each.distance)
     closer = "".join(
         f"; at the {end} {each}, which no straight line of the tool leaves"
@@ -216,7 +217,7 @@ def _way_to(
     space: PathSpace,
     checker: CollisionChecker,
     deadline: float,
-) -> tuple[Curve, Points] | None:
+) -> tuple[BSpline, Points] | None:
     """Find a rounded path to any of the goals, and its corners in `space`; None if out of time.
 
     Start and goals are each a way out: configurations from it to where the search begins.
@@ -295,7 +296,7 @@ def _poses(goal: Pose | Region) -> list[Points]:
 
 def _along(
     problem: PlanningProblem, checker: CollisionChecker, here: Clearance
-) -> tuple[Curve, float]:
+) -> tuple[BSpline, float]:
     """Plan a line or an arc, as far as it is free and within reach.
 
     `here` is the clearance of the start.
@@ -314,7 +315,7 @@ def _along(
     space = JointPathSpace(arm, checker)
     at = np.linspace(0.0, way.length, wanted)
     if len(q) >= 6:
-        curve = through(at[: len(q)], q * checker.radii)
+        curve = BSpline.through(at[: len(q)], q * checker.radii)
         blocked = next(
             (i for i in range(len(q) - 1) if not is_free(curve, space, checker, at[i], at[i + 1])),
             None,
@@ -331,7 +332,7 @@ def _along(
             pair=pair,
             joints=place.tolist(),
         )
-    return through(at[: len(q)], q), fraction
+    return BSpline.through(at[: len(q)], q), fraction
 
 
 def _goal_in_collision(

@@ -17,7 +17,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, solveh_banded
+
+from aioduco.planning.band import BandMatrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -127,8 +128,8 @@ class _Barriers:
         one, two, three = (
             np.ascontiguousarray(part.T) for part in (nodes.first, nodes.second, nodes.third)
         )
-        first, self._bases = pace.bases(times)
-        self._rows = _rows(first)
+        self._first, self._bases = pace.bases(times)
+        self._rows = _rows(self._first)
         self._count = len(pace.coefficients)
         shares = np.zeros(len(times))
         shares[:-1] += np.diff(times)
@@ -143,8 +144,6 @@ class _Barriers:
             (np.abs(one) * tighter[0] / speed).max(axis=0) ** 2, (rates / rate) ** 2
         )
         first_of, other = np.triu_indices(_BASES)
-        rows = (_BASES - 1 - other + first_of) * self._count + other
-        self._places = (rows[:, None] + first).ravel()
         # Factors of each second derivative by b and its derivatives, for pairs of coefficients.
         left, right = self._bases[first_of], self._bases[other]
         self._curves = np.empty((len(first_of), len(_PAIRS), len(times)))
@@ -225,11 +224,9 @@ class _Barriers:
         curves[0] += 0.75 * self._shares * value**-2.5 + weight * (self._fast / left) ** 2
         local = np.einsum("kn,pkn->pn", curves, self._curves)
         count = self._count
-        banded = np.bincount(self._places, local.ravel(), _BASES * count).reshape(_BASES, count)
-        banded[-1] += 1e-12 * banded[-1].max()
         slopes = np.einsum("kn,pkn->pn", slope, self._bases)
         gradient = np.bincount(self._rows.ravel(), slopes.ravel(), count)
-        found: Points = -solveh_banded(banded, gradient, check_finite=False)
+        found = -BandMatrix(self._first, local, count, _BASES).solve(gradient)
         return found, float(-(gradient @ found))
 
 
@@ -258,7 +255,7 @@ def faster(
     for _ in range(_STEPS):
         try:
             step, gain = barriers.step(square, hard, sharp, weight)
-        except LinAlgError:
+        except np.linalg.LinAlgError:
             break
         b = barriers.at(step)
         change, of_hard, of_sharp = b[0], *barriers.shares(b)

@@ -9,17 +9,16 @@ has at most a given number of points, so that the work does not grow with its du
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
 
+from aioduco.planning.spline import BSpline
 from aioduco.planning.time_law import PaceSpline, PathNodes, faster
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from aioduco.planning.curve import Curve
     from aioduco.planning.motion_limits import MotionLimits
 
     Points = NDArray[np.float64]
@@ -57,7 +56,7 @@ class TimedPath(NamedTuple):
     accelerations: Points
 
 
-def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath:
+def timed(curve: BSpline, limits: MotionLimits, rate: float = np.inf) -> TimedPath:
     """Give the joints over time along a curve, from rest to rest.
 
     Args:
@@ -66,7 +65,7 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
         rate: largest derivative of the curve's length over time [its unit per second].
     """
     law, ramp = _slower(curve, limits, rate)
-    end = float(law.t[-1 - _ORDER])
+    end = law.end
     tick = max(min(max(0.08 * ramp, _FINEST), _TICK, end / _TICKS), end / _MOST)
     times = _ticks(curve, law, end, tick)
     pace = PaceSpline(end, int(np.ceil(end / (_SPAN * tick))))
@@ -97,10 +96,10 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
     return best
 
 
-def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[Any], float]:
+def _slower(curve: BSpline, limits: MotionLimits, rate: float) -> tuple[BSpline, float]:
     """Give a law whose acceleration is continuous, and the time from rest to full acceleration."""
     speed, acceleration, jerk = limits.arrays
-    begin, end = float(curve.t[0]), float(curve.t[-1])
+    begin, end = curve.begin, curve.end
     turned = np.abs(np.diff(curve(np.linspace(begin, end, 50)), axis=0)).sum(axis=0)
     grid = np.linspace(begin, end, max(int(turned.max() / _GRID), _LEAST) + 1)
     rates = np.sqrt(_squares(curve, grid, limits, rate))
@@ -113,7 +112,7 @@ def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[An
     return _smooth(grid, times, rates, ramp), ramp
 
 
-def _squares(curve: Curve, grid: Points, limits: MotionLimits, rate: float) -> Points:
+def _squares(curve: BSpline, grid: Points, limits: MotionLimits, rate: float) -> Points:
     """Give the square of the rate at each node: fast, within speed and acceleration at the nodes.
 
     At a rate with the square `x` and the slope `x'` over the length, a joint's acceleration is
@@ -141,7 +140,7 @@ def _squares(curve: Curve, grid: Points, limits: MotionLimits, rate: float) -> P
     return np.minimum(one_pass(1.0, slice(None)), one_pass(-1.0, slice(None, None, -1)))
 
 
-def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSpline[Any]:
+def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSpline:
     """Give the position over time after a moving average of the rate, from rest to rest.
 
     It is a spline of fifth degree, whose derivatives are exact.
@@ -158,15 +157,15 @@ def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSplin
     return BSpline(tick * (np.arange(len(control) + _ORDER + 1) - _ORDER), control, _ORDER)
 
 
-def _ticks(curve: Curve, law: BSpline[Any], end: float, tick: float) -> Points:
+def _ticks(curve: BSpline, law: BSpline, end: float, tick: float) -> Points:
     """Times of the law for the points of the result.
 
     There is a point at each knot of the curve, where its third derivative jumps.
     """
     times = np.linspace(0.0, end, int(np.ceil(end / tick)) + 1)
-    if curve.k >= _ORDER:
+    if curve.degree >= _ORDER:
         return times
-    places = np.unique(curve.t)[1:-1]
+    places = np.unique(curve.knots)[1:-1]
     jumps = np.interp(places, law(times), times)
     # Two steps of Newton's method make the linear interpolation more exact.
     for _ in range(2):
@@ -177,16 +176,14 @@ def _ticks(curve: Curve, law: BSpline[Any], end: float, tick: float) -> Points:
     return np.sort(np.concatenate([times[away > 0.3 * tick], jumps]))
 
 
-def _nodes(
-    curve: Curve, law: BSpline[Any], times: Points, tighter: Points, tick: float
-) -> PathNodes:
+def _nodes(curve: BSpline, law: BSpline, times: Points, tighter: Points, tick: float) -> PathNodes:
     """Give the nodes for the limits: all points, more at the ends, and both sides of a jump."""
     half = 0.5 * (times[:-1] + times[1:])
     near = half[(half < _EDGE * tick) | (half > times[-1] - _EDGE * tick)]
     uneven = np.diff(times) < 0.99 * np.diff(times).max()
     sides = times[:-1][uneven] + 1e-6 * tick, times[1:][uneven] - 1e-6 * tick
     at = np.unique(np.concatenate([times, near, *sides]))
-    place = np.clip(law(at), curve.t[0], curve.t[-1])
+    place = np.clip(law(at), curve.begin, curve.end)
     one, two, three = (law(at, order)[:, None] for order in (1, 2, 3))
     first, second, third = (curve(place, order) for order in (1, 2, 3))
     left = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 1)
@@ -201,10 +198,10 @@ def _nodes(
     )
 
 
-def _along(curve: Curve, law: BSpline[Any], times: Points, pace: PaceSpline) -> TimedPath:
+def _along(curve: BSpline, law: BSpline, times: Points, pace: PaceSpline) -> TimedPath:
     """Give the joints over time for a law at a pace."""
-    place = np.clip(law(times), curve.t[0], curve.t[-1])
-    place[[0, -1]] = curve.t[0], curve.t[-1]
+    place = np.clip(law(times), curve.begin, curve.end)
+    place[[0, -1]] = curve.begin, curve.end
     one, two = law(times, 1), law(times, 2)
     square, slope, _ = pace(times)
     rate = one * np.sqrt(square)

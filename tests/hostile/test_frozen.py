@@ -42,7 +42,7 @@ ERRORS = {
     SWEEP: "PreflightError",
 }
 #: what a stranger to each of the extras has not
-EXTRAS = ("mujoco", "ompl", "scipy", "ruckig")
+EXTRAS = ("mujoco", "ompl", "ruckig")
 #: what an interpreter does that is frozen into a program: whatever it is told, it runs the program
 PROGRAM = """
 import sys

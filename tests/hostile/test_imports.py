@@ -122,7 +122,7 @@ def test_packages_that_only_the_program_knows_of_are_found(
             (),
             {"anyio"},
         ),
-        ("aioduco.planning.worker", planner._PACKAGES, {"ompl", "scipy"}),
+        ("aioduco.planning.worker", planner._PACKAGES, {"ompl"}),
         ("aioduco.sim.view.drawing, mujoco.egl", render._PACKAGES, {"mujoco", "OpenGL"}),
         ("aioduco.sim.spawned, aioduco.sim.view.render", sim_process._PACKAGES, {"mujoco"}),
         ("aioduco.testing.preflight.child, aioduco.compat._runner", runner._PACKAGES, {"mujoco"}),

@@ -298,7 +298,7 @@ def test_nothing_is_printed_and_importing_loads_nothing_of_the_extra() -> None:
         "import sys\n"
         "from aioduco import Joints\n"
         "from aioduco.planning import Planner, Scene\n"
-        "heavy = {'ompl', 'mujoco', 'scipy'} & set(sys.modules)\n"
+        "heavy = {'ompl', 'mujoco'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
         "with Planner(Scene()) as planner:\n"
         "    start = Joints.deg(0, 0, 90, 0, -90, 0)\n"

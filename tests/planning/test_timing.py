@@ -7,10 +7,10 @@ import logging
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline
 
 from aioduco.kinematics import arm as arm_of
 from aioduco.planning import MotionLimits, Plan
+from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import TimedPath, timed
 from aioduco.streaming.joint_trajectory import JointTrajectory
 

@@ -74,7 +74,7 @@ def calibrate(
             nothing about it.
         RecordingError: a file cannot be read.
         ParameterError: no such model.
-        MissingExtra: the extra `record` or `plan` is not installed.
+        MissingExtra: the extra `calibrate` is not installed.
     """
     files = [paths] if isinstance(paths, str | os.PathLike) else paths
     return profile_of([read_evidence(path) for path in files], model=model)
@@ -86,7 +86,7 @@ def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibra
     try:
         found = _findings(runs, name)
     except ModuleNotFoundError as error:
-        raise MissingExtra("calibration", error.name or "scipy", "plan") from error
+        raise MissingExtra("calibration", error.name or "scipy", "calibrate") from error
     values = {each.section: dict(each.values) for each in found if each.values}
     values = {section: values[section] for section in RANGES if section in values}
     missing = tuple(text for each in found for text in each.missing)
