@@ -40,7 +40,7 @@ class BandMatrix:
         if not mujoco.mju_cholFactorBand(self._band, *self._shape, 1e-12, 0.0) > 0.0:
             raise np.linalg.LinAlgError
 
-    def solve(self, right: Points) -> Points:
+    def solve(self, right: NDArray[Any]) -> Points:
         """Give the unknowns for a right side. Shape (count,)."""
         found = np.empty(len(right))
         mujoco.mju_cholSolveBand(found, self._band, right / self._size, *self._shape)
