@@ -13,10 +13,10 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.channel import Carrier, LaneCall
-from aioduco._wire.connection import Connection
 from aioduco._wire.failures import Ended, of_two
 from aioduco._wire.idempotence import CallKind, call_kind
-from aioduco._wire.lifecycle import ConnectionState, Progress
+from aioduco._wire.lifecycle import Progress
+from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import ConnectError, ConnectionLost
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.channel import Call
+    from aioduco._wire.connection import Connection
     from aioduco._wire.deadline_socket import DeadlineSocket
     from aioduco._wire.endpoint import Endpoint
 
@@ -36,62 +37,29 @@ _JOIN_LIMIT: Final = 1.0
 _SECOND_STOP_AFTER: Final = 0.1
 
 
-class _OwnConnection:
-    """A connection of one thread at a time, opened again when a call needs it.
-
-    Args:
-        endpoint: where it leads.
-        hurried: whether its calls cannot wait for the resolution of a name: the addresses that
-            led to the last connection serve them.
-    """
-
-    def __init__(self, endpoint: Endpoint, *, hurried: bool = False) -> None:
-        self._endpoint = endpoint
-        self._hurried = hurried
-        self.connection = self._new()
-        #: why the present call was given up; empty if it was not
-        self.given_up = ""
-
-    @property
-    def idle(self) -> bool:
-        """Whether it is open, and can be used for another call."""
-        return self.connection.state is ConnectionState.IDLE
-
-    def carry_out(self, call: Call, meanwhile: Callable[[], object] | None = None) -> Any:
-        """Call a function and wait for its answer, on another connection if this one has ended."""
-        if self.idle:
-            try:
-                return self._exchange(call, meanwhile)
-            except ConnectionLost as exc:
-                if self.given_up or not call.may_move(self.connection.progress):
-                    raise
-                call.first = exc
+def _carry_out(
+    own: OwnConnection, call: Call, meanwhile: Callable[[], object] | None = None
+) -> Any:
+    """Call a function and wait for its answer, on another connection if this one has ended."""
+    if own.idle:
         try:
-            self.connection.close()
-            self.connection = self._new()
-            if self.given_up:
-                raise ConnectionLost(f"{call.name} was not sent, since {self.given_up}")  # noqa: TRY301
-            self.connection.open(call.deadline, self._endpoint.known if self._hurried else None)
-            return self._exchange(call, meanwhile)
-        except (ConnectError, ConnectionLost) as exc:
-            raise of_two(call.first, exc) from exc.__cause__
+            return _exchange(own.connection, call, meanwhile)
+        except ConnectionLost as exc:
+            if own.given_up or not call.may_move(own.connection.progress):
+                raise
+            call.first = exc
+    try:
+        return _exchange(own.ready(call.deadline), call, meanwhile)
+    except (ConnectError, ConnectionLost) as exc:
+        raise of_two(call.first, exc) from exc.__cause__
 
-    def give_up(self, reason: str) -> None:
-        """Make the thread drop its call, from another one."""
-        # The thread sets `connection` before it reads `given_up`, here the order is reversed: so
-        # one of the two always sees what the other wrote.
-        self.given_up = reason
-        self.connection.abandon(reason)
 
-    def _new(self) -> Connection:
-        return Connection(self._endpoint.host, self._endpoint.port, endpoint=self._endpoint)
-
-    def _exchange(self, call: Call, meanwhile: Callable[[], object] | None) -> Any:
-        # if the call was given up before, its connection is poisoned and sends nothing
-        call.handed_over = True
-        return self.connection.exchange(
-            call.function, call.arguments, call.deadline, meanwhile, call.further, call.permit
-        )
+def _exchange(connection: Connection, call: Call, meanwhile: Callable[[], object] | None) -> Any:
+    # if the call was given up before, its connection is poisoned and sends nothing
+    call.handed_over = True
+    return connection.exchange(
+        call.function, call.arguments, call.deadline, meanwhile, call.further, call.permit
+    )
 
 
 class PoolThread(Carrier):
@@ -107,7 +75,7 @@ class PoolThread(Carrier):
     ) -> None:
         super().__init__(loop, endpoint, waiting)
         self._inbox: SimpleQueue[LaneCall | Callable[[], object]] = SimpleQueue()
-        self._own = _OwnConnection(endpoint)
+        self._own = OwnConnection(endpoint)
         self._thread: Thread | None = None
         self._ended = asyncio.Event()
 
@@ -175,13 +143,13 @@ class PoolThread(Carrier):
             value: Any = None
             error: BaseException | None = None
             try:
-                value = self._own.carry_out(item)
+                value = _carry_out(self._own, item)
             except BaseException as exc:
                 error = exc  # raised where the call is awaited
             with contextlib.suppress(RuntimeError):  # the loop is closed: no task waits any more
                 self._loop.call_soon_threadsafe(self._end, value, error)
             del item, value, error
-        self._own.connection.close()
+        self._own.close()
         item()
 
 
@@ -199,12 +167,12 @@ class ThreadCalls:
     def __init__(self, endpoint: Endpoint) -> None:
         self._endpoint = endpoint
         # Lists take and give their last element in one step, which no signal can divide.
-        self._spare: list[_OwnConnection] = []
+        self._spare: list[OwnConnection] = []
         self._closed = False
 
     def keep(self, stream: DeadlineSocket) -> None:
         """Keep a stream that is connected as the spare connection."""
-        own = _OwnConnection(self._endpoint, hurried=True)
+        own = OwnConnection(self._endpoint, hurried=True)
         own.connection.take_over(stream)
         self._put_back(own)
 
@@ -212,7 +180,7 @@ class ThreadCalls:
         """Close the spare connection; a call that is under way closes its own at its end."""
         self._closed = True
         while self._spare:
-            self._take().connection.close()
+            self._take().close()
 
     def call(self, call: Call) -> Any:
         """Carry out a call and block until its answer has arrived."""
@@ -225,9 +193,9 @@ class ThreadCalls:
                 left = min(left, call.deadline - time.monotonic())
             if again or own.connection.answers_within(max(0.0, left)):
                 return
-            other = _OwnConnection(self._endpoint, hurried=True)
+            other = OwnConnection(self._endpoint, hurried=True)
             try:
-                again.append(other.carry_out(call))
+                again.append(_carry_out(other, call))
             except (ConnectError, ConnectionLost):
                 return  # the first may be answered yet
             finally:
@@ -235,8 +203,8 @@ class ThreadCalls:
             own.give_up("a second stop was answered")
 
         try:
-            return own.carry_out(
-                call, stop_again if call_kind(call.name) is CallKind.STOP else None
+            return _carry_out(
+                own, call, stop_again if call_kind(call.name) is CallKind.STOP else None
             )
         except ConnectionLost:
             if again:
@@ -245,17 +213,17 @@ class ThreadCalls:
         finally:
             self._put_back(own)
 
-    def _take(self) -> _OwnConnection:
+    def _take(self) -> OwnConnection:
         try:
             own = self._spare.pop()
         except IndexError:
-            return _OwnConnection(self._endpoint, hurried=True)
+            return OwnConnection(self._endpoint, hurried=True)
         own.connection.hand_over()
         return own
 
-    def _put_back(self, own: _OwnConnection) -> None:
+    def _put_back(self, own: OwnConnection) -> None:
         if self._spare or not own.idle:
-            own.connection.close()
+            own.close()
             return
         self._spare.append(own)
         if self._closed:

@@ -40,7 +40,7 @@ from aioduco.errors import DucoError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from aioduco._wire.connection import Connection
+    from aioduco._wire.own_connection import OwnConnection
     from aioduco.supervision.loop_watchdog import Liveness
 
 __all__ = [
@@ -191,7 +191,7 @@ class Heartbeat:
     """Sends beats from a thread of its own until it is ended.
 
     Args:
-        connect: makes a connection that is not open yet.
+        own: the connection on which it sends them.
         seconds: seconds without a beat after which the controller stops the arm.
         liveness: the event loop's sign of life.
         stall_limit: seconds without a sign of life after which no beat is sent.
@@ -202,7 +202,7 @@ class Heartbeat:
 
     def __init__(
         self,
-        connect: Callable[[], Connection],
+        own: OwnConnection,
         seconds: float,
         liveness: Liveness,
         stall_limit: float,
@@ -210,7 +210,7 @@ class Heartbeat:
         *,
         remote: bool = False,
     ) -> None:
-        self._connect = connect
+        self._own = own
         self._seconds = seconds
         self._liveness = liveness
         self._stall_limit = stall_limit
@@ -221,7 +221,6 @@ class Heartbeat:
         #: when the last beat that was answered was sent [s of `boot_time`]; 0 before
         self.sent: float = 0.0
         self._machine = HeartbeatMachine(seconds, stall_limit, boot_time())
-        self._line: Connection | None = None
         self._ended = False
         self._nudge = threading.Event()
         #: why the last beat was not answered; None if it was
@@ -272,9 +271,7 @@ class Heartbeat:
         """Stop sending beats; a beat that is in progress is interrupted."""
         self._ended = True
         self._nudge.set()
-        line = self._line
-        if line is not None:
-            line.abandon("the heartbeat ends")
+        self._own.give_up("the heartbeat ends")
 
     def join(self, timeout: float) -> bool:
         """Wait for the thread's end. Returns whether it ended."""
@@ -318,7 +315,7 @@ class Heartbeat:
                 if self._changed is not None:
                     self._changed(self)
         finally:
-            self._drop()
+            self._own.close()
 
     def _wake(self, due: float) -> float:
         """Return when to wake up: for the next beat, or because a sign of life is overdue."""
@@ -332,31 +329,24 @@ class Heartbeat:
         if not self._liveness.moves or self.lapsed:
             return
         try:
-            if self._line is None:
-                self._line = self._connect()
-                self._line.open(time.monotonic() + deadline)
-            self._line.call("stop", (False,), deadline)
+            self._own.call("stop", (False,), deadline)
         except DucoError as exc:
-            self._drop()
+            self._own.close()
             self.error = exc
             _log.error("the event loop hangs, and the arm could not be stopped at once: %s", exc)
 
     def _beat(self, deadline: float) -> bool:
         until = time.monotonic() + deadline
         try:
-            if self._line is None:
-                self._line = self._connect()
-                if self._ended:  # `end` was called before `_line` was set
-                    return False
-                self._line.open(until)
+            line = self._own.ready(until)
             left = max(until - time.monotonic(), 0.001)
             sent = boot_time()
             try:
-                self._line.call("rpc_heartbeat", (round(self._seconds * 1000),), left)
+                line.call("rpc_heartbeat", (round(self._seconds * 1000),), left)
             finally:
                 self._given = boot_time()
         except DucoError as exc:
-            self._drop()
+            self._own.close()
             self.error = exc
             if not self._ended:
                 self._machine.missed_beat(boot_time())
@@ -366,11 +356,6 @@ class Heartbeat:
             self.sent = sent
             self._machine.beaten(boot_time())
         return self.error is None
-
-    def _drop(self) -> None:
-        line, self._line = self._line, None
-        if line is not None:
-            line.close()
 
     def _report(self, before: HeartbeatState) -> None:
         match self._machine.state:

@@ -26,10 +26,10 @@ import anyio
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
 from aioduco._process.spawn import started_in_place_of
-from aioduco._wire.connection import Connection
-from aioduco._wire.endpoint import Route
+from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.failures import resource_error
 from aioduco._wire.lane import WireLane
+from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.owner_loop import OwnerLoop, loop_callback
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import (
@@ -132,6 +132,7 @@ class Supervisor:
         calls: the lane of all calls that are neither motions nor supervision.
         blocking: the lane of calls that the controller answers only when it has finished.
         retrying: the calls of that lane; reads are retried while the connection is lost.
+        retrying: the calls of that lane; reads are retried while the connection is lost.
         poll: the lane on which tasks and the arm's standstill are polled.
         gate: decides what may move the arm.
         permits: permits to move it.
@@ -179,15 +180,9 @@ class Supervisor:
             else StopChannel(*lanes, self.guard.begin_stop, self.guard.stop_now)
         )
         if settings.heartbeat is not None:
-            connect = partial(
-                Connection,
-                host,
-                port,
-                connect_timeout=settings.connect_timeout,
-                route=self._route,
-            )
+            end = Endpoint(host, port, settings.connect_timeout, route=self._route)
             self.heartbeat = self.guard or Heartbeat(
-                *(connect, settings.heartbeat, self._liveness),
+                *(OwnConnection(end), settings.heartbeat, self._liveness),
                 *(settings.loop_stall_limit, self._beaten),
             )
         self.gate: Gate = Gate(

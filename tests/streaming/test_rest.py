@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 from wire.servers import PATIENCE, ScriptedServer
 
-from aioduco._wire.connection import Connection
-from aioduco.streaming.worker.rest import Line, bring_to_rest
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.own_connection import OwnConnection
+from aioduco.streaming.worker.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
@@ -33,16 +34,15 @@ def moving(count: int) -> Callable[[Peer], None]:
 
 def rest(server: ScriptedServer, seconds: float, *, stops: bool) -> tuple[bool, int]:
     """Whether the arm was brought to rest, and how often the worker showed that it runs."""
-    first = Connection(server.host, server.port)
-    first.open(time.monotonic() + PATIENCE)
-    line = Line(lambda: Connection(server.host, server.port), PATIENCE, first)
+    own = OwnConnection(Endpoint(server.host, server.port, PATIENCE))
+    own.ready()
     signs: list[None] = []
     now = time.monotonic()
     motion = UnansweredMotion.none(now, now + seconds, stops=stops)
     try:
-        return bring_to_rest(motion, line, lambda: signs.append(None)), len(signs)
+        return bring_to_rest(motion, own, PATIENCE, lambda: signs.append(None)), len(signs)
     finally:
-        line.close()
+        own.close()
 
 
 @pytest.mark.parametrize("count", [0, 3])

@@ -20,6 +20,8 @@ import aioduco
 from aioduco import HeartbeatState
 from aioduco._process.platform import boot_time
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.own_connection import OwnConnection
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import Liveness
@@ -123,20 +125,21 @@ class Line(Connection):
         super().__init__("192.0.2.1", 7003)
         self._noted = noted
 
-    def open(self, deadline: float | None = None, addresses: object = None) -> None:
-        """Connect to nothing."""
-
     def call(self, name: str, *_: object) -> object:
         self._noted.append(name)
         return 0
 
 
-def test_a_hung_loop_is_reported_before_the_arm_is_stopped() -> None:
+def test_a_hung_loop_is_reported_before_the_arm_is_stopped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """A program that sees its arm stand would otherwise move it, and not be told why it stood."""
     noted: list[object] = []
     life = Liveness()
     life.moves = True
-    heartbeat = Heartbeat(lambda: Line(noted), 30.0, life, 0.05, lambda h: noted.append(h.state))
+    own = OwnConnection(Endpoint("192.0.2.1", 7003, 1.0))
+    monkeypatch.setattr(own, "ready", lambda _: Line(noted))
+    heartbeat = Heartbeat(own, 30.0, life, 0.05, lambda h: noted.append(h.state))
     heartbeat.start()
     eventually(lambda: "stop" in noted)
     heartbeat.end()

@@ -33,9 +33,8 @@ from aioduco._process.platform import (
 )
 from aioduco._process.scheduling import shorten_slice
 from aioduco._wire import way_out
-from aioduco._wire.connection import Connection
-from aioduco._wire.endpoint import Route
-from aioduco._wire.lifecycle import ConnectionState
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.own_connection import OwnConnection
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
 from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState, Unmet
@@ -43,12 +42,13 @@ from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriv
 from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, StreamPermit
-from aioduco.streaming.worker.rest import Line, bring_to_rest
+from aioduco.streaming.worker.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     import socket
 
+    from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.config import WorkerConfig
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.worker.driver import Driver
@@ -88,11 +88,10 @@ class StreamWorker:
     def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
         self._block = block
         self._config: WorkerConfig = block.config
-        self._route = Route()
-        self._timeout = block.config.options.timeout
-        self._permit = StreamPermit(
-            block.control, block.config.stall_limit, block.config.options.away_limit
-        )
+        options = block.config.options
+        self._endpoint = Endpoint(block.config.host, block.config.port, options.connect_timeout)
+        self._timeout = options.timeout
+        self._permit = StreamPermit(block.control, block.config.stall_limit, options.away_limit)
         self._link = link
         self._link.setblocking(False)
         self._readable = readiness(link)
@@ -111,14 +110,13 @@ class StreamWorker:
         """Run to the end of the stream. The outcome, errors included, is written into the block."""
         block = self._block
         reason, text = Reason.NONE, ""
-        connection = self._connection(keeps_overdue=True)
+        own = self._own_connection()
         block.status[StatusWord.UNMET] = prepare(self._config.options)
         block.status[StatusWord.PRIORITY] = realtime_priority()
         try:
             sent = self._config.sent
             way_out.prepare((*way_out.STANDSTILL, *(call[0] for call in sent.leave), sent.ending))
-            connection.open()
-            self._driver = self._make_driver(connection)
+            self._driver = self._make_driver(own.ready())
             block.status[StatusWord.READY] = 1
             self._wake_program()
             self._loop(self._driver)
@@ -136,13 +134,13 @@ class StreamWorker:
             with contextlib.suppress(DucoError):
                 self._driver.publish()
         try:
-            self._end_on_controller(connection, reason)
+            self._end_on_controller(own, reason)
         except (DucoError, OSError) as exc:
             text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
             if reason in (Reason.CLOSED, Reason.ABORTED):
                 reason = Reason.FAILED
         finally:
-            connection.close()
+            own.close()
             block.text = text
             block.status[StatusWord.MEMORY] = _memory()
             block.status[StatusWord.REASON] = reason
@@ -154,17 +152,8 @@ class StreamWorker:
         """Come to rest and end; called by a signal handler."""
         self._terminated = True
 
-    def _connection(self, *, keeps_overdue: bool = False) -> Connection:
-        config = self._config
-        timeout = config.options.connect_timeout
-        return Connection(
-            config.host,
-            config.port,
-            connect_timeout=timeout,
-            keeps_overdue=keeps_overdue,
-            waiting=self._permit.look,
-            route=self._route,
-        )
+    def _own_connection(self) -> OwnConnection:
+        return OwnConnection(self._endpoint, keeps_overdue=True, waiting=self._permit.look)
 
     def _make_driver(self, connection: Connection) -> Driver:
         drive = self._config.sent.drive
@@ -177,11 +166,11 @@ class StreamWorker:
         }
         return kinds[drive.kind](drive, connection, self._block, self._permit)
 
-    def _end_on_controller(self, connection: Connection, reason: Reason) -> None:
+    def _end_on_controller(self, own: OwnConnection, reason: Reason) -> None:
         """End the stream's mode or motion on the controller's side, too."""
         status, sent = self._block.status, self._config.sent
         if self._unanswered:
-            self._wait_out(connection)
+            self._wait_out(own.connection)
         elif status[StatusWord.SENT] == 0 and not status[StatusWord.MODE]:
             return
         # Of a program that died, nobody stops the arm for certain.
@@ -193,58 +182,46 @@ class StreamWorker:
         if reason in _STOPS or lost or (reason is Reason.STOPPED and not halted):
             calls.append(("stop", True))
         error: DucoError | None = None
-        try:
-            for name, *args in calls:
-                if connection.state is not ConnectionState.IDLE:
-                    connection.close()
-                    connection = self._connection()
-                    connection.open()
-                try:
-                    answer = connection.call(name, tuple(args), self._timeout)
-                except DucoError as exc:
-                    error = exc  # the next call is still tried
-                    continue
-                if name == sent.ending and answer >= 0:
-                    status[StatusWord.MODE] = 0
-            if error is not None:
-                raise error
-            if not halted:
-                self._wait_for_standstill(connection)
-        finally:
-            connection.close()
+        for name, *args in calls:
+            connection = own.ready()
+            try:
+                answer = connection.call(name, tuple(args), self._timeout)
+            except DucoError as exc:
+                error = exc  # the next call is still tried
+                continue
+            if name == sent.ending and answer >= 0:
+                status[StatusWord.MODE] = 0
+        if error is not None:
+            raise error
+        if not halted:
+            self._wait_for_standstill(own)
 
-    def _wait_out(self, connection: Connection) -> None:
+    def _wait_out(self, lost: Connection) -> None:
         """Stop the arm until the unanswered set-point cannot move it any more."""
         status, now = self._block.status, time.monotonic()
         answer_by = now + self._config.unanswered_timeout
         status[StatusWord.UNANSWERED] = 1
         self._wake_program()
         motion = UnansweredMotion(now, answer_by, answer_by + _STAND_LIMIT)
-        line = Line(self._connection, self._timeout)
+        own = self._own_connection()
         try:
-            if not bring_to_rest(motion, line, self._alive, connection):
+            if not bring_to_rest(motion, own, self._timeout, self._alive, lost):
                 raise StopUnconfirmed(
                     "a set-point was sent, and it is not known what became of it: the arm may "
                     "be moving, or begin to. Press the emergency stop"
                 )
         finally:
-            line.close()
-            connection.close()
+            own.close()
+            lost.close()
         status[StatusWord.UNANSWERED] = 0
 
-    def _wait_for_standstill(self, connection: Connection) -> None:
+    def _wait_for_standstill(self, own: OwnConnection) -> None:
         """Wait until the arm stands still: a controller smooths set-points, so the arm lags."""
         now = time.monotonic()
-        line = Line(self._connection, self._timeout, connection)
-        try:
-            motion = UnansweredMotion.none(now, now + _STAND_LIMIT, stops=False)
-            if not bring_to_rest(motion, line, self._alive):
-                line.call("stop", True)
-                raise StopUnconfirmed(
-                    "it was not seen to stand long after the end, and told to stop"
-                )
-        finally:
-            line.close()
+        motion = UnansweredMotion.none(now, now + _STAND_LIMIT, stops=False)
+        if not bring_to_rest(motion, own, self._timeout, self._alive):
+            own.call("stop", (True,), self._timeout)
+            raise StopUnconfirmed("it was not seen to stand long after the end, and told to stop")
 
     def _alive(self) -> None:
         self._block.status[StatusWord.BEAT] = time.monotonic_ns()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError
 from aioduco.streaming.worker.clock import sleep_until
 from aioduco.supervision.unanswered import LOOK_EVERY, NextStep, UnansweredMotion
@@ -14,8 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
+    from aioduco._wire.own_connection import OwnConnection
 
-__all__ = ["Line", "bring_to_rest"]
+__all__ = ["bring_to_rest"]
 
 #: seconds for which each step waits for a late answer
 _LISTEN = 0.001
@@ -27,7 +27,8 @@ _TRY_EVERY = 50_000_000
 
 def bring_to_rest(
     motion: UnansweredMotion,
-    line: Line,
+    own: OwnConnection,
+    timeout: float,
     alive: Callable[[], None],
     lost: Connection | None = None,
 ) -> bool:
@@ -35,7 +36,8 @@ def bring_to_rest(
 
     Args:
         motion: decides on the next step.
-        line: stops the arm, and queries whether it moves.
+        own: the connection on which the arm is stopped, and queried whether it moves.
+        timeout: seconds for one answer of the controller.
         alive: function called at each step, to show that the worker runs.
         lost: the connection on which the answer to a set-point did not come; None for none.
 
@@ -54,7 +56,7 @@ def bring_to_rest(
                 assert lost is not None
                 lost.close()
             case NextStep.STOP | NextStep.LOOK:
-                every = _LOOK_EVERY if line.ask(motion, step) else _TRY_EVERY
+                every = _LOOK_EVERY if _ask(motion, step, own, timeout) else _TRY_EVERY
                 due = sleep_until(max(due + every, time.monotonic_ns()))
 
 
@@ -66,60 +68,23 @@ def _report(motion: UnansweredMotion, lost: Connection) -> None:
         motion.connection_reset(time.monotonic())
 
 
-class Line:
-    """Stops the arm and queries whether it moves; opens a connection when there is none.
+def _ask(motion: UnansweredMotion, step: NextStep, own: OwnConnection, timeout: float) -> bool:
+    """Do a step and report its result to `motion`. Returns whether the controller answered."""
+    begin = time.monotonic()
+    try:
+        if step is NextStep.STOP:
+            own.call("stop", (False,), timeout)
+            motion.stopped(begin, time.monotonic())
+        else:
+            motion.seen(begin, time.monotonic(), moving=_moves(own, timeout))
+    except DucoError:
+        motion.poll_failed(begin, time.monotonic())
+        return False
+    return True
 
-    Args:
-        connect: makes a new connection that is not open yet.
-        timeout: seconds for one answer of the controller.
-        connection: the connection to use as long as it is open.
-    """
 
-    def __init__(
-        self,
-        connect: Callable[[], Connection],
-        timeout: float,
-        connection: Connection | None = None,
-    ) -> None:
-        self._connect = connect
-        self._timeout = timeout
-        self._connection = connection
-
-    def ask(self, motion: UnansweredMotion, step: NextStep) -> bool:
-        """Do a step and report its result to `motion`. Returns whether the controller answered."""
-        begin = time.monotonic()
-        try:
-            if step is NextStep.STOP:
-                self.call("stop", False)
-                motion.stopped(begin, time.monotonic())
-            else:
-                motion.seen(begin, time.monotonic(), moving=self._moves())
-        except DucoError:
-            motion.poll_failed(begin, time.monotonic())
-            return False
-        return True
-
-    def call(self, name: str, *args: object) -> int:
-        """Call a function of the wire.
-
-        Raises:
-            DucoError: the controller was not reached, or answered with an error.
-        """
-        connection = self._connection
-        if connection is None or connection.state is not ConnectionState.IDLE:
-            self.close()
-            connection = self._connection = self._connect()
-            connection.open(time.monotonic() + self._timeout)
-        answer: int = connection.call(name, args, self._timeout)
-        return answer
-
-    def close(self) -> None:
-        """Close the connection, if there is one."""
-        if self._connection is not None:
-            self._connection.close()
-
-    def _moves(self) -> bool:
-        try:
-            return bool(self.call("robotmoving"))
-        except ControllerError:
-            return False  # this controller does not report it, so it counts as standing
+def _moves(own: OwnConnection, timeout: float) -> bool:
+    try:
+        return bool(own.call("robotmoving", (), timeout))
+    except ControllerError:
+        return False  # this controller does not report it, so it counts as standing

@@ -23,7 +23,6 @@ import signal
 import socket
 import syslog
 import time
-from functools import partial
 from typing import TYPE_CHECKING
 
 import anyio
@@ -32,9 +31,9 @@ from anyio.lowlevel import checkpoint
 from aioduco._process.platform import handed_socket, set_realtime_priority
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._process.scheduling import shorten_slice
-from aioduco._wire.connection import Connection
-from aioduco._wire.endpoint import Route
+from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.lane import WireLane
+from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError
 from aioduco.supervision.guard.messages import (
@@ -126,14 +125,10 @@ class GuardedRobot:
             await self.aclose()
             raise
         if self._watch.heartbeat is not None:
+            watch = self._watch
+            end = Endpoint(watch.host, watch.port, watch.connect_timeout, route=self._route)
             self.heartbeat = Heartbeat(
-                partial(
-                    Connection,
-                    self._watch.host,
-                    self._watch.port,
-                    connect_timeout=self._watch.connect_timeout,
-                    route=self._route,
-                ),
+                OwnConnection(end),
                 self._watch.heartbeat,
                 self.liveness,
                 self._watch.stall_limit,
