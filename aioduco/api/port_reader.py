@@ -13,7 +13,6 @@ from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
-    from types import TracebackType
     from typing import Self
 
     from anyio.abc import AsyncResource
@@ -81,12 +80,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
             raise ConnectError(self.host, self.port, str(exc)) from exc
         return self
 
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         if self._connection is not None:
             connection, self._connection = self._connection, None
             await anyio.aclose_forcefully(connection)

@@ -71,7 +71,7 @@ class Section(Uncopied, ManualNames):
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
         #: the functions of the wire with the robot's call_timeout
-        self._rpc = supervisor.retrying.rpc
+        self._rpc = supervisor.rpc
 
     def __repr__(self) -> str:
         where = f"{self._supervisor.host}:{self._supervisor.port}"

@@ -20,7 +20,6 @@ from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable, Sequence
-    from types import TracebackType
 
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
@@ -142,12 +141,7 @@ class Stream(Uncopied):
         await self._session.open()
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         """End the stream and wait until its worker has ended.
 
         Raises:

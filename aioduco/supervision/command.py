@@ -14,7 +14,6 @@ from aioduco.supervision.task_command import blocking, shown
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterable
-    from types import TracebackType
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.enums import TaskState
@@ -128,12 +127,7 @@ class MotionCommand(Uncopied):
         self._open = await self.start()
         return self._open
 
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         task, self._open = self._open, None
         assert task is not None
         if exc is None:

@@ -22,9 +22,10 @@ import anyio
 import anyio.lowlevel
 
 from aioduco._process.platform import boot_time
-from aioduco.errors import Refused, RobotStateError, StopUnconfirmed
+from aioduco.errors import RobotStateError, StopUnconfirmed
 from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
+from aioduco.supervision.stop_channel import refusal
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
 
@@ -206,10 +207,7 @@ class Dispatcher:
                     call = self._lane.prepare(command.name, command.args)
                     self._lane.send(call)
                     _, cancelled = await run_to_completion(call.wait)
-                error = call.error
-                if error is None and call.value < 0:
-                    error = Refused(command.name, call.value, "no reason is given")
-                if error is not None:
+                if (error := call.error or refusal(command.name, call.value)) is not None:
                     raise cancelled or error  # noqa: TRY301  # one way out for all failures
             except BaseException as exc:
                 unsure = isinstance(exc, StopUnconfirmed) if call is None else not call.answered
@@ -259,10 +257,8 @@ class Dispatcher:
         call, cancelled = await self._coordinator.answered(
             lane, permit, command.name, command.args, timeout, followed=False, mode=mode
         )
-        if cancelled is not None:
-            raise cancelled
-        if call.error is not None:
-            raise call.error
+        if (error := cancelled or call.error) is not None:
+            raise error
         answer: int = call.value
         return answer
 

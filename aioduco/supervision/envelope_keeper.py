@@ -27,11 +27,11 @@ from aioduco.supervision.concurrency import every
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.ways import Way
     from aioduco.models.pose import Pose
     from aioduco.supervision.envelope_watch import EnvelopeWatch
-    from aioduco.supervision.retry import RetryingReads
     from aioduco.supervision.state_feed import StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import Task
@@ -90,7 +90,7 @@ class EnvelopeKeeper:
 
     Args:
         coordinator: brings the arm to rest.
-        reads: reads the position of the arm, its tool and its work object.
+        rpc: reads the position of the arm, its tool and its work object.
         feed: samples of the state; they have forces if the envelope needs them.
         watch: watches the state, and has the envelope.
     """
@@ -98,12 +98,12 @@ class EnvelopeKeeper:
     def __init__(
         self,
         coordinator: StopCoordinator,
-        reads: RetryingReads,
+        rpc: AsyncRpc,
         feed: StateFeed,
         watch: EnvelopeWatch,
     ) -> None:
         self._coordinator = coordinator
-        self._reads = reads
+        self._rpc = rpc
         self._feed = feed
         self._watch = watch
         self._open = False
@@ -343,7 +343,7 @@ class EnvelopeKeeper:
         """
         from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
 
-        used = pose_of(await self._reads.rpc.get_tcp_offset())
+        used = pose_of(await self._rpc.get_tcp_offset())
         if moves:
             for each in self._watch.checker(envelope, used).margins(await self._joints()):
                 if each.margin < -BESIDE and each.action != "slow":
@@ -391,7 +391,7 @@ class EnvelopeKeeper:
         )
 
     async def _joints(self) -> tuple[float, ...]:
-        return tuple(joints_of(await self._reads.rpc.get_actual_joints_position()))
+        return tuple(joints_of(await self._rpc.get_actual_joints_position()))
 
     async def _frames(self, tool: str, wobj: str, *, standing: bool) -> _Frames | None:
         """Return the tip of a tool in the flange's frame, and a work object in the base frame.
@@ -407,7 +407,7 @@ class EnvelopeKeeper:
         Returns:
             Both; None if they cannot be known now.
         """
-        rpc, names = self._reads.rpc, (tool, wobj)
+        rpc, names = self._rpc, (tool, wobj)
         self._watch.tool = used = pose_of(await rpc.get_tcp_offset())
         base = pose_of(await rpc.get_wobj())
         if not tool and not wobj:

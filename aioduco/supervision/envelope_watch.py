@@ -28,11 +28,11 @@ from aioduco.supervision.gate import PermitEnding
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.velocities import Ahead
     from aioduco.models.pose import Pose
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.events import Events
-    from aioduco.supervision.retry import RetryingReads
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -67,7 +67,7 @@ class EnvelopeWatch:
 
     Args:
         coordinator: brings the arm to rest.
-        reads: reads the tool and the work object in use.
+        rpc: reads the tool and the work object in use.
         feed: samples of the state.
         events: gets an event when the arm is stopped.
         background: runs the watch, and brings the arm to rest.
@@ -86,14 +86,14 @@ class EnvelopeWatch:
     def __init__(
         self,
         coordinator: StopCoordinator,
-        reads: RetryingReads,
+        rpc: AsyncRpc,
         feed: StateFeed,
         events: Events,
         background: BackgroundTasks,
         settings: RobotSettings,
     ) -> None:
         self._coordinator = coordinator
-        self._reads = reads
+        self._rpc = rpc
         self._feed = feed
         self._events = events
         self._background = background
@@ -281,7 +281,7 @@ class EnvelopeWatch:
         self._reading = False
 
     async def _read_frames(self) -> None:
-        rpc = self._reads.rpc
+        rpc = self._rpc
         try:
             self.tool = pose_of(await rpc.get_tcp_offset())
             if self.wobj is not None:

@@ -12,7 +12,7 @@ import threading
 import time
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 
 __all__ = [
-    "BlockingCalls",
     "Liveness",
     "LoopWatchdog",
     "blocking_calls",
@@ -45,19 +44,6 @@ _SIGN_EVERY: Final = 0.1
 _DEPTH: Final = 12
 #: functions of asyncio that run a loop
 _LOOPS: Final = frozenset({"run", "run_until_complete", "run_forever", "_run_once", "_run"})
-
-
-class BlockingCalls(NamedTuple):
-    """What a loop's thread ran while the loop was blocked.
-
-    Attributes:
-        line: the innermost line of the program: file, number, function and text; empty if only
-            asyncio, a library or this package ran, as on a busy computer.
-        stack: the innermost calls, as Python prints them; empty if the thread was idle.
-    """
-
-    line: str
-    stack: str
 
 
 def signs_of_life(stall_limit: float, first: float | None = None) -> Ticker:
@@ -185,29 +171,29 @@ class LoopWatchdog:
             if self._latest() != stamp:
                 continue
             # Now, while it is blocked: afterwards the blocking line cannot be found.
-            calls = blocking_calls(sys._current_frames().get(self._loop_thread))
+            line, stack = blocking_calls(sys._current_frames().get(self._loop_thread))
             while self._latest() == stamp:
                 if self._changed.wait(limit / 4):
                     return
-            self._report(self._latest() - stamp, calls)
+            self._report(self._latest() - stamp, line, stack)
 
     def _latest(self) -> float:
         return max((life.ran for life in self._watched), default=0.0)
 
-    def _report(self, seconds: float, calls: BlockingCalls) -> None:
+    def _report(self, seconds: float, line: str, stack: str) -> None:
         for limit, blocked in self._watched.values():
             if seconds > limit:
-                blocked(seconds, calls.line)
-        if calls.line:
-            _log.warning("the event loop was blocked for %.2f s by %s", seconds, calls.line)
+                blocked(seconds, line)
+        if line:
+            _log.warning("the event loop was blocked for %.2f s by %s", seconds, line)
         else:
             _log.warning(
                 "the event loop did not get to run for %.2f s: the computer was busy, or another "
                 "thread of this program",
                 seconds,
             )
-        if calls.stack:
-            _log.debug("while the event loop did not run, its thread was in:\n%s", calls.stack)
+        if stack:
+            _log.debug("while the event loop did not run, its thread was in:\n%s", stack)
 
 
 class _Watchdogs:
@@ -258,18 +244,24 @@ class _Watchdogs:
 watchdogs: Final = _Watchdogs()
 
 
-def blocking_calls(frame: FrameType | None) -> BlockingCalls:
-    """Return what a loop's thread runs; nothing if it is idle."""
+def blocking_calls(frame: FrameType | None) -> tuple[str, str]:
+    """Return what a loop's thread runs.
+
+    Returns:
+        The innermost line of the program: file, number, function and text; empty if only asyncio, a
+        library or this package ran, as on a busy computer. And the innermost calls, as Python
+        prints them; empty if the thread is idle.
+    """
     if frame is None:
-        return BlockingCalls("", "")
+        return "", ""
     try:
         stack = traceback.extract_stack(frame)
         # A loop that waits in its selector is not blocked, but starved: by the GIL or the machine.
         if stack and stack[-1].name in {"select", "poll"}:
-            return BlockingCalls("", "")
-        return BlockingCalls(_line(stack), "".join(traceback.format_list(stack[-_DEPTH:])))
+            return "", ""
+        return _line(stack), "".join(traceback.format_list(stack[-_DEPTH:]))
     except Exception as exc:  # the program's own module loaders give the lines, and may fail
-        return BlockingCalls("", f"(its call stack cannot be read: {type(exc).__name__})\n")
+        return "", f"(its call stack cannot be read: {type(exc).__name__})\n"
 
 
 def _line(stack: traceback.StackSummary) -> str:

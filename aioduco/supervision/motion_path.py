@@ -16,7 +16,6 @@ from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.supervision.command import MotionCommand
 
 if TYPE_CHECKING:
-    from types import TracebackType
     from typing import Self
 
     from aioduco.models.enums import Outcome
@@ -110,12 +109,7 @@ class MotionPath(Uncopied):
         self._permit = self._permits.ask("path", lasting=True)
         return self
 
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         self._closed = True
         if exc is None:
             try:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
 
-__all__ = ["RetryingReads", "pauses"]
+__all__ = ["pauses", "retried"]
 
 #: first and longest pause before another attempt [s]
 FIRST: Final = 0.02
@@ -45,42 +45,25 @@ def pauses(draw: random.Random) -> Iterator[float]:
         limit = min(limit * 2, LONGEST)
 
 
-class RetryingReads:
-    """The calls of a lane; those that only read are retried while the connection is lost.
+def retried(lane: WireLane) -> AsyncRpc:
+    """The functions of the wire on a lane; reads are retried while the connection is lost.
 
-    Args:
-        lane: lane on which calls are sent.
-
-    Attributes:
-        rpc: the functions of the wire with the lane's time limit.
-        retries: number of retried reads.
+    The lane's time limit holds for the whole call, with its retries.
     """
+    draw = random.Random()
 
-    def __init__(self, lane: WireLane) -> None:
-        self._lane = lane
-        self._draw = random.Random()
-        self.rpc: AsyncRpc = AsyncRpc(self.call)
-        self.retries: int = 0
-
-    async def call(self, name: str, args: tuple[Any, ...]) -> Any:
-        """Call a function of the wire, as `WireLane.call`; a read is retried.
-
-        The lane's time limit holds for the whole call, with its retries.
-
-        Args:
-            name: the function.
-            args: one value per parameter.
-        """
-        left = self._lane.call_timeout
-        until, following = time.monotonic() + left, pauses(self._draw)
+    async def call(name: str, args: tuple[Any, ...]) -> Any:
+        left = lane.call_timeout
+        until, following = time.monotonic() + left, pauses(draw)
         while True:
             try:
-                return await self._lane.call(name, args, left)
+                return await lane.call(name, args, left)
             except (ConnectError, ConnectionLost) as exc:
                 if call_kind(name) is not CallKind.READ or isinstance(exc, ProtocolError):
                     raise
                 if time.monotonic() + (pause := next(following)) >= until:
                     raise
             await anyio.sleep(pause)
-            self.retries += 1
             left = max(0.001, until - time.monotonic())
+
+    return AsyncRpc(call)

@@ -145,11 +145,10 @@ class StopChannel:
                     # both.
                     self.attempts += 1
                     call = self._send(lanes[attempt % 2], min(budget, left))
-                answer: int = await call.answer()
-                if answer >= 0:
+                error = refusal("stop", await call.answer())
+                if error is None:
                     self.stops += 1
                     return
-                error = Refused("stop", answer, "no reason is given")
             except (DucoError, MemoryError) as exc:
                 error = exc
             call = None
@@ -187,11 +186,10 @@ class StopChannel:
             self.attempts += 1
             began = time.monotonic()
             try:
-                answer: int = self._stop.call_from_thread("stop", (False,), left)
-                if answer >= 0:
+                error = refusal("stop", self._stop.call_from_thread("stop", (False,), left))
+                if error is None:
                     self.stops += 1
                     return
-                error = Refused("stop", answer, "no reason is given")
             except (DucoError, MemoryError) as exc:
                 error = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
@@ -279,9 +277,14 @@ class StopChannel:
         """
         limit = self.others.call_timeout if timeout is None else timeout
         answer: int = await self.others.call(name, args, limit)
-        if answer < 0:
-            raise Refused(name, answer, "no reason is given")
+        if (error := refusal(name, answer)) is not None:
+            raise error
         return answer
+
+
+def refusal(name: str, answer: int) -> Refused | None:
+    """Return the error if this answer to a command says that it is not carried out."""
+    return Refused(name, answer, "no reason is given") if answer < 0 else None
 
 
 def _unconfirmed(what: str, error: BaseException | None) -> StopUnconfirmed:

@@ -23,7 +23,6 @@ from aioduco.errors import (
     DucoError,
     HeartbeatLost,
     OutcomeUnknown,
-    Refused,
     StopUnconfirmed,
     TaskStopped,
     UnknownFunction,
@@ -32,6 +31,7 @@ from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes
 from aioduco.supervision.rest import bring_to_rest
+from aioduco.supervision.stop_channel import refusal
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import UnansweredMotion
 
@@ -635,12 +635,7 @@ class StopCoordinator:
         call, cancelled = await self.answered(
             lane, permit, "resume", (False,), timeout, followed=False
         )
-        error = call.error
-        if error is None and call.value < 0:
-            error = Refused("resume", call.value, "no reason is given")
-        if cancelled is not None:
-            raise cancelled
-        if error is not None:
+        if (error := cancelled or call.error or refusal("resume", call.value)) is not None:
             raise error
         answer: int = call.value
         return answer

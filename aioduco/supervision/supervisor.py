@@ -56,7 +56,7 @@ from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import Liveness, signs_of_life, watchdogs
 from aioduco.supervision.permits import Permits
-from aioduco.supervision.retry import RetryingReads, pauses
+from aioduco.supervision.retry import pauses, retried
 from aioduco.supervision.state_feed import StateFeed
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from aioduco._wire.lane import LaneStatistics
+    from aioduco._wire.rpc import AsyncRpc
     from aioduco.models.trace import Trace
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.guard.guarded import GuardClient
@@ -130,9 +131,8 @@ class Supervisor:
     Attributes:
         version: the version of the controller's software.
         calls: the lane of all calls that are neither motions nor supervision.
+        rpc: the functions of the wire on that lane; reads are retried while the connection is lost.
         blocking: the lane of calls that the controller answers only when it has finished.
-        retrying: the calls of that lane; reads are retried while the connection is lost.
-        retrying: the calls of that lane; reads are retried while the connection is lost.
         poll: the lane on which tasks and the arm's standstill are polled.
         gate: decides what may move the arm.
         permits: permits to move it.
@@ -159,7 +159,7 @@ class Supervisor:
         self.samples: Samples = Samples()
         self.calls: WireLane = self._lane("call", size=settings.pool_size)
         self.blocking: WireLane = self._lane("blocking", size=settings.pool_size, blocks=True)
-        self.retrying: RetryingReads = RetryingReads(self.calls)
+        self.rpc: AsyncRpc = retried(self.calls)
         self.poll: WireLane = self._lane("poll")
         self._stop_lane = self._lane("stop", spare=True)
         self._control_lane = self._lane("control")
@@ -206,7 +206,7 @@ class Supervisor:
         self.events: Events = Events(
             self.feed, self._feed_lane, self._background, self._heartbeat_state
         )
-        arm = self.stop_coordinator, self.retrying, self.feed
+        arm = self.stop_coordinator, self.rpc, self.feed
         self.envelope: EnvelopeKeeper = EnvelopeKeeper(
             *arm, EnvelopeWatch(*arm, self.events, self._background, settings)
         )

@@ -8,7 +8,6 @@ from aioduco._process.copying import Uncopied
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
-    from types import TracebackType
     from typing import Self
 
     from aioduco.sync._runner import Runner
@@ -46,12 +45,7 @@ class Block(Blocking):
         self._enter()
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         self._leave(exc)
 
     def _enter(self) -> None:

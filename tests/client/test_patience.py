@@ -40,7 +40,7 @@ async def test_a_read_waits_for_the_connection(bench: Bench) -> None:
 
                 tasks.start_soon(ask)
                 with anyio.fail_after(5.0):
-                    while robot._supervisor.retrying.retries < 2:
+                    while robot._supervisor.calls.statistics().failed < 3:
                         await anyio.lowlevel.checkpoint()
                 assert answers == []
                 proxy.accept()
@@ -58,7 +58,7 @@ async def test_but_not_beyond_its_deadline(bench: Bench) -> None:
                 pytest.raises((aioduco.ConnectError, aioduco.ConnectionLost)),
             ):
                 await robot.state.robotmoving()
-            assert robot._supervisor.retrying.retries > 0
+            assert robot._supervisor.calls.statistics().failed > 1
             proxy.accept()
 
 

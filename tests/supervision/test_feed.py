@@ -21,7 +21,7 @@ from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
-from aioduco.supervision.loop_watchdog import BlockingCalls, LoopWatchdog, blocking_calls
+from aioduco.supervision.loop_watchdog import LoopWatchdog, blocking_calls
 from aioduco.supervision.state_feed import Policy, Subscription
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 
@@ -320,7 +320,7 @@ async def test_what_blocks_the_loop_is_named(
 
 def test_of_a_busy_loop_one_line_is_told_and_the_calls_are_for_debugging() -> None:
     """The program's line is the innermost within the loop; of asyncio's own calls none is."""
-    seen: list[BlockingCalls] = []
+    seen: list[tuple[str, str]] = []
 
     def look() -> int:
         seen.append(blocking_calls(sys._getframe()))
@@ -334,19 +334,19 @@ def test_of_a_busy_loop_one_line_is_told_and_the_calls_are_for_debugging() -> No
         await asyncio.create_task(program())
 
     asyncio.run(main())
-    inside, outside = seen
-    assert inside.line.startswith(f"{__file__}:")
-    assert ", in look: seen.append(" in inside.line
-    assert "in program" in inside.stack
-    assert outside.line == "", "what started the loop does not block it"
-    assert "asyncio" in outside.stack
+    (line, stack), (outer_line, outer_stack) = seen
+    assert line.startswith(f"{__file__}:")
+    assert ", in look: seen.append(" in line
+    assert "in program" in stack
+    assert outer_line == "", "what started the loop does not block it"
+    assert "asyncio" in outer_stack
     assert blocking_calls(None) == ("", "")
 
 
 @pytest.mark.parametrize("line", ["", "a.py:3, in work: solve()"])
 def test_a_block_is_one_line_of_the_log(line: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.DEBUG)
-    LoopWatchdog(0)._report(0.36, BlockingCalls(line, '  File "x", line 1, in y\n'))
+    LoopWatchdog(0)._report(0.36, line, '  File "x", line 1, in y\n')
     eventually(lambda: len(caplog.records) == 2)
     warning, debug = caplog.records
     assert (warning.levelname, debug.levelname) == ("WARNING", "DEBUG")

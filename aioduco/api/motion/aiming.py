@@ -38,7 +38,7 @@ def tool_aim(
     async def arguments(command: Command) -> tuple[Any, ...]:
         supervisor.check_open(command.name)
         given, *others = command.args
-        rpc = supervisor.retrying.rpc
+        rpc = supervisor.rpc
         poses = [await getattr(rpc, name)(*args) for name, *args in rotation.reads]
         try:
             place = place_of(rotation, poses)
