@@ -21,6 +21,7 @@ from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lis
 if TYPE_CHECKING:
     from aioduco._process.frozen import freeze_support
     from aioduco.api.motion.switch import SwitchPlace, TrajectorySwitch
+    from aioduco.api.streams.arguments import ServoGains
     from aioduco.models.enums import (
         FileKind,
         OperationMode,
@@ -55,8 +56,8 @@ if TYPE_CHECKING:
     from aioduco.planning.cell import Cell
     from aioduco.robot import Robot, connect, stop_all
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
-    from aioduco.streaming.options import ServoGains, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.supervision import events
     from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.command import HeldMotion, MotionCommand
@@ -182,7 +183,8 @@ _HOMES = {
     "aioduco.robot": ("Robot", "connect", "stop_all"),
     "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
     "aioduco.streaming.report": ("StreamStatistics",),
-    "aioduco.streaming.options": ("ServoGains", "WorkerOptions"),
+    "aioduco.api.streams.arguments": ("ServoGains",),
+    "aioduco.streaming.shared.options": ("WorkerOptions",),
     "aioduco.supervision.bringup": ("RecoverReport",),
     "aioduco.supervision.command": ("HeldMotion", "MotionCommand"),
     "aioduco.supervision.motion_path": ("MotionPath",),

@@ -54,6 +54,8 @@ if TYPE_CHECKING:
     from aioduco.api.service import Service
     from aioduco.api.settings import Settings as SettingsSection
     from aioduco.api.state import State
+    from aioduco.api.streams.servo import Servo
+    from aioduco.api.streams.speed import Speed
     from aioduco.api.system import System
     from aioduco.api.track import Track
     from aioduco.api.version import Version
@@ -66,8 +68,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.limits import TwinLimits
     from aioduco.sim.twin.twin import Twin, TwinAction
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.servo import Servo
-    from aioduco.streaming.speed import Speed
     from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.events import Events
     from aioduco.supervision.heartbeat import HeartbeatStatistics
@@ -110,8 +110,8 @@ _BLOCKING = "aioduco.api.blocking.BlockingMotions"
 _BLOCKED = ("motion", "program", "track", "external_axes", "force")
 #: sections with streams alone
 _STREAMS = {
-    "servo": "aioduco.streaming.servo.Servo",
-    "speed": "aioduco.streaming.speed.Speed",
+    "servo": "aioduco.api.streams.servo.Servo",
+    "speed": "aioduco.api.streams.speed.Speed",
 }
 #: what a robot that is open may need besides: it is loaded before
 _NEEDED_OPEN = frozenset(

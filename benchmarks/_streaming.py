@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import anyio
 
 from aioduco._wire.connection import Connection
-from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.shared.histogram import Histogram
+from aioduco.streaming.shared.options import WorkerOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator

@@ -20,7 +20,7 @@ from _common import arguments, percentile, print_table, write_results
 import aioduco
 from aioduco.recording import read
 from aioduco.sim.process import SimulatorProcess
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:

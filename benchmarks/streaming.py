@@ -49,12 +49,12 @@ from streaming_server import CYCLE
 import aioduco
 from aioduco._wire.lane import WireLane
 from aioduco._wire.rpc import RealTimeControlData
+from aioduco.api.streams.realtime import RealtimeStreams
+from aioduco.api.streams.servo import Servo
 from aioduco.sim import Simulator
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.realtime import RealtimeStreams
-from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.histogram import Histogram
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.worker.clock import Schedule
 
 if TYPE_CHECKING:

@@ -32,16 +32,15 @@ sys.path.insert(0, str(ROOT))
 from aioduco._wire import idl  # noqa: E402  # of this checkout
 from aioduco._wire.rpc import Functions  # noqa: E402  # of this checkout
 from aioduco.api.section import Section  # noqa: E402  # of this checkout
+from aioduco.api.streams import StreamMaker  # noqa: E402  # of this checkout
+from aioduco.api.streams.servo import OffsetStream  # noqa: E402  # of this checkout
+from aioduco.api.streams.track import TrackStream  # noqa: E402  # of this checkout
 from aioduco.devices.grippers.gripper import PolledGripper  # noqa: E402  # of this checkout
 from aioduco.recording.publication import Publication  # noqa: E402  # of this checkout
 from aioduco.recording.recorder import Recording  # noqa: E402  # of this checkout
 from aioduco.robot import Robot, connect  # noqa: E402  # of this checkout
 from aioduco.sim.twin.twin import Twin  # noqa: E402  # of this checkout
-from aioduco.streaming.realtime import RealtimeStreams  # noqa: E402  # of this checkout
-from aioduco.streaming.servo import OffsetStream, Servo  # noqa: E402  # of this checkout
-from aioduco.streaming.speed import Speed  # noqa: E402  # of this checkout
 from aioduco.streaming.stream import Stream  # noqa: E402  # of this checkout
-from aioduco.streaming.track import TrackStream, TrackStreams  # noqa: E402  # of this checkout
 from aioduco.supervision.events import Events  # noqa: E402  # of this checkout
 from aioduco.supervision.motion_path import MotionPath  # noqa: E402  # of this checkout
 from aioduco.supervision.state_feed import StateFeed  # noqa: E402  # of this checkout
@@ -113,8 +112,6 @@ FUNCTIONS = {
     "aioduco.recording.playback": ("play", "check_path_on", "check_waypoints_on", "run_waypoints"),
     "aioduco.devices.teleoperation": ("teleoperate",),
 }
-#: classes whose methods make streams: bases of sections, or sections by themselves
-STREAM_MAKERS = (Servo, Speed, RealtimeStreams, TrackStreams)
 MOTIONS = {"MotionCommand", "HeldMotion"}
 #: class of the asyncio interface -> the class here, and its module
 HERE = {
@@ -447,7 +444,7 @@ class Generator:
         work = f"{call}({', '.join(sent)})"
         if isinstance(node, ast.AsyncFunctionDef):
             work = f"self._call({work})"
-        elif name not in mirror.direct and not issubclass(mirror.source, (Section, *STREAM_MAKERS)):
+        elif name not in mirror.direct and not issubclass(mirror.source, (Section, StreamMaker)):
             work = f"self._runner.call_sync({f'lambda: {work}' if sent else call})"
         body = self.returned(returns, work)
         if len(body[0]) > 100:
@@ -541,7 +538,7 @@ class Generator:
         self.imports[f"Aio{shown}"] = (
             f"from {section.__module__} import {section.__name__} as Aio{shown}"
         )
-        return lines + self.members(Mirror(section, shown), (Section, *STREAM_MAKERS))
+        return lines + self.members(Mirror(section, shown), (Section, StreamMaker))
 
     def robot(self, sections: dict[str, str]) -> list[str]:
         """The lines of the class that holds the sections."""

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import aioduco
 import aioduco.sync
-from aioduco.streaming.options import Feeding
-from aioduco.streaming.realtime import RealtimeStreams
+from aioduco.api.streams.realtime import RealtimeStreams
+from aioduco.streaming.shared.options import Feeding
 from aioduco.supervision import task_follower
 from aioduco.supervision.operator_stop import stop_arm
 from aioduco.supervision.state_feed import StateFeed

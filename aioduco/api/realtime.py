@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from aioduco._wire.rpc import calls
 from aioduco.api.points import listed
 from aioduco.api.section import Section, check_finished
+from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
-from aioduco.streaming.realtime import RealtimeStreams
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

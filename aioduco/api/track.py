@@ -8,6 +8,7 @@ from aioduco._process.platform import boot_time
 from aioduco._wire.rpc import calls
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, check_finished
+from aioduco.api.streams.track import TrackStreams
 from aioduco.errors import (
     DucoError,
     OutcomeUnknown,
@@ -17,7 +18,6 @@ from aioduco.errors import (
 )
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
-from aioduco.streaming.track import TrackStreams
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL
 

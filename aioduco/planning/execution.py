@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
 
 __all__ = ["MotionSection", "ReadJoints", "execute"]
 

@@ -12,9 +12,9 @@ import anyio
 from aioduco._process.platform import processors
 from aioduco.models import ranges
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import Feeding, WorkerOptions
 from aioduco.streaming.report import times_table
 from aioduco.streaming.shared.config import StreamSpec
+from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 

@@ -10,11 +10,10 @@ import anyio.lowlevel
 from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.models.rules import Number
-from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.config import WorkerConfig
-from aioduco.streaming.shared.options import MOST_ACTIONS, rate_rule
+from aioduco.streaming.shared.options import MOST_ACTIONS, checked, rate_rule
 from aioduco.streaming.shared.words import ActionTag
 from aioduco.streaming.ticks import Tick, Ticks
 
@@ -23,9 +22,9 @@ if TYPE_CHECKING:
 
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import Feeding, WorkerOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.config import StreamSpec
+    from aioduco.streaming.shared.options import Feeding, WorkerOptions
     from aioduco.streaming.shared.words import Reason, StreamState
 
 __all__ = ["Stream", "Tick"]

@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from aioduco.api.service import Service as AioService
     from aioduco.api.settings import Settings as AioSettings
     from aioduco.api.state import State as AioState
+    from aioduco.api.streams.arguments import FeedingOptions, ServoGains, ServoOptions
+    from aioduco.api.streams.servo import Servo as AioServo
+    from aioduco.api.streams.speed import Speed as AioSpeed
     from aioduco.api.system import System as AioSystem
     from aioduco.api.track import Track as AioTrack
     from aioduco.api.version import RobotType, Version as AioVersion
@@ -77,10 +80,8 @@ if TYPE_CHECKING:
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import FeedingOptions, ServoGains, ServoOptions, WorkerOptions
-    from aioduco.streaming.servo import Servo as AioServo
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
-    from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.heartbeat import HeartbeatStatistics

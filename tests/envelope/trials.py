@@ -55,7 +55,7 @@ from aioduco.sim.planner.segments import arc_move, joint_move, line_move
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from aioduco.streaming.options import Upsampling
+    from aioduco.streaming.shared.options import Upsampling
 
 ARM = arm_of("gcr5_910")
 START = np.array([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0])

@@ -16,7 +16,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco._wire.connection import Connection
 from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, ParameterError, WorkerFailed
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:

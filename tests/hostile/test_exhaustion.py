@@ -23,10 +23,10 @@ import aioduco
 import aioduco.sync
 from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco._wire import codec, idl, layout
+from aioduco.api.streams.speed import Speed
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
-from aioduco.streaming.speed import Speed
 from aioduco.supervision.guard.messages import Watch
 from aioduco.testing import eventually_async, no_leaks
 

@@ -10,8 +10,8 @@ from adversity.arm import idle, ready, unrest
 
 import aioduco
 from aioduco.errors import WorkerFailed
-from aioduco.streaming.options import WorkerOptions
 from aioduco.streaming.session import Session
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from aioduco.planning.motion_limits import MotionLimits
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Sphere
 from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, Tolerances
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator

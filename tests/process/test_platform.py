@@ -11,12 +11,12 @@ from typing import ClassVar
 import pytest
 
 from aioduco import ParameterError, WorkerFailed
+from aioduco.api.streams.servo import Servo
 from aioduco.cli.monitor import keyboard
 from aioduco.cli.monitor.keyboard import Key
 from aioduco.devices.teleoperation import KeyboardDevice, devices
 from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.servo import Servo
 
 BARE = Path(__file__).parents[1] / "bare"
 PROGRAM = """

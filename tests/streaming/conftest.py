@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from aioduco.api.streams.servo import Servo
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.servo import Servo
 from aioduco.testing import RecordingServer, eventually
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     import aioduco
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.stream import Stream
 
 #: where every test begins; far from every singularity [rad]

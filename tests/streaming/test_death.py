@@ -13,10 +13,10 @@ import anyio.lowlevel
 import numpy as np
 import pytest
 
+from aioduco.api.streams.servo import Servo
 from aioduco.errors import WorkerFailed
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.servo import Servo
 from aioduco.streaming.session import Session
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, runs, shared_files
@@ -30,9 +30,9 @@ ACCELERATION = 5.0
 PROGRAM = """
 import sys
 import anyio
-from aioduco.streaming.servo import Servo
+from aioduco.api.streams.servo import Servo
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 
 here = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 

@@ -13,7 +13,7 @@ from aioduco.errors import ParameterError, StaleState, StreamRefused
 from aioduco.models.load import Load
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim import Simulator
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.turning import composed, in_tool, turned
 from aioduco.testing import eventually_async
 

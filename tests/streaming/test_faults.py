@@ -23,7 +23,7 @@ from aioduco.errors import (
     WorkerFailed,
 )
 from aioduco.sim import Simulator
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import (
     ApplicationError,
     Cut,

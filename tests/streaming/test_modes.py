@@ -12,7 +12,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco.errors import RobotStateError, StreamError, StreamLost, WorkerFailed
 from aioduco.sim import Simulator
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
 from .conftest import Cycles

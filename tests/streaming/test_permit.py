@@ -14,13 +14,13 @@ import pytest
 from patient import patient_queue
 
 from aioduco._process.platform import boot_time
+from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
+from aioduco.api.streams.servo import Servo
+from aioduco.api.streams.speed import Speed
+from aioduco.api.streams.track import TrackStreams
 from aioduco.errors import StreamClosed, StreamError, StreamStarved, StreamStopped, WorkerFailed
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.realtime import CYCLE, RealtimeStreams
-from aioduco.streaming.servo import Servo
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import ControlWord, Reason, StreamState
-from aioduco.streaming.speed import Speed
-from aioduco.streaming.track import TrackStreams
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch, Point
 from aioduco.streaming.worker.permit import StreamPermit

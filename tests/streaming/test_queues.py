@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from aioduco._wire.rpc import PointOp, RealTimeControlData
+from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
+from aioduco.api.streams.track import TrackStreams
 from aioduco.errors import (
     FirstPointTooFar,
     ParameterError,
@@ -23,10 +25,8 @@ from aioduco.errors import (
 )
 from aioduco.models.op import Op, output
 from aioduco.models.pose import Pose
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.realtime import CYCLE, RealtimeStreams
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
-from aioduco.streaming.track import TrackStreams
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles

@@ -28,7 +28,7 @@ from aioduco.models.enums import ProgramState
 from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, TrajectoryResult
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
 from aioduco.testing import ApplicationError, FaultProxy, eventually, eventually_async, no_leaks
 

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from aioduco import kinematics
+from aioduco.api.streams.servo import Servo
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import (
     FirstPointTooFar,
@@ -31,9 +32,8 @@ from aioduco.errors import (
 )
 from aioduco.models.pose import Pose
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.servo import Servo
 from aioduco.streaming.shared.config import EnvelopeSettings
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import eventually_async, no_leaks
 

@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
+from aioduco.api.streams.arguments import ServoGains
+from aioduco.api.streams.servo import Servo
 from aioduco.errors import ParameterError
-from aioduco.streaming.options import Feeding, ServoGains, WorkerOptions
-from aioduco.streaming.servo import Servo
+from aioduco.streaming.shared.options import Feeding, WorkerOptions
 
 from .conftest import HERE, Controller
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from aioduco.api.streams.speed import Speed
 from aioduco.errors import ParameterError, StreamStarved
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.speed import Speed
+from aioduco.streaming.shared.options import WorkerOptions
 
 from .conftest import Controller
 

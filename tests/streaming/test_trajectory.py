@@ -14,6 +14,7 @@ from hypothesis.extra import numpy as hnp
 from scipy.interpolate import BPoly, CubicHermiteSpline, PchipInterpolator
 
 from aioduco.api.motion.trajectory import follow
+from aioduco.api.streams.realtime import CYCLE
 from aioduco.errors import (
     FirstPointTooFar,
     GoalToleranceViolated,
@@ -26,9 +27,8 @@ from aioduco.streaming.joint_trajectory import (
     Tolerances,
     TrajectoryResult,
 )
-from aioduco.streaming.options import WorkerOptions
-from aioduco.streaming.realtime import CYCLE
 from aioduco.streaming.sampling import Spline, sampled
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
 
 from .conftest import HERE, Controller, Cycles

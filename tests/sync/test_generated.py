@@ -15,9 +15,9 @@ import pytest
 
 import aioduco
 import aioduco.sync
-from aioduco.streaming.servo import OffsetStream as AioOffsetStream
+from aioduco.api.streams.servo import OffsetStream as AioOffsetStream
+from aioduco.api.streams.track import TrackStream as AioTrackStream
 from aioduco.streaming.stream import Stream as AioStream
-from aioduco.streaming.track import TrackStream as AioTrackStream
 from aioduco.sync import MotionFunction
 
 ROOT = Path(__file__).parents[2]

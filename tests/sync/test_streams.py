@@ -28,7 +28,7 @@ from aioduco.models.op import Op, output
 from aioduco.models.pose import Joints
 from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import JointTrajectory
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
 from aioduco.testing import eventually
 from sync.conftest import meanwhile

@@ -15,11 +15,12 @@ from aioduco.api.motion.switch import TrajectorySwitch
 from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.motion.velocity import Velocity
+from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
-from aioduco.streaming.options import Feeding, checked, per_group
+from aioduco.streaming.shared.options import Feeding, checked
 from aioduco.supervision.command import MotionCommand, check_motions
 from aioduco.supervision.motion_path import MotionPath
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from aioduco.models.enums import Outcome
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Motion", "PlannedMotion", "Through"]

@@ -9,12 +9,12 @@ import anyio
 import numpy as np
 
 from aioduco.api.motion.switch import SwitchPlace
+from aioduco.api.streams.arguments import per_group
+from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
+from aioduco.api.streams.servo import Servo
 from aioduco.errors import Described, GoalToleranceViolated, ParameterError, PathToleranceViolated
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
-from aioduco.streaming.options import per_group
-from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.sampling import instants
-from aioduco.streaming.servo import Servo
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from aioduco.api.motion.switch import TrajectorySwitch
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import JointTrajectory
-    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.sampling import Spline
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.stream import Stream
 
 __all__ = ["follow"]

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from aioduco.devices.teleoperation.devices import InputDevice
     from aioduco.devices.teleoperation.reading import Reading
     from aioduco.robot import Robot
-    from aioduco.streaming.options import WorkerOptions
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["TeleopReport", "teleoperate"]

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from aioduco.recording.playback.waypoints import Waypoint
     from aioduco.robot import Robot
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.supervision.command import MotionCommand
 
 __all__ = [

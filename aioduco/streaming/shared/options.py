@@ -24,6 +24,7 @@ __all__ = [
     "Feeding",
     "Upsampling",
     "WorkerOptions",
+    "checked",
     "rate_rule",
     "without_checks",
 ]
@@ -200,3 +201,16 @@ def without_checks(kind: type[_Options], values: dict[str, Any]) -> _Options:
     for name, value in values.items():
         object.__setattr__(made, name, value)
     return made
+
+
+def checked(options: WorkerOptions | None) -> WorkerOptions:
+    """The options of a worker; the defaults for None.
+
+    Raises:
+        ParameterError: `options` has another type.
+    """
+    if options is None:
+        return WorkerOptions()
+    if not isinstance(options, WorkerOptions):
+        raise ParameterError("options", options, "WorkerOptions, or None")
+    return options

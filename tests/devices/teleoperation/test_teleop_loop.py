@@ -22,7 +22,7 @@ from aioduco.errors import ParameterError
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.recording import read
 from aioduco.sim import Simulator
-from aioduco.streaming.options import WorkerOptions
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason
 from aioduco.testing import eventually_async
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco._process.copying import Uncopied
+from aioduco.api.streams import StreamMaker
+from aioduco.api.streams.arguments import motion_limits, per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Choice, Integer
-from aioduco.streaming.options import Feeding, motion_limits, per_group
 from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
+from aioduco.streaming.shared.options import Feeding
 from aioduco.streaming.shared.turning import into_wobj
 from aioduco.streaming.stream import Stream
 
@@ -18,9 +19,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Unpack
 
+    from aioduco.api.streams.arguments import FeedingOptions
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import FeedingOptions, WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["CYCLE", "RealtimeStreams"]
@@ -39,7 +40,7 @@ _MODES: dict[RealtimeMode, tuple[str, bool, Meaning, Callable[[str, VectorLike],
 }
 
 
-class RealtimeStreams(Uncopied):
+class RealtimeStreams(StreamMaker):
     """Streams through the queue, from which the controller takes one point per millisecond.
 
         async with robot.realtime.stream("joint_position", v=1.0, a=5.0) as stream:
@@ -51,9 +52,6 @@ class RealtimeStreams(Uncopied):
     Args:
         endpoint: the controller.
     """
-
-    def __init__(self, endpoint: StreamEndpoint) -> None:
-        self._endpoint = endpoint
 
     def stream(
         self,

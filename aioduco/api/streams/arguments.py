@@ -1,4 +1,4 @@
-"""Arguments of the functions that make streams: keywords, gains, limits per group, the worker."""
+"""Arguments of the functions that make streams: keywords, gains, limits per group."""
 
 from __future__ import annotations
 
@@ -10,23 +10,14 @@ import numpy as np
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Number
-from aioduco.streaming.shared.options import Feeding, Upsampling, WorkerOptions
 from aioduco.streaming.shared.space import JERK, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "Feeding",
-    "FeedingOptions",
-    "ServoGains",
-    "ServoOptions",
-    "Upsampling",
-    "WorkerOptions",
-    "checked",
-    "motion_limits",
-    "per_group",
-]
+    from aioduco.streaming.shared.options import Upsampling
+
+__all__ = ["FeedingOptions", "ServoGains", "ServoOptions", "motion_limits", "per_group"]
 
 _LIMIT = Number(0.0, open_low=True, source="this package")
 
@@ -109,16 +100,3 @@ def motion_limits(
     top, change = per_group(names[0], v, groups), per_group(names[1], a, groups)
     jerks = tuple(JERK * c for c in change) if jerk is None else per_group("jerk", jerk, groups)
     return Limits(top, change, jerks)
-
-
-def checked(options: WorkerOptions | None) -> WorkerOptions:
-    """The options of a worker; the defaults for None.
-
-    Raises:
-        ParameterError: `options` has another type.
-    """
-    if options is None:
-        return WorkerOptions()
-    if not isinstance(options, WorkerOptions):
-        raise ParameterError("options", options, "WorkerOptions, or None")
-    return options

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco._process.copying import Uncopied
+from aioduco.api.streams import StreamMaker
+from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.names import ManualNames
-from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Drive, StreamSpec
+from aioduco.streaming.shared.options import Feeding
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
-    from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
 __all__ = ["Speed"]
 
 
-class Speed(Uncopied, ManualNames):
+class Speed(StreamMaker):
     """Streams of speeds (speedj, speedl, manual 1.3.5), for example from a joystick.
 
         async with robot.speed.linear(a=0.5, frame="base", dead_man=0.2) as stream:
@@ -36,12 +35,6 @@ class Speed(Uncopied, ManualNames):
     Args:
         endpoint: the controller.
     """
-
-    def __init__(self, endpoint: StreamEndpoint) -> None:
-        self._endpoint = endpoint
-
-    def __repr__(self) -> str:
-        return f"<Speed of {self._endpoint.host}:{self._endpoint.port}>"
 
     def joints(
         self,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
-from aioduco._process.copying import Uncopied
 from aioduco._wire import rpc
+from aioduco.api.streams import StreamMaker
+from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
-from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Drive, StreamSpec
+from aioduco.streaming.shared.options import Feeding
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.encoding import element_tail
@@ -19,8 +20,7 @@ from aioduco.supervision.motion_sources import TRACK_POOL
 if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
 
 __all__ = ["TrackStream", "TrackStreams"]
 
@@ -88,7 +88,7 @@ class TrackStream(Stream):
         return tail
 
 
-class TrackStreams(Uncopied):
+class TrackStreams(StreamMaker):
     """Streams of the points of a path, through which the controller plans a motion.
 
         async with robot.track.stream("pose", speed=0.2, acc=0.5) as stream:
@@ -101,9 +101,6 @@ class TrackStreams(Uncopied):
     Args:
         endpoint: the controller.
     """
-
-    def __init__(self, endpoint: StreamEndpoint) -> None:
-        self._endpoint = endpoint
 
     def stream(
         self,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco._process.copying import Uncopied
+from aioduco.api.streams import StreamMaker
+from aioduco.api.streams.arguments import ServoGains, motion_limits, per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.names import ManualNames
-from aioduco.streaming.options import Feeding, ServoGains, motion_limits, per_group
 from aioduco.streaming.shared.config import Drive, StreamSpec
+from aioduco.streaming.shared.options import Feeding
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
@@ -17,9 +17,9 @@ from aioduco.streaming.stream import Stream
 if TYPE_CHECKING:
     from typing import Unpack
 
+    from aioduco.api.streams.arguments import FeedingOptions, ServoOptions
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import FeedingOptions, ServoOptions, WorkerOptions
+    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.space import Limits
     from aioduco.streaming.shared.turning import MotionFrame
 
@@ -75,7 +75,7 @@ class OffsetStream(Stream):
         await self._taken()
 
 
-class Servo(Uncopied, ManualNames):
+class Servo(StreamMaker):
     """Streams of positions to follow (servo, manual 1.3.5).
 
         async with robot.servo.joints(v=1.0, a=5.0, rate=500) as stream:
@@ -103,12 +103,6 @@ class Servo(Uncopied, ManualNames):
     Args:
         endpoint: the controller.
     """
-
-    def __init__(self, endpoint: StreamEndpoint) -> None:
-        self._endpoint = endpoint
-
-    def __repr__(self) -> str:
-        return f"<Servo of {self._endpoint.host}:{self._endpoint.port}>"
 
     def joints(
         self,
