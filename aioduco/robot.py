@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco._process.copying import Uncopied
-from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import (
     DucoError,
     MissingExtra,
@@ -21,6 +20,7 @@ from aioduco.errors import (
     RobotStateError,
     StopsUnconfirmed,
 )
+from aioduco.models.address import HOST_RULE, is_host
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import PORT

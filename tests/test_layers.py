@@ -29,6 +29,7 @@ BASE = {
     "_process.scheduling",
     "models.trace",
     "models.similar",
+    "models.address",
 }
 CLIENT = BASE | {
     *("models", "kinematics", "envelope", "_wire", "supervision", "api", "streaming"),
@@ -46,6 +47,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_process.linked_process": {"_process.platform", "_process.spawn"},
     "models.controller_clock": set(),
     "models.similar": set(),
+    "models.address": {"errors", "models.similar"},
     "errors": set(),
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
@@ -53,14 +55,17 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_process.scheduling": set(),
     "_process.reporting": {"_process.copying"},
     "models.trace": {"_process.reporting"},
-    "models": {"_process.copying", "errors", "_wire.rpc", "_wire.newer", "models.similar"},
+    "models": {
+        *("_process.copying", "errors", "_wire.rpc", "_wire.newer"),
+        *("models.similar", "models.address"),
+    },
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
     # limits and their check: pure, and without numpy where the worker of a stream imports it
     "envelope": {"errors", "models", "kinematics"},
     "_wire": {
         *("_process.platform", "errors", "_process.reporting", "models.trace"),
-        *("_wire.rpc", "_wire.newer", "models.similar"),
+        *("_wire.rpc", "_wire.newer", "models.address"),
     },
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
@@ -70,7 +75,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
-    "api.port_reader": {"_process.copying", "errors", "models", "_wire"},
+    "api.port_reader": {"_process.copying", "errors", "models", "models.address"},
     "api.status_port": {"errors", "models", "api.port_reader"},
     "api.force_stream": {"models", "api.port_reader"},
     "recording": CLIENT,

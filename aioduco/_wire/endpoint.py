@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._wire.failures import resource_error
 from aioduco.errors import ConnectError
+from aioduco.models.address import HOST_RULE, is_host
 from aioduco.models.trace import ConnectionEnded, ConnectionOpened, emit
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.trace import Trace
 
-__all__ = ["HOST_RULE", "Address", "Endpoint", "Lookup", "Route", "is_host"]
+__all__ = ["Address", "Endpoint", "Lookup", "Route"]
 
 #: an address of a host: family, kind, protocol, name, and what `connect` takes, as
 #: `socket.getaddrinfo` returns them
@@ -32,20 +33,6 @@ Address: TypeAlias = tuple[Any, ...]
 
 #: seconds after which the resolution of a name counts as hanging
 _HANGS_AFTER: Final = 1.0
-HOST_RULE: Final = (
-    "a name or an address, without blanks and control characters, each part 1 to 63 characters "
-    "long, 253 in all"
-)
-
-
-def is_host(host: str) -> bool:
-    """Whether it can be a name or an address. The system reads only a part of some other texts."""
-    if not host or not host.isprintable() or " " in host:
-        return False
-    try:
-        return len(host.encode("idna")) <= 253
-    except UnicodeError:
-        return False
 
 
 class Lookup:

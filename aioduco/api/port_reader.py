@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, ClassVar, Final, Generic, TypeVar
 import anyio
 
 from aioduco._process.copying import Uncopied
-from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models import ranges
+from aioduco.models.address import HOST_RULE, is_host
 
 if TYPE_CHECKING:
     from typing import Self

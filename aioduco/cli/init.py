@@ -167,8 +167,8 @@ def init(
     Exit codes: 0 written; 1 it cannot be written; 2 wrong options.
     """
     arm = extras.arm(model)
-    from aioduco._wire.address import parse_address  # noqa: PLC0415 - for this command alone
     from aioduco.errors import ParameterError  # noqa: PLC0415
+    from aioduco.models.address import parse_address  # noqa: PLC0415 - for this command alone
     from aioduco.models.pose import Joints, Pose  # noqa: PLC0415
 
     try:

@@ -19,7 +19,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from aioduco._wire.address import (
+from aioduco.errors import ParameterError
+from aioduco.models.address import (
     CELL_KEYS,
     PORT,
     RobotAddress,
@@ -27,7 +28,6 @@ from aioduco._wire.address import (
     parse_address,
     robots_of,
 )
-from aioduco.errors import ParameterError
 from aioduco.models.similar import did_you_mean, unknown
 from aioduco.models.toml_files import read_toml
 

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco._process.platform import private
-from aioduco._wire.address import parse_address
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.output import say
 from aioduco.errors import ParameterError
+from aioduco.models.address import parse_address
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -6,13 +6,11 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from aioduco.streaming.shared.config import EnvelopeSettings
-
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from contextlib import AbstractContextManager
 
-    from aioduco.streaming.shared.config import StreamSpec
+    from aioduco.streaming.shared.config import CheckedEnvelope, StreamSpec
     from aioduco.supervision.gate import Gate, Permit
     from aioduco.supervision.motion_sources import Modes, OpenStream
     from aioduco.supervision.supervisor import Supervisor
@@ -56,21 +54,17 @@ class StreamEndpoint:
     guarded: bool = False
     stall_limit: float = 1.0
     unanswered_timeout: float = 60.0
-    envelope: Callable[[StreamSpec], Awaitable[EnvelopeSettings | None]] | None = None
+    envelope: Callable[[StreamSpec], Awaitable[CheckedEnvelope | None]] | None = None
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> StreamEndpoint:
         """The endpoint for the robot of a supervisor."""
         coordinator = supervisor.stop_coordinator
 
-        async def envelope(sent: StreamSpec) -> EnvelopeSettings | None:
-            found = await supervisor.envelope.of_stream(
+        async def envelope(sent: StreamSpec) -> CheckedEnvelope | None:
+            return await supervisor.envelope.of_stream(
                 sent.name, sent.tool, sent.wobj, speeds=sent.meaning == "speed"
             )
-            if found is None:
-                return None
-            packed, base, reaction = found
-            return EnvelopeSettings(packed=packed, wobj=base, reaction=reaction)
 
         return cls(
             supervisor.host,

@@ -114,8 +114,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def _address(text: str) -> tuple[str, int]:
     """Host and port of the arm."""
-    from aioduco._wire.address import PORT, parse_address  # noqa: PLC0415 - for an arm alone
     from aioduco.errors import ParameterError  # noqa: PLC0415
+    from aioduco.models.address import PORT, parse_address  # noqa: PLC0415 - for an arm alone
 
     try:
         host, port = parse_address(text, name="--duco-host")

@@ -32,7 +32,6 @@ from aioduco.errors import (
 )
 from aioduco.models.pose import Pose
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.shared.config import EnvelopeSettings
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import eventually_async, no_leaks
@@ -41,6 +40,8 @@ from .conftest import HERE, Controller
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+    from aioduco.streaming.shared.config import CheckedEnvelope
 
 WORKERS = [WorkerOptions(run_in="process"), WorkerOptions(run_in="thread")]
 THREAD = WorkerOptions(run_in="thread")
@@ -522,8 +523,8 @@ async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
     begin[0] = -math.atan2(*arm.fkine(begin)[[1, 0], 3]) - 0.1
     controller.server.answer("get_actual_joints_position", begin)
 
-    async def envelope(_: object) -> EnvelopeSettings:
-        return EnvelopeSettings(packed=packed, wobj=[0.0] * 6, reaction=0.1)
+    async def envelope(_: object) -> CheckedEnvelope:
+        return packed, [0.0] * 6, 0.1
 
     places: list[float] = []
     # The second one is answered when all are on their way: a late one would lead the arm to a hold.

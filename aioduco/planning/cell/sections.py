@@ -11,11 +11,11 @@ import dataclasses
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias, cast
 
-from aioduco._wire.address import CELL_KEYS, RobotAddress, WrongAddress, robots_of
 from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.kinematics.catalogue import model_named
+from aioduco.models.address import CELL_KEYS, RobotAddress, WrongAddress, robots_of
 from aioduco.models.load import Load
 from aioduco.models.points import Point, point_of
 from aioduco.models.pose import Pose

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
-from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import ConnectError, ParameterError
+from aioduco.models.address import HOST_RULE, is_host
 from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
 from aioduco.recording.tap.relay import HEAD, CopyKind
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from aioduco.streaming.shared.options import Feeding, WorkerOptions, without_checks
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
@@ -17,14 +17,18 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
+    "CheckedEnvelope",
     "Drive",
-    "EnvelopeSettings",
     "FrameRotation",
     "Meaning",
     "StreamSpec",
     "WorkerConfig",
 ]
 
+#: an envelope against which the worker checks set-points: the result of `Envelope.packed`, the pose
+#: of their work object in the base frame [m, rad], and the time within which the program stops a
+#: stream of speeds that comes to a limit [s]
+CheckedEnvelope: TypeAlias = "tuple[dict[str, Any], Sequence[float], float]"
 #: what a set-point is: a position, a speed that is kept, or a step from the last position
 Meaning = Literal["place", "speed", "step"]
 
@@ -120,21 +124,6 @@ class StreamSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EnvelopeSettings:
-    """The envelope against which the worker checks set-points.
-
-    Attributes:
-        packed: the result of `Envelope.packed`.
-        wobj: pose of the set-points' work object in the base frame [m, rad].
-        reaction: time within which the program stops a stream of speeds that comes to a limit [s].
-    """
-
-    packed: dict[str, Any]
-    wobj: Sequence[float]
-    reaction: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerConfig:
     """The configuration of a worker.
 
@@ -158,7 +147,7 @@ class WorkerConfig:
     options: WorkerOptions
     feeding: Feeding
     sent: StreamSpec
-    envelope: EnvelopeSettings | None = None
+    envelope: CheckedEnvelope | None = None
 
     @property
     def period(self) -> float:
@@ -185,11 +174,4 @@ class WorkerConfig:
         sent["turning"] = FrameRotation(**sent["turning"]) if sent["turning"] else None
         options = without_checks(WorkerOptions, values.pop("options"))
         feeding = without_checks(Feeding, values.pop("feeding"))
-        envelope = values.pop("envelope")
-        return cls(
-            **values,
-            options=options,
-            feeding=feeding,
-            sent=StreamSpec(**sent),
-            envelope=EnvelopeSettings(**envelope) if envelope else None,
-        )
+        return cls(**values, options=options, feeding=feeding, sent=StreamSpec(**sent))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.envelope.zones import Point
-    from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
+    from aioduco.streaming.shared.config import CheckedEnvelope, WorkerConfig
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.limiter import JerkLimiter
 
@@ -197,8 +197,9 @@ def envelope_check(
     envelope, sent, timeout = config.envelope, config.sent, config.options.timeout
     if envelope is None:
         return None
-    checker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
-    base = POSE_SPACE.decode(envelope.wobj)
+    packed, wobj, _ = envelope
+    checker = EnvelopeChecker(packed, by_tip=not sent.in_joints)
+    base = POSE_SPACE.decode(wobj)
     if not sent.in_joints:
         joints = connection.call("get_actual_joints_position", (), timeout)
         checker.seed = tuple(joints[:6])
@@ -239,7 +240,7 @@ class SpeedCheck:
     on that connection is not answered.
 
     Args:
-        envelope: the envelope, and the work object in use.
+        envelope: the envelope, the work object in use, and the program's time to stop.
         config: the configuration of the stream.
         connection: connection over which the arm's position is read.
         turned: function that rotates speeds into the frame of the wire.
@@ -248,7 +249,7 @@ class SpeedCheck:
 
     def __init__(
         self,
-        envelope: EnvelopeSettings,
+        envelope: CheckedEnvelope,
         config: WorkerConfig,
         connection: Connection,
         turned: Callable[[Config], Config],
@@ -256,7 +257,8 @@ class SpeedCheck:
     ) -> None:
         sent, drive = config.sent, config.sent.drive
         self._crossed = crossed
-        self._checker = EnvelopeChecker(envelope.packed, by_tip=not sent.in_joints)
+        packed, wobj, reaction = envelope
+        self._checker = EnvelopeChecker(packed, by_tip=not sent.in_joints)
         self._checker.slow_share = SLOW_SHARE
         self._in_joints = sent.in_joints
         self._limits = tuple(zip(sent.space.groups, sent.limits.acceleration, strict=True))
@@ -266,9 +268,9 @@ class SpeedCheck:
         #: orientation of the frame of the wire; empty for that of the tool
         self._frame: Config = ()
         #: time at a speed until a stop takes effect: the program's, after two ticks without any [s]
-        self._reach = envelope.reaction + 2 * config.period + _FRESH * 1e-9
+        self._reach = reaction + 2 * config.period + _FRESH * 1e-9
         if drive is not None and drive.kind == "queue":
-            self._frame = POSE_SPACE.decode(envelope.wobj)
+            self._frame = POSE_SPACE.decode(wobj)
             self._reach += drive.high * _CYCLE
         self._place: Config = ()
         self._read_at = 0

@@ -18,8 +18,8 @@ import zipfile
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco import __version__
-from aioduco._wire.address import parse_address
 from aioduco.kinematics import models
+from aioduco.models.address import parse_address
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

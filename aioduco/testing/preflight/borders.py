@@ -15,7 +15,7 @@ from multiprocessing import util
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 from weakref import WeakSet
 
-from aioduco._wire.address import parse_address
+from aioduco.models.address import parse_address
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator

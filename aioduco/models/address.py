@@ -5,12 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from aioduco._wire.endpoint import HOST_RULE, is_host
 from aioduco.errors import ParameterError
 from aioduco.models.similar import did_you_mean
 
-__all__ = ["CELL_KEYS", "PORT", "RobotAddress", "WrongAddress", "parse_address", "robots_of"]
+__all__ = [
+    "CELL_KEYS",
+    "HOST_RULE",
+    "PORT",
+    "RobotAddress",
+    "WrongAddress",
+    "is_host",
+    "parse_address",
+    "robots_of",
+]
 
+HOST_RULE: Final = (
+    "a name or an address, without blanks and control characters, each part 1 to 63 characters "
+    "long, 253 in all"
+)
 #: port of a controller
 PORT: Final = 7003
 #: what a robot has in the file of a cell besides host and port
@@ -54,6 +66,16 @@ class RobotAddress:
         host = f"[{self.host}]" if ":" in self.host else self.host
         where = f"{host}:{self.port}"
         return f"{self.name} ({where})" if self.name else where
+
+
+def is_host(host: str) -> bool:
+    """Whether it can be a name or an address. The system reads only a part of some other texts."""
+    if not host or not host.isprintable() or " " in host:
+        return False
+    try:
+        return len(host.encode("idna")) <= 253
+    except UnicodeError:
+        return False
 
 
 def robots_of(table: dict[str, Any], *, also: frozenset[str] = frozenset()) -> tuple[

@@ -10,10 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco import ParameterError
-from aioduco._wire.address import parse_address
-from aioduco._wire.endpoint import is_host
 from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
+from aioduco.models.address import is_host, parse_address
 from aioduco.recording.tap import Tap
 
 ROOT = Path(__file__).parents[2] / "aioduco"
@@ -89,7 +88,7 @@ def test_there_is_no_other_parser_of_addresses() -> None:
     """None that splits at the last colon, or takes brackets off."""
     split = re.compile(r"""\.r?(partition|split)\(":"|strip\("\[\]"\)|prefix\("\["\)""")
     own = {
-        *("_wire/address.py", "api/section.py", "devices/teleoperation/devices.py"),
+        *("models/address.py", "api/section.py", "devices/teleoperation/devices.py"),
         "integrations/panel/page_connection.py",  # the headers of HTTP
         "cli/preflight.py",  # a file and its line
     }
