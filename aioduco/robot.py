@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import (
     DucoError,
@@ -352,6 +353,9 @@ class Robot(Uncopied, ManualNames):
 
         self.host = host
         self.port = port
+        if trial.current is not None:
+            host, port, _ = trial.current.endpoint(host, port, settings.connect_timeout)
+            settings = trial.current.settings(settings)
         self._supervisor = Supervisor(host, port, settings)
         self._record = settings.record
         if self._record is not None:
@@ -418,8 +422,9 @@ class Robot(Uncopied, ManualNames):
             RecordingError: the file of `connect(record=)` cannot be written.
         """
         self._supervisor.owner_loop.require("open")
-        await self._load()
-        await self._supervisor.open()
+        with trial.untimed():
+            await self._load()
+            await self._supervisor.open()
         if self._record is not None:
             try:
                 self._recording = await self.record(self._record).start()

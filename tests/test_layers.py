@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1] / "aioduco"
 
 BASE = {
     "_process.copying",
+    "_process.trial",
     "__version__",
     "_process.linked_process",
     "_process.platform",
@@ -42,6 +43,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "__version__": set(),
     "_process": set(),
     "_process.program_lines": set(),
+    "_process.trial": set(),
     "_process.platform": set(),
     "_process.spawn": {"_process.platform"},
     "_process.linked_process": {"_process.platform", "_process.spawn"},
@@ -64,7 +66,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # limits and their check: pure, and without numpy where the worker of a stream imports it
     "envelope": {"errors", "models", "kinematics"},
     "_wire": {
-        *("_process.platform", "errors", "_process.reporting", "models.trace"),
+        *("_process.platform", "_process.trial", "errors", "_process.reporting", "models.trace"),
         *("_wire.rpc", "_wire.newer", "models.address"),
     },
     "supervision": BASE | {"models", "envelope", "_wire"},
@@ -149,7 +151,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "planner": set(),
     "cycle": {"planner"},
     "physics": {"planner", "cycle"},
-    "server": {"refusal"},
+    "server": {"refusal", "trial"},
     "force": {"planner", "cycle"},
     "cabinet": {"planner", "refusal"},
     "controller": {"planner", "force", "cabinet", "cycle", "refusal", "forgiving"},
@@ -181,15 +183,18 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         "snapshot",
         "refusal",
         "forgiving",
+        "trial",
     },
+    # what a preflight is asked
+    "trial": {"controller", "scene"},
     "assembly": {
         *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
-        *("runtime", "forgiving", "profile"),
+        *("runtime", "forgiving", "profile", "trial"),
     },
     "simulator": {
         *("assembly", "cabinet", "controller", "physics", "server", "view"),
         *("runtime", "clock", "scene", "process", "forgiving", "part_faults", "profile"),
-        *("operator_actions", "arm_pictures"),
+        *("operator_actions", "arm_pictures", "trial"),
     },
     "part_faults": {"assembly", "physics"},
     "operator_actions": {"assembly"},

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
+from aioduco._process import trial
 from aioduco._wire.failures import resource_error
 from aioduco.errors import ConnectError
 from aioduco.models.address import HOST_RULE, is_host
@@ -160,6 +161,8 @@ class Endpoint:
         route: Route | None = None,
         trace: Trace | None = None,
     ) -> None:
+        if trial.current is not None:
+            host, port, connect_timeout = trial.current.endpoint(host, port, connect_timeout)
         self._trace = trace
         self.host = host
         self.port = port

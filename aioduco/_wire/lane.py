@@ -14,6 +14,7 @@ import anyio
 from anyio import current_effective_deadline
 from anyio.lowlevel import checkpoint_if_cancelled
 
+from aioduco._process import trial
 from aioduco._wire import codec, idl
 from aioduco._wire.channel import Call, Channel, LaneCall, connect
 from aioduco._wire.endpoint import Endpoint
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import EllipsisType
 
+    from aioduco._process.trial import Trial
     from aioduco._wire.endpoint import Route
     from aioduco.models.trace import Trace
 
@@ -203,7 +205,7 @@ class WireLane:
             return
         for carrier in self._carriers:
             carrier.close(_CLOSED)
-        with anyio.CancelScope(shield=True):
+        with anyio.CancelScope(shield=True), trial.untimed():
             for carrier in self._carriers:
                 await carrier.closed()
 
@@ -252,6 +254,8 @@ class WireLane:
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()
         self._calls += 1
+        if trial.current is not None:
+            _tell(call, trial.current)
         try:  # as `send`, without its frame
             if (carrier := self._take(call)) is not None:
                 carrier.send(call)
@@ -301,6 +305,8 @@ class WireLane:
         It is over if it cannot be sent. An interrupt abandons it.
         """
         self._calls += 1 + len(call.further)
+        if trial.current is not None and not call.further:  # `ask` only reads
+            _tell(call, trial.current)
         try:
             if (carrier := self._take(call)) is not None:
                 carrier.send(call)
@@ -374,6 +380,7 @@ class WireLane:
         self._calls += 1
         begin = time.monotonic()
         deadline = None if timeout is None else begin + timeout
+        ended = None if trial.current is None else trial.current.call(name, args)
         value: Any = None
         error: BaseException | None = None
         try:
@@ -384,6 +391,8 @@ class WireLane:
             raise
         finally:
             self.report(name, args, value, error, begin)
+            if ended is not None:
+                ended(value, error)
         return value
 
     def report(
@@ -469,6 +478,17 @@ class WireLane:
         self._waiting.clear()
         self._deadlines.stop()
         return True
+
+
+def _tell(call: LaneCall, trial: Trial) -> None:
+    """Tell a trial of a call that is about to be sent, and then of its end."""
+    note, ended = call.ended, trial.call(call.name, call.args)
+
+    def over(call: LaneCall) -> None:
+        note(call)
+        ended(call.value, call.error)
+
+    call.ended = over
 
 
 class _Deadlines:

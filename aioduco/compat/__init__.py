@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco import __version__
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.connection import Connection
@@ -279,11 +280,19 @@ class DucoCobot(Uncopied, NewerFunctions):
 
     def _call(self, name: str, args: tuple[Any, ...]) -> Any:
         given = wire_arguments(name, args, self.op_)
+        ended = None if trial.current is None else trial.current.call(name, args, vendor=True)
+        answer: Any = None
+        error: BaseException | None = None
         try:
             answer = self._send(name, given)
-        except DucoError as exc:
-            self.last_error = as_thrift(exc, connected=self._connection is not None)
+        except BaseException as exc:
+            error = exc
+            if isinstance(exc, DucoError):
+                self.last_error = as_thrift(exc, connected=self._connection is not None)
             raise
+        finally:
+            if ended is not None:
+                ended(answer, error)
         self.last_error = None
         return answer
 

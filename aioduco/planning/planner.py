@@ -10,6 +10,7 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
@@ -306,14 +307,15 @@ class Planner(Uncopied):
 
     async def _ask(self, request: _Request) -> Plan:
         try:
-            return await anyio.to_thread.run_sync(self._solve, request, abandon_on_cancel=True)
+            with trial.untimed():  # also while the loop waits for the thread
+                return await anyio.to_thread.run_sync(self._solve, request, abandon_on_cancel=True)
         except anyio.get_cancelled_exc_class():
             # The thread then reads the end of the channel, and ends.
             request.cancel()
             raise
 
     def _solve(self, request: _Request) -> Plan:
-        with self._lock:
+        with trial.untimed(), self._lock:
             if request.cancelled:
                 raise PlanningError("the plan was cancelled before its turn came")
             answer = self._exchange(request)

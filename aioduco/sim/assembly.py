@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.kinematics.mounting import gravity
+from aioduco.sim import trial
 from aioduco.sim.cabinet.grippers import ValveGripper, slave_of
 from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.state_machine import Controller
@@ -258,7 +259,8 @@ def _controller(settings: SimulatorSettings) -> Controller:
         )
     controller.rules = settings.rules
     controller.external_axes = settings.external_axes
-    controller.collisions = CollisionDetector(np.array(arm.effort))
+    ignored = None if trial.current is None else trial.current.passes_over
+    controller.collisions = CollisionDetector(np.array(arm.effort), ignored)
     return controller
 
 

@@ -6,7 +6,7 @@ import atexit
 import contextlib
 import math
 import threading
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import anyio
 import anyio.to_thread
@@ -19,6 +19,7 @@ from aioduco.models.gripper_models import gripper_model
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import WAIT
 from aioduco.models.rules import Number
+from aioduco.sim import trial
 from aioduco.sim.arm_pictures import ArmPictures
 from aioduco.sim.assembly import SimulatorAssembly, SimulatorSettings
 from aioduco.sim.cabinet import Cabinet
@@ -186,6 +187,11 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
             raise ValueError("a gripper is the tool: give one of the two")
         if model is None or isinstance(model, str):
             model = known.arm if known is not None else arm_of(model or "gcr5_910")
+        joints = READY if joints is None else joints
+        if trial.current is not None:
+            joints, cycle, speed = trial.current.made(
+                model, joints, scene=scene, tool=tool, mounting=mounting, pedestal=pedestal
+            )
         self.arm: Final[Arm] = model
         self.generation: Final[Generation] = generation
         self.seed: Final = seed
@@ -199,7 +205,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
             arm=self.arm,
             generation=generation,
             cycle=cycle,
-            joints=Joints.of(READY if joints is None else joints).array,
+            joints=Joints.of(joints).array,
             mounting=self.mounting,
             pedestal=pedestal > 0.0,
             scene=None if scene is None else mjcf_of(scene),
@@ -250,6 +256,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
         # If the interpreter exits during a simulation, it frees memory that a step still uses.
         atexit.register(self.close)
         assembly.runtime.start()
+        if trial.current is not None:
+            trial.current.started(self)
         return self
 
     def close(self) -> None:
@@ -258,6 +266,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
         if self._assembly is None or self._closing:
             return
         self._closing = True
+        if trial.current is not None:
+            trial.current.closing(self)
         try:
             self._assembly.close()
         finally:
@@ -299,6 +309,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
         """
         from aioduco.sim.process import SimulatorProcess  # noqa: PLC0415 - it names this class
 
+        if trial.current is not None:  # here it is tried; it has the same attributes and methods
+            return cast("SimulatorProcess", Simulator(**options))
         for name in options.keys() & {"scene", "tool"}:
             if options[name] is not None:
                 options[name] = mjcf_of(options[name], free=name == "scene")

@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 import anyio
 import anyio.lowlevel
 
+from aioduco._process import trial
 from aioduco._process.platform import boot_time, clock_step
 from aioduco._process.spawn import Process, Unstartable
 from aioduco._wire.failures import resource_error
@@ -77,6 +78,8 @@ class Session(OpenStream):
     """
 
     def __init__(self, endpoint: StreamEndpoint, config: WorkerConfig) -> None:
+        if trial.current is not None:
+            config = replace(config, options=trial.current.settings(config.options))
         self._endpoint = endpoint
         self._options = config.options
         self._config = config
@@ -292,6 +295,8 @@ class Session(OpenStream):
 
     def _launch(self) -> None:
         """Start the worker, as a thread or as a process."""
+        if trial.current is not None:
+            trial.current.at_own_pace(lambda: self.gone)
         in_thread = self._options.run_in == "thread"
         with contextlib.ExitStack() as undo:
             self.block = block = Block.make(self._config, shared=not in_thread)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
@@ -48,6 +49,8 @@ class MotionCommand(Uncopied):
         self._used = False
         self._open: Task | None = None
         self.command: Command = command
+        if trial.current is not None:
+            trial.current.made(self)
 
     def __repr__(self) -> str:
         # asyncio puts this into its TypeError when `create_task` is given a motion
@@ -56,7 +59,10 @@ class MotionCommand(Uncopied):
         return f"<{shown(self.command)}{frame}{hint}>"
 
     def __del__(self) -> None:
-        if not getattr(self, "_used", True):
+        used: bool = getattr(self, "_used", True)
+        if trial.current is not None and hasattr(self, "command"):
+            trial.current.forgotten(self, shown(self.command), used=used)
+        if not used:
             warnings.warn(
                 f"the motion <{shown(self.command)}> was never awaited or started: "
                 "the arm did not move",
@@ -99,7 +105,10 @@ class MotionCommand(Uncopied):
             deadline = SECONDS("deadline", deadline)
         if on_cancel is not None and on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
-        return await self._dispatcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
+        with trial.started():
+            return await self._dispatcher.launch(
+                self.command, deadline=deadline, on_cancel=on_cancel
+            )
 
     async def block(self, lane: WireLane) -> TaskState:
         """Send the motion by the manual's blocking call, and return its state at its end.
@@ -124,7 +133,8 @@ class MotionCommand(Uncopied):
     async def __aenter__(self) -> Task:
         if self._open is not None:
             raise RuntimeError(f"{self!r} is tied to a block already: make another one like it")
-        self._open = await self.start()
+        self.hand_over()
+        self._open = await self._dispatcher.launch(self.command)
         return self._open
 
     async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:

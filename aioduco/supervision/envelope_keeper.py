@@ -15,8 +15,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from aioduco._process import trial
 from aioduco.envelope.checker import BESIDE
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import EnvelopeViolated, ParameterError
@@ -158,6 +159,8 @@ class EnvelopeKeeper:
     async def check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
         envelope, watch, name = self.envelope, self._watch, command.name
+        if trial.current is not None:
+            trial.current.checked(name)
         if envelope is None or name in _NOT_THE_ARM:
             return command
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
@@ -363,6 +366,8 @@ class EnvelopeKeeper:
         """Return a motion with a share of its speed; as it is if it may have all of it."""
         if share >= 1.0:
             return command
+        if trial.current is not None:
+            trial.current.slowed(share)
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
         name, args = command.name, command.args
@@ -379,7 +384,11 @@ class EnvelopeKeeper:
 
     async def _refuse(
         self, name: str, found: Crossing, why: str = "it would lead beyond the envelope"
-    ) -> NoReturn:
+    ) -> None:
+        """Raise the error for what leads beyond a limit; only in a trial it may be sent."""
+        if trial.current is not None and trial.current.beyond(name, found):
+            self._watch.only_unchecked = True
+            return
         done = "was not sent"
         if found.action == "stop":
             await self._coordinator.halt()

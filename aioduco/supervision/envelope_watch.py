@@ -76,6 +76,8 @@ class EnvelopeWatch:
     Attributes:
         envelope: the envelope; None for none.
         unchecked: whether something moves the arm on a path that was not checked.
+        only_unchecked: whether it stops the arm on such paths alone, since a program that is tried
+            sent a motion that leaves the envelope.
         velocity: the motion at a velocity that was sent last, and the work object in use; None if
             something else moves the arm.
         tool: the tool in use, as last read.
@@ -101,6 +103,7 @@ class EnvelopeWatch:
         self._clock = settings.clock
         self.envelope: Envelope | None = None
         self.unchecked: bool = False
+        self.only_unchecked: bool = False
         self.velocity: tuple[Ahead, Pose] | None = None
         self._newest: Snapshot | None = None
         self.tool: Pose | None = None
@@ -197,7 +200,8 @@ class EnvelopeWatch:
         if found is None:
             return
         if not self._stopping:
-            await self._stop(found, fastest)
+            if self.unchecked or not self.only_unchecked:
+                await self._stop(found, fastest)
         elif again:
             await self._stop_again(found)
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     ControllerError,
@@ -445,11 +446,12 @@ class StopCoordinator:
                 _give_up(call)
 
         motion = UnansweredMotion(now, answer_by, until)
-        certain = await bring_to_rest(
-            *(motion, stop, self._channel.moving),
-            report=lambda: self._report_delivery(motion, commands),
-            reset=reset,
-        )
+        with trial.at_own_pace():
+            certain = await bring_to_rest(
+                *(motion, stop, self._channel.moving),
+                report=lambda: self._report_delivery(motion, commands),
+                reset=reset,
+            )
         if self.closed:
             return  # the code that closed the robot has already done what was possible
         if not certain:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import anyio
 from anyio.from_thread import BlockingPortal
 
+from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.models.ranges import TIMEOUT
@@ -131,9 +132,10 @@ class Runner:
             raise RobotStateError("a robot is opened once: make another one by connect()")
         self._thread.start()
         try:
-            while not self._ready.wait(_WAKE_EVERY):
-                pass
-            self.call(self.robot.open())
+            with trial.untimed():  # until the loop of the thread waits
+                while not self._ready.wait(_WAKE_EVERY):
+                    pass
+                self.call(self.robot.open())
         except BaseException:
             self._asked_to_end = True
             _uninterrupted(self._thread.join)

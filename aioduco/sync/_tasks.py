@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, TypeVar
 
 import anyio
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import TaskError
 from aioduco.models.ranges import WAIT
@@ -203,7 +204,8 @@ class MotionCommand(Blocking):
         """
         self._made.hand_over()
         work = self._made.start(deadline=deadline, on_cancel=on_cancel)
-        return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
+        with trial.started():
+            return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))
 
 
 class MotionPath(MotionPathCalls):

@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -81,6 +81,7 @@ class CollisionDetector:
 
     Args:
         effort: largest torques of the joints [N m]. Shape (6,).
+        ignored: whether a collision that is detected now does not count; None: each counts.
 
     Attributes:
         level: level of detection: 0 for none, or 1 to 5, each more sensitive than the one before.
@@ -88,12 +89,13 @@ class CollisionDetector:
         torque: smoothed external torques of the six joints [N m]; never changed in place.
     """
 
-    def __init__(self, effort: Vector) -> None:
+    def __init__(self, effort: Vector, ignored: Callable[[], bool] | None = None) -> None:
         self.level: int = 3
         self.axis: int = 0
         self.torque: Sequence[float] = _NONE
         self._effort: list[float] = effort.tolist()
         self._weakest = min(self._effort)
+        self._ignored = ignored
         self._time: float | None = None
 
     def reset(self) -> None:
@@ -129,7 +131,9 @@ class CollisionDetector:
             return 0  # even all torques together would be no collision at the weakest joint
         shares = [abs(torque) / most for torque, most in zip(smooth, self._effort, strict=True)]
         largest = max(shares)
-        return shares.index(largest) + 1 if largest > LEVELS[self.level] else 0
+        if largest <= LEVELS[self.level] or (self._ignored is not None and self._ignored()):
+            return 0
+        return shares.index(largest) + 1
 
 
 class HeartbeatWatchdog:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
+from aioduco.sim import trial
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.refusal import Rejected
@@ -111,7 +112,12 @@ class HandlerSection:
                 id_ = controller.reject(name, exc.state, str(exc))
                 if exc.state is TaskState.PARAMETER_MISMATCH and name in ZERO_OUT_OF_RANGE:
                     return 0
-        return int(self._runtime.wait(id_)) if block else id_
+            if trial.current is not None:
+                trial.current.task(id_)
+        if not block:
+            return id_
+        with trial.waiting():
+            return int(self._runtime.wait(id_))
 
     def _enqueue(self, name: str, block: bool, put: Callable[[Controller], bool]) -> int:
         """Make a task that puts points into a queue: all of them, or none; then return -1.

@@ -11,6 +11,7 @@ import numpy as np
 from aioduco.errors import Unreachable
 from aioduco.kinematics.forward import singular_values
 from aioduco.models.enums import OperationMode
+from aioduco.sim import trial
 from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection
@@ -102,6 +103,8 @@ class PathSection(HandlerSection):
                 return (self._arm.fkine(q) @ tool)[:3, 3]
 
             planned = plan()
+            if trial.current is not None:
+                planned = trial.current.planned(name, self._arm, planned)
             triggers = motion_triggers(op, self._signals, tip, self._forgiving, distance=line)
             if points:
                 triggers = triggers or MotionTriggers(tip)

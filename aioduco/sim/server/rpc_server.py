@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire import idl
-from aioduco.sim.server.processor import CallInbox, Malformed, Processor
+from aioduco.sim import trial
+from aioduco.sim.server.processor import CallInbox, Malformed, Message, Processor
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -207,7 +208,7 @@ class Server:
             while not self._refusing and (data := connection.recv(_RECEIVE)):
                 inbox.feed(data)
                 while (message := inbox.take()) is not None:
-                    if answer := processor.answer(message):
+                    if answer := _answer(processor, message):
                         connection.sendall(answer)
         except Malformed as exc:
             self._warn("%s: connection closed: %s", peer, exc)
@@ -220,3 +221,9 @@ class Server:
             with self._lock:
                 del self._connections[connection]
                 connection.close()
+
+
+def _answer(processor: Processor, message: Message) -> bytes:
+    if trial.current is None:
+        return processor.answer(message)
+    return trial.current.answer(message.name, lambda: processor.answer(message))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
+from aioduco._process import trial
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import ParameterError, RenderError
@@ -113,7 +114,7 @@ class PictureProcess:
             raise ParameterError("positions", positions.shape, f"of shape ({self.model.nq},)")
         seen = self._camera(camera)
         request = PictureRequest(positions, width, height, seen, marks, depth)
-        with self._lock:
+        with self._lock, trial.untimed():
             answer = self._ask(request)
         if isinstance(answer, str):
             raise RenderError(answer)

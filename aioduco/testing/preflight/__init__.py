@@ -1,7 +1,8 @@
 """Try a program against its cell before the arm moves, and under many variations of the cell.
 
-It uses the simulator and the package's public functions. Only `patches`, in the process that runs
-the program, uses their internals.
+It uses the simulator and the package's public functions. In the process that runs the program, this
+package asks it by `aioduco._process.trial` and `aioduco.sim.trial` (`tried_program`,
+`tried_controller`), and functions of the standard library are replaced (`patches`).
 """
 
 from __future__ import annotations

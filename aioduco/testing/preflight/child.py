@@ -12,7 +12,6 @@ import faulthandler
 import gc
 import json
 import os
-import random
 import runpy
 import signal
 import sys
@@ -22,14 +21,17 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from aioduco._process import trial
 from aioduco._process.linked_process import ValueChannel
-from aioduco.kinematics import arm as arm_of
-from aioduco.sim.scene import mjcf_of
-from aioduco.sim.simulator import READY, Simulator
+from aioduco.sim import trial as controller_trial
+from aioduco.sim.simulator import Simulator
 from aioduco.testing.preflight import lines, patches
 from aioduco.testing.preflight.borders import block_outside_access
 from aioduco.testing.preflight.program_clock import ProgramClock
-from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder
+from aioduco.testing.preflight.program_simulator import ProgramSimulator
+from aioduco.testing.preflight.run_recorder import RunRecorder
+from aioduco.testing.preflight.tried_controller import TriedController
+from aioduco.testing.preflight.tried_program import TriedProgram
 from aioduco.testing.preflight.variation import Variation
 
 __all__ = ["main"]
@@ -53,24 +55,25 @@ class _Child:
         self.clock = ProgramClock()
         self.recorder = RunRecorder(self.clock)
         self.variation = Variation.of(options.get("vary", ()), options.get("seed", 0))
-        self._random = random.Random(options.get("seed", 0))
-        self._cell = patches.ProgramSimulator(self._make, self._attached)
-        self._served = 0
-        self._spawned: list[Simulator] = []
+        self._cell = ProgramSimulator(self._make, self._attached)
+        self._controller = TriedController(
+            self.clock, self.recorder, self._cell, self.variation, options["cycle"]
+        )
         self._over = threading.Event()
         self._written = threading.Lock()
 
     def run(self) -> NoReturn:
         """Run the program to its end, write the result, and end this process."""
         self.clock.start()
-        patches.install(self.clock, self.recorder, self._cell, self._serve)
+        patches.install(self.clock, self.recorder)
+        trial.current = TriedProgram(self.clock, self.recorder, self._cell)
+        controller_trial.current = self._controller
         block_outside_access(
             self.options["reachable"],
             self._cell.ports,
             patches.asked_by_package,
             self.recorder.not_reached,
         )
-        self._patch_simulators()
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()
         for thread in threading.enumerate():
@@ -125,64 +128,6 @@ class _Child:
         self.recorder.attach(simulator)
         self.variation.apply(simulator)
 
-    def _patch_simulators(self) -> None:
-        """Make every simulator that the program starts the cell, however it is started."""
-        simulator: Any = Simulator
-        init, start, close = simulator.__init__, simulator.start, simulator.close
-
-        def made(sim: Any, model: str = "gcr5_910", **options: Any) -> None:
-            options["cycle"] = self.options["cycle"]
-            options["speed"] = 1.0
-            if self.variation.start:
-                joints = options.get("joints")
-                options["joints"] = self.variation.started(
-                    READY if joints is None else joints, arm_of(model)
-                )
-            self.options["used"] = {
-                "model": model,
-                **{key: options.get(key) for key in ("mounting", "pedestal")},
-                **{
-                    key: mjcf_of(options[key], free=key == "scene")
-                    for key in ("scene", "tool")
-                    if options.get(key) is not None
-                },
-            }
-            init(sim, model, **options)
-
-        def started(sim: Any) -> Any:
-            start(sim)
-            if self._cell.own is None:
-                self._cell.attach(sim)
-            return sim
-
-        def closed(sim: Any) -> None:
-            if self._cell.simulator is sim:
-                self.recorder.finish()
-                self.clock.detach()
-                self.recorder.detach()
-            close(sim)
-
-        simulator.__init__, simulator.start, simulator.close = made, started, closed
-        simulator.spawn = staticmethod(Simulator)
-        simulator.__enter__ = lambda sim: sim.start()
-
-    def _serve(self, record: ProgramCall | None, name: str, answer: Any) -> Any:
-        """Answer a call in the simulator, with the network faults of the variation."""
-        if record is None or not (self.variation.latency or self.variation.faults):
-            return answer()
-        if self.variation.latency:
-            self.clock.call_ends()
-            try:
-                self.clock.sleep(self._random.uniform(0.0, self.variation.latency))
-            finally:
-                self.clock.call_begins()
-        self._served += 1
-        if self._served in self.variation.faults:
-            if self._random.random() < 0.5:
-                answer()
-            raise ConnectionAbortedError(f"preflight cuts the connection at {name}")
-        return answer()
-
     # -- while it runs ------------------------------------------------------------------------
 
     def _watch(self) -> None:
@@ -215,7 +160,7 @@ class _Child:
             folder = Path(self.options["folder"])
             result = {
                 **self.recorder.as_json(), "status": status, "duration": self.clock.passed,
-                "used": self.options.get("used"), "touched": self._cell.simulator is not None,
+                "used": self._controller.cell, "touched": self._cell.simulator is not None,
                 "variation": self.variation.as_json(),
             }  # fmt: skip
             np.savez(folder / "samples.npz", **self.recorder.arrays())

@@ -16,11 +16,10 @@ from aioduco._process.program_lines import PACKAGE, of_program
 from aioduco.testing.preflight.handlers import WaitingLine
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from types import CodeType, FrameType
 
 __all__ = [
-    "LATER",
     "TASK_ORIGIN",
     "CallOrigin",
     "ProgramLine",
@@ -28,6 +27,7 @@ __all__ = [
     "current",
     "innermost",
     "is_program",
+    "later",
     "of_error",
     "of_main_thread",
     "of_new_task",
@@ -77,7 +77,19 @@ TASK_ORIGIN: contextvars.ContextVar[CallOrigin | None] = contextvars.ContextVar(
 
 
 #: whether the program gets the error of a call by another line, which waits for the task
-LATER: contextvars.ContextVar[bool] = contextvars.ContextVar("preflight_later", default=False)
+_LATER: contextvars.ContextVar[bool] = contextvars.ContextVar("preflight_later", default=False)
+
+
+@contextlib.contextmanager
+def later() -> Iterator[None]:
+    """A block whose errors the program gets by another line, which waits for the task."""
+    token = _LATER.set(True)
+    try:
+        yield
+    finally:
+        _LATER.reset(token)
+
+
 #: libraries that pass an error on as it is
 _PASSING = ("anyio", "sniffio")
 
@@ -100,7 +112,7 @@ def current() -> CallOrigin | None:
     """The origin of the code that runs now on this thread; None if it is not the program's."""
     frame: FrameType | None = sys._getframe(1)
     where: ProgramLine | None = None
-    begun, later = TASK_ORIGIN.get(), LATER.get()
+    begun, others = TASK_ORIGIN.get(), _LATER.get()
     waiting: list[tuple[str, int, dict[str, Any], bool]] = []
     while frame is not None:
         code = frame.f_code
@@ -109,7 +121,7 @@ def current() -> CallOrigin | None:
             if where is None:
                 return begun  # the frames below belong to the code that runs the loop
         elif code.co_filename.startswith(_POOLS):
-            later = True  # the error comes to the line that asks the pool for the result
+            others = True  # the error comes to the line that asks the pool for the result
         if program and where is None:
             where = _line(code, frame.f_lineno)._replace(caller=_caller(frame))
         if program or _is_library(code.co_filename):
@@ -117,7 +129,7 @@ def current() -> CallOrigin | None:
         frame = frame.f_back
     if where is None:
         return begun
-    lines = [WaitingLine(*each, later=later) for each in waiting]
+    lines = [WaitingLine(*each, later=others) for each in waiting]
     if begun is not None:
         lines += begun.waiting
     return CallOrigin(where, _actor(), tuple(lines))

@@ -1,10 +1,10 @@
-"""Functions that are replaced in the process that runs the program, and nowhere else.
+"""Functions of the standard library that are replaced in the process that runs the program.
 
-- The program's clock: `time.sleep` and the clocks of `time`, timers of asyncio's event loops and
-  waits of `threading` use `ProgramClock` when the program calls them. This package and the standard
-  library keep the wall clock, so that network time-outs are real.
-- Addresses: every connection of this package leads to the simulator.
-- The interface of this package: the line and the result of each call are recorded.
+- `time.sleep` and the clocks of `time`, timers of asyncio's event loops and waits of `threading`
+  use `ProgramClock` when the program calls them. This package and the standard library keep the
+  wall clock, so that network time-outs are real.
+- A new task of asyncio knows the line of the program that made it.
+- A coroutine that is never awaited is reported with the line that made it.
 """
 
 from __future__ import annotations
@@ -15,36 +15,19 @@ import selectors
 import sys
 import threading
 import time
-from contextlib import ExitStack
-from dataclasses import replace
+import warnings
 from typing import TYPE_CHECKING, Any
 
-import anyio.from_thread
-
-from aioduco import robot as robot_module
-from aioduco._wire import connection, lane
-from aioduco.compat import DucoCobot
-from aioduco.planning.planner import Planner
-from aioduco.sim.controller.tasks import TaskTable
-from aioduco.sim.runtime import SimulationRuntime
-from aioduco.sim.server.processor import Processor
-from aioduco.sim.view.render import PictureProcess
-from aioduco.streaming.session import Session
-from aioduco.supervision.command import MotionCommand
-from aioduco.supervision.stop_coordinator import StopCoordinator
-from aioduco.supervision.task_command import shown
-from aioduco.sync._runner import Runner
-from aioduco.testing.preflight import going_on, lines
+from aioduco.testing.preflight import lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
-    from aioduco.sim.simulator import Simulator
     from aioduco.testing.preflight.program_clock import ProgramClock, Wait
-    from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder
+    from aioduco.testing.preflight.run_recorder import RunRecorder
 
-__all__ = ["ProgramSimulator", "install"]
+__all__ = ["asked_by_package", "install"]
 
 #: modules between the program and the functions that it calls
 _BETWEEN = frozenset(
@@ -56,58 +39,8 @@ _BETWEEN = frozenset(
 )
 #: shortest blocking of an event loop that is a finding [s]: the heartbeat's usual limit
 BLOCKED = 1.0
-#: least time-outs of a robot and of a stream here [s]: a busy computer is not the program's fault
-_PATIENCE = {"call_timeout": 15.0, "connect_timeout": 15.0, "loop_stall_limit": 20.0}
-_STREAM_PATIENCE = {"timeout": 15.0, "connect_timeout": 15.0, "away_limit": 20.0}
-_HEARTBEAT = 30.0
 #: time between two checks of a wait with a time-out, by the wall clock [s]
 _LOOK = 0.01
-
-
-class ProgramSimulator:
-    """The simulator that the program runs on: its own, if it starts one, else the preflight's.
-
-    Args:
-        make: returns the preflight's simulator, started.
-        attached: called with each simulator that is used.
-    """
-
-    def __init__(
-        self, make: Callable[[], Simulator], attached: Callable[[Simulator], object]
-    ) -> None:
-        self._make = make
-        self._attached = attached
-        self._lock = threading.RLock()
-        self.own: Simulator | None = None
-        self.simulator: Simulator | None = None
-        self.used: bool = False
-
-    def address(self) -> tuple[str, int]:
-        """Host and port of the simulator, to which the program's connections lead."""
-        with self._lock:
-            if self.simulator is None:
-                self.own = self._make()
-                self.attach(self.own)
-            assert self.simulator is not None
-            self.used = True
-            return self.simulator.host, self.simulator.port
-
-    def attach(self, simulator: Simulator) -> None:
-        """Use a simulator from now on."""
-        with self._lock:
-            self.simulator = simulator
-            self._attached(simulator)
-
-    def ports(self) -> set[int]:
-        """The ports of the simulator that is used."""
-        # Without the lock: a thread that holds it may be connecting.
-        used = self.simulator
-        return set() if used is None else {used.port, used.status_port or used.port}
-
-    def close(self) -> None:
-        """Close the preflight's simulator, if there is one."""
-        if self.own is not None:
-            self.own.close()
 
 
 def _asked_by_program(depth: int = 2) -> bool | None:
@@ -141,26 +74,17 @@ def _by_program() -> bool:
     return name.startswith("aioduco.cli") if first == "aioduco" else first not in _BETWEEN
 
 
-def install(
-    clock: ProgramClock, recorder: RunRecorder, cell: ProgramSimulator, serve: Callable[..., Any]
-) -> None:
+def install(clock: ProgramClock, recorder: RunRecorder) -> None:
     """Replace all of these functions, for the rest of this process.
 
     Args:
         clock: the program's time.
-        recorder: records the calls.
-        cell: the simulator to which connections lead.
-        serve: answers a call in the simulator's server; takes the original answering function.
+        recorder: gets the findings.
     """
     _clocks(clock, recorder)
     _loops(clock)
     _threads(clock)
-    _addresses(clock, cell)
-    _streams(clock)
-    _processes(clock)
-    _unanswered(clock)
-    _calls(recorder)
-    _simulator(clock, recorder, serve)
+    _coroutines(recorder)
 
 
 def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
@@ -267,7 +191,15 @@ def _loops(clock: ProgramClock) -> None:
         wait = getattr(self._selector, "wait", None)
         if wait is not None:
             clock.wake(wait)
-        return soon_from_thread(self, *args, **options)
+        origin = None if asyncio._get_running_loop() is self else lines.current()
+        if origin is None:
+            return soon_from_thread(self, *args, **options)
+        # A task that begins so, as anyio's portals begin theirs, belongs to this line.
+        token = lines.TASK_ORIGIN.set(origin)
+        try:
+            return soon_from_thread(self, *args, **options)
+        finally:
+            lines.TASK_ORIGIN.reset(token)
 
     def task(self: Any, coro: Any, *, name: Any = None, context: Any = None) -> Any:
         origin = lines.of_new_task(by_program=bool(_asked_by_program()))
@@ -279,19 +211,6 @@ def _loops(clock: ProgramClock) -> None:
     selecting.__init__ = new_loop
     base.call_soon_threadsafe = from_thread
     base.time, base.call_later, base.call_at, base.create_task = time_of, later, at, task
-
-    portal: Any = anyio.from_thread.BlockingPortal
-    start_soon = portal.start_task_soon
-
-    def soon(self: Any, *args: Any, **options: Any) -> Any:
-        origin = lines.current()
-        token = lines.TASK_ORIGIN.set(origin)
-        try:
-            return start_soon(self, *args, **options)
-        finally:
-            lines.TASK_ORIGIN.reset(token)
-
-    portal.start_task_soon = soon
 
 
 def _threads(clock: ProgramClock) -> None:
@@ -332,182 +251,8 @@ def _threads(clock: ProgramClock) -> None:
     condition.wait, condition.notify, thread.join = waited, notified, joined
 
 
-def _addresses(clock: ProgramClock, cell: ProgramSimulator) -> None:
-    robot: Any = robot_module.Robot
-    wire: Any = connection.Connection
-    of_robot, of_wire = robot.__init__, wire.__init__
-
-    def made(self: Any, host: str, port: int, settings: Any) -> None:
-        there = cell.address()
-        assert cell.simulator is not None
-        patient = _at_least(settings, _PATIENCE)
-        if settings.heartbeat is not None:
-            patient["heartbeat"] = max(_HEARTBEAT, settings.heartbeat)
-        patient["clock"] = cell.simulator.clock
-        of_robot(self, *there, replace(settings, guard=None, lag_limit=None, **patient))
-        self.host, self.port = host, port
-
-    def opened(self: Any, _host: str, _port: int, **options: Any) -> None:
-        options["connect_timeout"] = max(15.0, options.get("connect_timeout", 0.0))
-        of_wire(self, *cell.address(), **options)
-
-    robot.__init__, wire.__init__ = made, opened
-    runner: Any = Runner
-    open_runner, open_robot = runner.open, robot.open
-
-    def opened_runner(self: Any) -> None:
-        clock.call_begins()  # until the loop of the robot's thread waits
-        try:
-            open_runner(self)
-        finally:
-            clock.call_ends()
-
-    async def opened_robot(self: Any) -> None:
-        clock.call_begins()
-        try:
-            await open_robot(self)
-        finally:
-            clock.call_ends()
-
-    async def closed_lane(self: Any) -> None:
-        clock.call_begins()
-        try:
-            await close_lane(self)
-        finally:
-            clock.call_ends()
-
-    lanes: Any = lane.WireLane
-    close_lane = lanes.aclose
-    runner.open, robot.open, lanes.aclose = opened_runner, opened_robot, closed_lane
-
-
-def _streams(clock: ProgramClock) -> None:
-    session: Any = Session
-    of_session = session.__init__
-
-    def made_stream(self: Any, endpoint: Any, config: Any) -> None:
-        options = replace(config.options, **_at_least(config.options, _STREAM_PATIENCE))
-        of_session(self, endpoint, replace(config, options=options))
-
-    session.__init__ = made_stream
-    launch = session._launch
-
-    def launched(self: Any) -> None:
-        clock.stream_begins(lambda: bool(self.gone))
-        launch(self)
-
-    session._launch = launched
-
-
-def _at_least(settings: Any, least: dict[str, float]) -> dict[str, Any]:
-    """Time-outs of some settings, none of them shorter than it may be."""
-    return {name: max(limit, getattr(settings, name)) for name, limit in least.items()}
-
-
-def _processes(clock: ProgramClock) -> None:
-    """Hold the time while a process of this package plans or draws for the program."""
-
-    def standing(asked: Callable[..., Any]) -> Callable[..., Any]:
-        def ask(self: Any, request: Any) -> Any:
-            clock.call_begins()
-            try:
-                return asked(self, request)
-            finally:
-                clock.call_ends()
-
-        return ask
-
-    planner: Any = Planner
-    pictures: Any = PictureProcess
-    awaited = planner._ask
-
-    async def plan(self: Any, problem: Any) -> Any:
-        clock.call_begins()  # before the loop waits for the thread that sends the request
-        try:
-            return await awaited(self, problem)
-        finally:
-            clock.call_ends()
-
-    planner._ask, planner._solve = plan, standing(planner._solve)
-    pictures._ask = standing(pictures._ask)
-
-
-def _unanswered(clock: ProgramClock) -> None:
-    """Run the program's time at the wall clock's rate while an unanswered command is watched."""
-    coordinator: Any = StopCoordinator
-    until_certain = coordinator.stop_until_certain
-
-    async def stop_until_certain(self: Any, *arguments: Any, **options: Any) -> None:
-        over = threading.Event()
-        clock.stream_begins(over.is_set)
-        try:
-            await until_certain(self, *arguments, **options)
-        finally:
-            over.set()
-
-    coordinator.stop_until_certain = stop_until_certain
-
-
-def _calls(recorder: RunRecorder) -> None:
-    lanes: Any = lane.WireLane
-    vendor: Any = DucoCobot
-    call, send = lanes.call, lanes.send
-    from_thread, vendor_call = lanes.call_from_thread, vendor._call
-
-    async def called(self: Any, name: str, args: Any, *rest: Any, **options: Any) -> Any:
-        with recorder.call(name, args) as record:
-            record.result = await call(self, name, args, *rest, **options)
-            return record.result
-
-    def sent(self: Any, one: Any) -> None:
-        if one.further:  # of `ask`: it only reads
-            send(self, one)
-            return
-        under_way = ExitStack()
-        record = under_way.enter_context(recorder.call(one.name, one.args))
-        ended = one.ended
-
-        def over(one: Any) -> None:
-            ended(one)
-            record.result = one.value
-            if one.error is not None:
-                record.error = f"{type(one.error).__name__}: {one.error}"
-            under_way.close()
-
-        one.ended = over
-        send(self, one)
-
-    def called_from_thread(self: Any, name: str, args: Any, timeout: Any) -> Any:
-        with recorder.call(name, args) as record:
-            record.result = from_thread(self, name, args, timeout)
-            return record.result
-
-    def called_by_vendor(self: Any, name: str, args: Any) -> Any:
-        with recorder.call(name, args) as record:
-            record.of_vendor = True
-            record.result = vendor_call(self, name, args)
-            return record.result
-
-    lanes.call, lanes.send, lanes.call_from_thread = called, sent, called_from_thread
-    vendor._call = called_by_vendor
-
-    motion: Any = MotionCommand
-    init, gone = motion.__init__, motion.__del__
-
-    def new(self: Any, *args: Any, **options: Any) -> None:
-        init(self, *args, **options)
-        recorder.made[id(self)] = lines.current()
-
-    def forgotten(self: Any) -> None:
-        origin = recorder.made.pop(id(self), None)
-        if not getattr(self, "_used", True):
-            recorder.never_awaited(origin and origin.where, shown(self.command))
-        gone(self)
-
-    motion.__init__, motion.__del__ = new, forgotten
-
-    import warnings  # noqa: PLC0415 - of the process that is changed here
-
+def _coroutines(recorder: RunRecorder) -> None:
+    """Report coroutines of the program that are never awaited, with the line that made them."""
     module: Any = warnings
     unawaited = module._warn_unawaited_coroutine
 
@@ -520,38 +265,3 @@ def _calls(recorder: RunRecorder) -> None:
 
     module._warn_unawaited_coroutine = warn
     sys.set_coroutine_origin_tracking_depth(12)
-
-
-def _simulator(clock: ProgramClock, recorder: RunRecorder, serve: Callable[..., Any]) -> None:
-    processor: Any = Processor
-    tasks: Any = TaskTable
-    runtime: Any = SimulationRuntime
-    answer, new, wait = processor.answer, tasks.new, runtime.wait
-    serving = threading.local()
-
-    def answered(self: Any, message: Any) -> Any:
-        record: ProgramCall | None = recorder.match_call(message.name)
-        serving.record = record
-        try:
-            return serve(record, message.name, lambda: answer(self, message))
-        finally:
-            serving.record = None
-
-    def made(self: Any, name: str) -> int:
-        number: int = new(self, name)
-        record: ProgramCall | None = getattr(serving, "record", None)
-        if record is not None and record.task is None:
-            recorder.task(record, number)
-        return number
-
-    def waited(self: Any, id_: int) -> Any:
-        if getattr(serving, "record", None) is None:
-            return wait(self, id_)
-        clock.call_ends()
-        try:
-            return wait(self, id_)
-        finally:
-            clock.call_begins()
-
-    processor.answer, tasks.new, runtime.wait = answered, made, waited
-    going_on.install(recorder, lambda: getattr(serving, "record", None))

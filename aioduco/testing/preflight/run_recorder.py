@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import contextvars
 import threading
 from dataclasses import dataclass, field
@@ -16,7 +15,7 @@ from aioduco.testing.preflight import lines
 from aioduco.testing.preflight.borders import AccessBlocked
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from aioduco.sim import Simulator
     from aioduco.sim.snapshot import SimulationSnapshot
@@ -139,9 +138,19 @@ class RunRecorder:
 
     # -- calls --------------------------------------------------------------------------------
 
-    @contextlib.contextmanager
-    def call(self, name: str, args: tuple[Any, ...]) -> Iterator[ProgramCall]:
-        """Record a call, unless it only reads; the program's time stands during the call."""
+    def call(
+        self, name: str, args: tuple[Any, ...], *, vendor: bool = False
+    ) -> Callable[[Any, BaseException | None], None]:
+        """Record a call, unless it only reads; the program's time stands until its end.
+
+        Args:
+            name: the function of the wire.
+            args: its arguments.
+            vendor: whether the vendor's class makes it.
+
+        Returns:
+            A function that is called once at its end, with the answer and the error.
+        """
         origin = lines.current()
         record = ProgramCall(
             name,
@@ -150,6 +159,7 @@ class RunRecorder:
             origin.actor if origin else 0,
             self._clock.passed,
             waiting=origin.waiting if origin else (),
+            of_vendor=vendor,
         )
         acts = call_kind(name) is not CallKind.READ and name not in _UPKEEP
         if acts:
@@ -162,17 +172,18 @@ class RunRecorder:
                 self.calls.append(record)
                 self._under_way.append(record)
         self._clock.call_begins()
-        try:
-            yield record
-        except BaseException as exc:
-            record.error = f"{type(exc).__name__}: {exc}"
-            raise
-        finally:
+
+        def ended(answer: Any, error: BaseException | None) -> None:
+            record.result = answer
+            if error is not None:
+                record.error = f"{type(error).__name__}: {error}"
             self._clock.call_ends()
             record.end = self._clock.passed
             if acts:
                 with self._lock:
                     self._under_way.remove(record)
+
+        return ended
 
     def match_call(self, name: str) -> ProgramCall | None:
         """The recorded call that the controller begins to answer; None if it is not recorded."""
