@@ -41,6 +41,18 @@ def test_the_program_is_good(duco_preflight):
     assert [finding.kind for finding in report.findings] == ["error"]
 """
 
+#: classes of this package, and the modules of their functions
+ORIGINAL = f"""import types
+{BEGIN}
+for name, module in list(sys.modules.items()):
+    kinds = vars(module).values() if name.startswith("aioduco.") else ()
+    for kind in [each for each in kinds if isinstance(each, type) and each.__module__ == name]:
+        for function in vars(kind).values():
+            if isinstance(function, types.FunctionType):
+                place = function.__globals__["__name__"]
+                assert place == name or "preflight" not in place, f"{{kind}} {{function}}"
+"""
+
 
 def aioduco_preflight(folder: Path, *arguments: str) -> tuple[int, str, dict[str, Any]]:
     """Exit status, what was said, and the result as JSON."""
@@ -124,3 +136,11 @@ def test_the_fixture_in_a_project_of_its_own(tmp_path: Path) -> None:
         check=False,
     )
     assert "1 passed" in done.stdout, done.stdout + done.stderr
+
+
+def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(ORIGINAL, encoding="utf-8")
+    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    assert report.ok, report.findings
+    assert report.motions
