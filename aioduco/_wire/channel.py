@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from aioduco._wire.idl import Function
     from aioduco.errors import ConnectionLost
 
-__all__ = ["Call", "Carrier", "Channel", "LaneCall", "connect"]
+__all__ = ["Call", "Carrier", "Channel", "LaneCall", "connect", "resolve"]
 
 
 @dataclass(slots=True, eq=False)
@@ -520,7 +520,7 @@ async def connect(
     begin = time.monotonic()
     error: BaseException = TimeoutError("no time was left to connect")
     try:
-        addresses = await _addresses(endpoint, deadline)
+        addresses = await resolve(endpoint, deadline)
     except ConnectError:
         raise
     except (OSError, UnicodeError) as exc:
@@ -544,7 +544,8 @@ async def connect(
     raise endpoint.refused(error) from error
 
 
-async def _addresses(endpoint: Endpoint, deadline: float) -> list[Address]:
+async def resolve(endpoint: Endpoint, deadline: float) -> list[Address]:
+    """As `Endpoint.resolve`, without blocking the event loop."""
     found = endpoint.lookup()
     if not isinstance(found, Lookup):
         return found

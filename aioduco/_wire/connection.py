@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.endpoint import Endpoint, Lookup
+from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.failures import DeadlinePassed, Ended, failure, reason_of
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
@@ -126,7 +126,7 @@ class Connection:
         limit = begin + self._endpoint.connect_timeout
         limit = limit if deadline is None else min(limit, deadline)
         try:
-            found = list(addresses) if addresses else self._resolve(limit)
+            found = list(addresses) if addresses else self._endpoint.resolve(limit)
             self._connect(found, limit)
         except (OSError, UnicodeError, Ended) as exc:
             given_up = self.state is not ConnectionState.NEW
@@ -148,13 +148,6 @@ class Connection:
         stream.connected(blocking=True)
         self._stream = stream
         self._was_open = self._life.opened()
-
-    def _resolve(self, deadline: float) -> list[Address]:
-        found = self._endpoint.lookup()
-        if isinstance(found, Lookup):
-            found.wait(deadline)
-            return found.addresses()
-        return found
 
     def _connect(self, addresses: list[Address], deadline: float) -> None:
         error: OSError = TimeoutError("no time was left to connect")

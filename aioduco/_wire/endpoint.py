@@ -201,6 +201,23 @@ class Endpoint:
                 raise self.refused(exc) from exc
         return lookup
 
+    def resolve(self, deadline: float) -> list[Address]:
+        """Return the addresses; block until they are known, or until the deadline.
+
+        Args:
+            deadline: time of `time.monotonic()` by which the name must be resolved.
+
+        Raises:
+            ConnectError: the host is no name and no address, or the system has no more threads.
+            OSError: the system knows none, or has not answered in time (`TimeoutError`).
+            UnicodeError: the text can be no name.
+        """
+        found = self.lookup()
+        if isinstance(found, Lookup):
+            found.wait(deadline)
+            return found.addresses()
+        return found
+
     def refused(self, error: BaseException) -> ConnectError:
         """Make the error for a connection that could not be made; the caller raises it."""
         known = resource_error(error)

@@ -45,8 +45,8 @@ class ForceStream(PortReader[ConnectedUDPSocket, ForceSample]):
     def __init__(self, host: str, port: int = FORCE_PORT, *, timeout: float = 5.0) -> None:
         super().__init__(host, port, timeout)
 
-    async def _connect(self) -> ConnectedUDPSocket:
-        opened = await anyio.create_connected_udp_socket(self.host, self.port)
+    async def _connect(self, host: str, port: int) -> ConnectedUDPSocket:
+        opened = await anyio.create_connected_udp_socket(host, port)
         await opened.send(FORCE_REQUEST)
         return opened
 

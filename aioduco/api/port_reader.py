@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import socket
+import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar, Final, Generic, TypeVar
 
 import anyio
 
 from aioduco._process.copying import Uncopied
+from aioduco._wire.channel import resolve
+from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models import ranges
 from aioduco.models.address import HOST_RULE, is_host
@@ -57,8 +61,8 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
         return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
 
     @abstractmethod
-    async def _connect(self) -> C:
-        """Connect; an `OSError` says that this failed."""
+    async def _connect(self, host: str, port: int) -> C:
+        """Connect to one address of the host; an `OSError` says that this failed."""
 
     @abstractmethod
     async def _receive(self, connection: C) -> bytes:
@@ -70,15 +74,25 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
         """Make the item; a `ProtocolError` says that the bytes are none."""
 
     async def __aenter__(self) -> Self:
+        endpoint = Endpoint(self.host, self.port, self.timeout)
+        deadline = time.monotonic() + self.timeout
+        error: BaseException = TimeoutError("no time was left to connect")
         try:
-            with anyio.fail_after(self.timeout):
-                self._connection = await self._connect()
-        except TimeoutError as exc:
-            reason = f"no answer within {self.timeout} s"
-            raise ConnectError(self.host, self.port, reason) from exc
-        except (OSError, anyio.BrokenResourceError) as exc:
-            raise ConnectError(self.host, self.port, str(exc)) from exc
-        return self
+            found = await resolve(endpoint, deadline)
+        except ConnectError:
+            raise
+        except (OSError, UnicodeError) as exc:
+            raise endpoint.refused(exc) from exc
+        for (*_, name), until in endpoint.route.tries(found, deadline):
+            host, port = socket.getnameinfo(name, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)
+            try:
+                with anyio.fail_after(until - time.monotonic()):
+                    self._connection = await self._connect(host, int(port))
+            except (OSError, anyio.BrokenResourceError) as exc:
+                error = exc.__cause__ if isinstance(exc.__cause__, OSError) else exc
+            else:
+                return self
+        raise endpoint.refused(error) from error
 
     async def __aexit__(self, *_: object) -> None:
         if self._connection is not None:

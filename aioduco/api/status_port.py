@@ -44,8 +44,8 @@ class StatusPort(PortReader[BufferedByteReceiveStream, StatusFrame]):
         if not self.timeout > 1.0 / RATE:
             raise ParameterError("timeout", timeout, f"above {1.0 / RATE} s: frames come as often")
 
-    async def _connect(self) -> BufferedByteReceiveStream:
-        return BufferedByteReceiveStream(await anyio.connect_tcp(self.host, self.port))
+    async def _connect(self, host: str, port: int) -> BufferedByteReceiveStream:
+        return BufferedByteReceiveStream(await anyio.connect_tcp(host, port))
 
     async def _receive(self, connection: BufferedByteReceiveStream) -> bytes:
         return await connection.receive_exactly(FRAME_SIZE)

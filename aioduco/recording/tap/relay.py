@@ -30,6 +30,9 @@ from aioduco._process.scheduling import shorten_slice
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    #: family of an address, and what `connect` takes
+    _Address = tuple[int, Any]
+
 __all__ = ["HEAD", "KEPT", "CopyKind", "main"]
 
 #: head of a copy: time of `time.monotonic` [s], number of the connection, kind, number of bytes
@@ -48,6 +51,9 @@ _CHUNK: Final = 64 * 1024
 _DRAIN_TIMEOUT: Final = 5.0
 #: `SO_LINGER` for a reset: unsent bytes are discarded, and the other side gets an error
 _RESET: Final = struct.pack("ii", 1, 0)
+
+#: seconds after which the controller's next address is tried, if it has one
+_TRY: Final = 1.0
 
 #: seconds in which no client is accepted after descriptors or memory ran out
 _REST: Final = 0.1
@@ -162,18 +168,47 @@ class _Link:
         relay: the relay.
         number: number of the connection, from 0.
         client: socket of the client.
-        server: a socket that is being connected to the controller.
+        server: socket for the first address.
+        addresses: addresses of the controller, in the order in which they are tried.
     """
 
     def __init__(
-        self, relay: _Relay, number: int, client: socket.socket, server: socket.socket
+        self,
+        relay: _Relay,
+        number: int,
+        client: socket.socket,
+        server: socket.socket,
+        addresses: Sequence[_Address],
     ) -> None:
         self._relay = relay
         self.number = number
         self.client = _Side(client, CopyKind.REQUEST)
         self.server = _Side(server, CopyKind.ANSWER)
+        self._address, *self._others = addresses
         self._first = ""
+
+    def dial(self) -> None:
+        """Connect to the controller's address."""
+        code = self.server.sock.connect_ex(self._address[1])
+        if code not in (0, *CONNECTING):
+            self._cut(self.server, OSError(code, os.strerror(code)))
+            return
+        self._relay.tries(self, again=bool(self._others))
         self._watch()
+
+    def dial_next(self) -> None:
+        """Give up the address that does not answer, and connect to the next one."""
+        self._relay.forget(self.server.sock)
+        self.server.sock.close()
+        self._address, *self._others = self._others
+        try:
+            sock = socket.socket(self._address[0], socket.SOCK_STREAM)
+        except OSError as error:
+            self._others.clear()
+            self._cut(self.server, error)
+            return
+        self.server = _Side(sock, CopyKind.ANSWER)
+        self.dial()
 
     def other(self, side: _Side) -> _Side:
         """Return the opposite side."""
@@ -212,6 +247,7 @@ class _Link:
         if error:
             raise OSError(error, os.strerror(error))
         side.connected = True
+        self._relay.reached(self, self._address)
 
     def _pass_on(self, side: _Side) -> None:
         """Read from a side, and write to the other one; then make a copy."""
@@ -249,7 +285,10 @@ class _Link:
             self._relay.watch(side.sock, _READ * reads | _WRITE * writes, (self, side))
 
     def _cut(self, side: _Side, error: OSError) -> None:
-        """Reset the connection after an error of one side."""
+        """Reset the connection after an error of one side, unless another address is left."""
+        if not self.server.connected and self._others:
+            self.dial_next()
+            return
         if not self.server.connected:
             self._relay.end(self, CopyKind.REFUSED, str(error).encode())
         else:
@@ -270,25 +309,24 @@ class _Relay:
 
     Args:
         listener: socket to which clients connect.
-        controller: address and port of the controller.
-        family: address family of the controller's address.
+        addresses: addresses of the controller; the one that connected last is tried first.
         link: socket to the program; the relay ends when the program closes it.
     """
 
     def __init__(
         self,
         listener: socket.socket,
-        controller: tuple[Any, ...],
-        family: int,
+        addresses: Sequence[_Address],
         link: socket.socket,
     ) -> None:
         self.selector = selectors.DefaultSelector()
         self._listener = listener
-        self._controller = controller
-        self._family = family
+        self._addresses = list(addresses)
         self._program = link
         self._number = 0
         self._links: set[_Link] = set()
+        #: connections that try their next address, and when
+        self._trying: dict[_Link, float] = {}
         self._watched: dict[socket.socket, int] = {}
         self._rests_until: float | None = None
         listener.setblocking(False)
@@ -315,6 +353,8 @@ class _Relay:
             if self.copies.left() == 0.0:
                 self.copies.send()
             self._resume()
+            if self._trying:
+                self._try_others()
 
     def _rest(self) -> None:
         """Accept no client for a moment: there are no descriptors. Those that are here go on."""
@@ -326,7 +366,26 @@ class _Relay:
         left = [] if (copies := self.copies.left()) is None else [copies]
         if self._rests_until is not None:
             left.append(max(0.0, self._rests_until - time.monotonic()))
+        if self._trying:
+            left.append(max(0.0, min(self._trying.values()) - time.monotonic()))
         return min(left, default=None)
+
+    def tries(self, link: _Link, *, again: bool) -> None:
+        """Note that a link connects, and whether it tries another address if that takes long."""
+        self._trying.pop(link, None)
+        if again:
+            self._trying[link] = time.monotonic() + _TRY
+
+    def reached(self, link: _Link, address: _Address) -> None:
+        """Note that a link has connected to an address: others try it first."""
+        self._trying.pop(link, None)
+        self._addresses.sort(key=lambda each: each != address)
+
+    def _try_others(self) -> None:
+        """Let links whose address does not answer try their next one."""
+        now = time.monotonic()
+        for link in [each for each, due in self._trying.items() if due <= now]:
+            link.dial_next()
 
     def _resume(self) -> None:
         """Accept clients again after a rest."""
@@ -359,6 +418,7 @@ class _Relay:
     def end(self, link: _Link, kind: CopyKind, why: bytes) -> None:
         """Note and report that a connection has ended."""
         self._links.discard(link)
+        self._trying.pop(link, None)
         self.copies.put(time.monotonic(), link.number, kind, why)
 
     def _accept(self) -> None:
@@ -369,7 +429,7 @@ class _Relay:
                 self._rest()
             return  # else the client disconnected before it was accepted
         try:
-            server = socket.socket(self._family, socket.SOCK_STREAM)
+            server = socket.socket(self._addresses[0][0], socket.SOCK_STREAM)
         except OSError:  # no descriptor for its other side
             client.close()
             self._rest()
@@ -377,19 +437,15 @@ class _Relay:
         number, self._number = self._number, self._number + 1
         where = f"{address[0]}:{address[1]}".encode()
         self.copies.put(time.monotonic(), number, CopyKind.OPENED, where)
-        server.setblocking(False)
-        code = server.connect_ex(self._controller)
-        link = _Link(self, number, client, server)
+        link = _Link(self, number, client, server, self._addresses)
         self._links.add(link)
-        if code not in (0, *CONNECTING):
-            self.end(link, CopyKind.REFUSED, os.strerror(code).encode())
-            link.close(reset=True)
+        link.dial()
 
 
 def main(arguments: Sequence[str]) -> int:
     """Relay between clients and a controller until the program closes its socket.
 
-    The program first sends the controller's host and port, and the address to listen on. The relay
+    The program first sends the controller's addresses, and the address to listen on. The relay
     answers with the address that it listens on, or with the text of an error.
 
     Args:
@@ -399,9 +455,8 @@ def main(arguments: Sequence[str]) -> int:
         Exit status of the process.
     """
     channel = ValueChannel.of(arguments)
-    host, port, listen = channel.receive()
+    addresses, listen = channel.receive()
     try:
-        family, _, _, _, controller = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         own = socket.AF_INET6 if ":" in listen[0] else socket.AF_INET
         listener = socket.create_server(listen, family=own, backlog=128)
     except OSError as error:
@@ -410,7 +465,7 @@ def main(arguments: Sequence[str]) -> int:
     channel.send(listener.getsockname()[:2])
     shorten_slice(_SLICE)
     link = channel.copy()
-    relay = _Relay(listener, controller, family, link)
+    relay = _Relay(listener, addresses, link)
     try:
         try:
             relay.run()

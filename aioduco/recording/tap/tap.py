@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import socket
-from typing import TYPE_CHECKING
+import time
+from typing import TYPE_CHECKING, Any
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
+from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import ConnectError, ParameterError
 from aioduco.models.address import HOST_RULE, is_host
 from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
@@ -23,6 +25,8 @@ __all__ = ["Tap"]
 
 #: time-out for the relay to report its address [s]
 _START = 60.0
+#: time-out for the controller's name to be resolved [s]
+_RESOLVE = 5.0
 _CHUNK = 256 * 1024
 
 
@@ -66,15 +70,17 @@ class Tap(Uncopied):
         """Start the relay.
 
         Raises:
-            ConnectError: the address cannot be listened on, or the controller's name is unknown.
+            ConnectError: the address cannot be listened on, or the controller's name is unknown
+                or not resolved within 5 s.
             RuntimeError: no process can be started.
         """
+        addresses = self._addresses()
         try:
             linked = LinkedProcess("aioduco.recording.tap.relay")
         except Unstartable as error:
             raise RuntimeError(f"the relay was not started: {error}") from error
         try:
-            linked.channel.send((*self._controller, self._listen))
+            linked.channel.send((addresses, self._listen))
             ready = linked.channel.receive(_START)
         except (EOFError, TimeoutError, OSError) as error:
             linked.close()
@@ -90,6 +96,17 @@ class Tap(Uncopied):
         self._linked = linked
         self.host, self.port = ready
         return self
+
+    def _addresses(self) -> list[tuple[int, Any]]:
+        """The controller's addresses, each with its family."""
+        endpoint = Endpoint(*self._controller, _RESOLVE)
+        try:
+            found = endpoint.resolve(time.monotonic() + _RESOLVE)
+        except ConnectError:
+            raise
+        except (OSError, UnicodeError) as error:
+            raise endpoint.refused(error) from error
+        return [(int(family), name) for family, *_, name in found]
 
     def __exit__(
         self,

@@ -1,0 +1,172 @@
+"""A name that hangs, an address that leads nowhere, a server that is silent: all ends in time.
+
+The ways to a controller: the robot in both forms, the vendor's class, the command, the ports that
+send by themselves, and the tap.
+"""
+
+from __future__ import annotations
+
+import socket
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+from client.bench import Bench
+from typer.testing import CliRunner
+from wire.names import NAME, Names
+from wire.servers import PATIENCE, black_hole
+
+import aioduco
+import aioduco.sync
+from aioduco.api.force_stream import ForceStream
+from aioduco.api.status_port import StatusPort
+from aioduco.cli.app import app
+from aioduco.compat import DucoCobot
+from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.models.status_frame import FRAME_SIZE
+from aioduco.recording.tap import Tap
+from aioduco.testing import no_leaks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+#: shorter than what the silent side keeps silent, and not waited for where a test passes
+SHORT = 0.3
+
+
+@pytest.fixture
+def names(monkeypatch: pytest.MonkeyPatch) -> Iterator[Names]:
+    with no_leaks():
+        made = Names(monkeypatch)
+        yield made
+        made.answers.set()
+
+
+def by_robot(host: str, port: int) -> None:
+    async def look() -> None:
+        async with aioduco.connect(host, port, connect_timeout=SHORT, call_timeout=SHORT):
+            pass
+
+    anyio.run(look)
+
+
+def by_sync(host: str, port: int) -> None:
+    with aioduco.sync.connect(host, port, connect_timeout=SHORT, call_timeout=SHORT):
+        pass
+
+
+def by_compat(host: str, port: int) -> None:
+    robot = DucoCobot(host, port)
+    if robot.open():
+        raise ConnectError(host, port, str(robot.last_error))
+    robot.close()
+
+
+def by_command(host: str, port: int) -> None:
+    done = CliRunner().invoke(app, ["status", f"{host}:{port}"])
+    if done.exit_code:
+        raise ConnectError(host, port, done.output)
+
+
+def by_status_port(host: str, port: int) -> None:
+    async def look() -> None:
+        async with StatusPort(host, port, timeout=SHORT):
+            pass
+
+    anyio.run(look)
+
+
+def by_force_stream(host: str, port: int) -> None:
+    async def look() -> None:
+        async with ForceStream(host, port, timeout=SHORT):
+            pass
+
+    anyio.run(look)
+
+
+def by_tap(host: str, port: int) -> None:
+    with Tap(host, port):
+        pass
+
+
+WAYS = [by_robot, by_sync, by_compat, by_command, by_status_port, by_force_stream, by_tap]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_name_that_hangs_ends_in_time_and_holds_up_no_end(
+    names: Names, monkeypatch: pytest.MonkeyPatch, way: Callable[[str, int], None]
+) -> None:
+    monkeypatch.setattr("aioduco.recording.tap.tap._RESOLVE", SHORT)
+    names.answers.clear()
+    with pytest.raises(ConnectError, match="no answer in time"):
+        way(NAME, 7003)
+    # a thread that a program, or its event loop, waits for as it ends would hang with the name
+    assert names.threads
+    assert all(each.name == "aioduco-resolve" and each.daemon for each in names.threads)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_name_that_nobody_knows(names: Names, way: Callable[[str, int], None]) -> None:
+    with pytest.raises(ConnectError, match="unknown host"):
+        way(NAME, 7003)
+
+
+@pytest.mark.parametrize("way", WAYS[:4])
+def test_a_first_address_that_does_not_answer(
+    names: Names, way: Callable[[str, int], None]
+) -> None:
+    with Bench() as bench, black_hole() as nobody:
+        names.addresses = [nobody, (bench.host, bench.port)]
+        way(NAME, 7003)
+
+
+@contextmanager
+def silent() -> Iterator[socket.socket]:
+    """A server that takes connections, and neither reads nor writes."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        yield listener
+
+
+async def test_a_status_port_whose_first_address_does_not_answer(names: Names) -> None:
+    with silent() as server, black_hole() as nobody:
+        names.addresses = [nobody, server.getsockname()]
+        async with StatusPort(NAME, timeout=2 * SHORT) as port:
+            taken, _ = server.accept()
+            taken.sendall(bytes(FRAME_SIZE))
+            with suppress(aioduco.errors.ProtocolError):
+                await port.frame()
+            taken.close()
+
+
+@pytest.mark.parametrize("first", ["silent", "closed"])
+def test_a_tap_whose_first_address_leads_nowhere(
+    names: Names, monkeypatch: pytest.MonkeyPatch, first: str
+) -> None:
+    """Connections after it begin with the address that answered."""
+    with silent() as server, black_hole() as nobody, socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        server.settimeout(PATIENCE)
+        away = nobody if first == "silent" else closed.getsockname()
+        names.addresses = [away, server.getsockname()]
+        with Tap(NAME) as tap:
+            for _ in range(2):
+                with socket.create_connection((tap.host, tap.port), timeout=PATIENCE) as client:
+                    client.sendall(b"abc")
+                    taken, _ = server.accept()
+                    with taken:
+                        taken.settimeout(PATIENCE)
+                        assert taken.recv(3) == b"abc"
+
+
+@pytest.mark.parametrize("way", [by_robot, by_sync])
+def test_a_server_that_takes_connections_and_never_reads(way: Callable[[str, int], None]) -> None:
+    with no_leaks(), silent() as server, pytest.raises((ConnectError, ConnectionLost)):
+        way(*server.getsockname())
+
+
+async def test_a_status_port_that_sends_nothing() -> None:
+    with silent() as server:
+        async with StatusPort(*server.getsockname(), timeout=SHORT) as port:
+            with pytest.raises(ConnectionLost, match="no frame within"):
+                await port.frame()
