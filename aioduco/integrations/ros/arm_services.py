@@ -84,7 +84,8 @@ class ArmServices:
         """Pause a trajectory goal, or a movej or movel."""
         if self._goals.busy:
             paused = await self._goals.pause()
-            return ServiceReply(paused, "the goal is paused" if paused else "the goal has ended")
+            text = "the goal is paused" if paused else "the goal has ended, or goes on again"
+            return ServiceReply(paused, text)
         return await _answered(self._robot.pause(), "paused")
 
     async def resume(self) -> ServiceReply:
@@ -190,16 +191,20 @@ class ArmServices:
 
     async def play(self) -> ServiceReply:
         """Run the loaded program, or go on with what was paused."""
-        states = await self._robot.state.get_robot_state()
-        if self._goals.busy or states.program is ProgramState.PAUSED:
+        if self._goals.busy:
             return await self.resume()
 
-        async def run() -> None:
+        async def run() -> str:
+            states = await self._robot.state.get_robot_state()
+            if states.program is ProgramState.PAUSED:
+                await self._robot.resume()
+                return "resumed"
+            if not self._program:
+                raise DucoError("no program is loaded: call load_program first; nothing was sent")
             await self._robot.program.run_program(self._program).start(on_cancel="stop")
+            return f"running: {self._program}"
 
-        if not self._program:
-            return ServiceReply(False, "no program is loaded: call load_program first")
-        return await _answered(run(), f"running: {self._program}")
+        return await _answered(run())
 
     async def popup(self, text: str) -> ServiceReply:
         """Show a message on the pendant; the controller pauses all tasks then."""

@@ -19,6 +19,7 @@ import anyio
 
 from aioduco import RobotState
 from aioduco.errors import DucoError, SetPointTooFar
+from aioduco.integrations.ros.seldom_log import SeldomLog
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 from aioduco.models.bounds import clipped, least, most, shown
 
@@ -32,7 +33,6 @@ __all__ = ["JointCommands", "check_command"]
 
 _log = logging.getLogger(__name__)
 _LOOK = 0.1  # seconds between two polls of the arm, and between two checks whether commands ceased
-_SAY_AGAIN = 2.0  # seconds before the same message is logged again
 _BEFORE = 2.0  # age of the oldest command with which the arm's position is compared at first [s]
 _KEPT = 5000  # commands kept at most while the stream opens
 _FASTER = 2.0  # factor of their speed at which these are followed then
@@ -117,7 +117,7 @@ class JointCommands:
         self._came = -math.inf
         self._blocked = False
         self._changed = anyio.Event()
-        self._said: dict[str, float] = {}
+        self._seldom = SeldomLog(_log)
 
     def take(self, names: Sequence[str], positions: Sequence[float]) -> bool:
         """Take a command. Return whether it may be followed.
@@ -129,17 +129,19 @@ class JointCommands:
         try:
             target = check_command(names, positions, self._profile)
         except GoalRefused as refusal:
-            self._say("refused", "joint command refused: %s", refusal)
+            self._seldom.warn("refused", "joint command refused: %s", refusal)
             return False
         now = anyio.current_time()
         if now - self._came > self._timeout:
             self._blocked = False
         self._came = now
         if self._blocked:
-            self._say("blocked", "joint commands are ignored until they cease, or a recovery")
+            self._seldom.warn(
+                "blocked", "joint commands are ignored until they cease, or a recovery"
+            )
             return False
         if not self.following and self._busy():
-            self._say("busy", "joint command ignored: a trajectory goal is carried out")
+            self._seldom.warn("busy", "joint command ignored: a trajectory goal is carried out")
             return False
         self._waiting.append((now, target))
         self._changed.set()
@@ -188,7 +190,7 @@ class JointCommands:
             ways = [_way(target, place) for _, target in self._waiting]
             first = next((index for index, way in enumerate(ways) if way <= self._reach), None)
             if first is None:
-                self._say(
+                self._seldom.warn(
                     "far",
                     "joint command ignored: %.3g rad from where the arm is, %.3g allowed at first",
                     *(ways[-1], self._reach),
@@ -221,7 +223,7 @@ class JointCommands:
                         await stream.send(newest)
                         target = newest
                     except SetPointTooFar as error:
-                        self._say("step", "joint command left out: %s", error)
+                        self._seldom.warn("step", "joint command left out: %s", error)
                     if self._waiting:
                         ahead = max(self._waiting[0][0] - came, 0.0) / _FASTER
                         await anyio.sleep_until(anyio.current_time() + ahead)
@@ -230,13 +232,6 @@ class JointCommands:
             # the stream has ended, so that the arm is free
             self.following = self._near = False
             self._waiting.clear()
-
-    def _say(self, what: str, text: str, *values: object) -> None:
-        """Log a message that may occur with every command, at a limited rate."""
-        now = anyio.current_time()
-        if now - self._said.get(what, -math.inf) > _SAY_AGAIN:
-            self._said[what] = now
-            _log.warning(text, *values)
 
 
 def _way(one: tuple[float, ...], other: tuple[float, ...]) -> float:

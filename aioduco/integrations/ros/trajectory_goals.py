@@ -21,6 +21,7 @@ from aioduco.errors import (
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.bounds import outside, shown
 from aioduco.models.ranges import JOINT_SPEED
+from aioduco.models.rules import Number, stored
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -217,6 +218,9 @@ class GoalRules:
         max_stamp_ahead: largest time of a stamp in the future [s].
         max_duration: longest duration of a trajectory [s].
         most_points: largest number of points of a trajectory.
+
+    Raises:
+        ParameterError: a number is not finite, below 0 or too large.
     """
 
     path: float = 0.1
@@ -227,6 +231,12 @@ class GoalRules:
     max_stamp_ahead: float = 60.0
     max_duration: float = 600.0
     most_points: int = 5000
+
+    def __post_init__(self) -> None:
+        angle = Number(0.0, _ANYWHERE, "rad", source="this package")
+        stored(self, path=angle, goal=angle, start=angle)
+        time = Number(0.0, 3600.0, "s", source="this package")
+        stored(self, goal_time=time, max_stamp_age=time, max_stamp_ahead=time, max_duration=time)
 
 
 @dataclass(frozen=True, slots=True)

@@ -203,6 +203,7 @@ class TrajectoryServer:
         self._followed: PathPart | None = None
         self._factor = 1.0
         self._paused = False
+        #: whether the arm has come to rest at the early end of that part
         self._at_rest = anyio.Event()
         self._resumed = anyio.Event()
         #: when the arm has to be at its goal at the latest, on the event loop's clock [s]
@@ -224,6 +225,7 @@ class TrajectoryServer:
         """Take a goal: refuse it at once, or carry it out as soon as the arm is at rest."""
         try:
             checked = check_goal(handle.goal, self._profile, self._rules, self._wall())
+            self._check_begin(checked)
         except GoalRefused as refusal:
             handle.rejected(refusal.code, str(refusal))
             return
@@ -263,13 +265,13 @@ class TrajectoryServer:
         """Bring the arm to rest on the path of the running goal, which goes on by `resume`.
 
         Returns:
-            Whether a goal is paused; otherwise it had ended.
+            Whether a goal is paused; otherwise it has ended, or goes on again.
         """
         if self._queue.running is not None and not self._paused:
-            self._paused, self._resumed, self._at_rest = True, anyio.Event(), anyio.Event()
-            if self._part is not None:
-                self._part.cancel()
-                await self._at_rest.wait()
+            self._paused, self._resumed = True, anyio.Event()
+            self._end_part()
+        if self._paused and self._part is not None:
+            await self._at_rest.wait()  # an earlier pause may still bring it to rest
         return self._paused
 
     def resume(self) -> bool:
@@ -328,6 +330,27 @@ class TrajectoryServer:
                     self._queue.end()
         finally:
             self.cancel_all("the driver ends")
+
+    def _check_begin(self, checked: CheckedGoal) -> None:
+        """Check that a goal which is to replace the running one begins near it.
+
+        Raises:
+            GoalRefused: it begins where the arm neither was lately nor soon will be.
+        """
+        progress, first = self._progress, checked.trajectory.positions[0]
+        if checked.begin or checked.trajectory.times[0] > 0.0 or progress is None:
+            return  # another time decides, it leads from anywhere, or the arm stands
+        now = anyio.current_time()
+        ahead = progress.time + np.linspace(-_LAG, _RECENT, round(_RECENT * _MOST_FEEDBACK))
+        places = [*self._path.at(np.clip(ahead, 0.0, self._path.times[-1])), progress.actual]
+        places += [place for at, place in self._recent if now - at < _RECENT]
+        away = np.abs(np.array(places) - first).max(axis=1).min()
+        if not away <= self._rules.start:
+            raise GoalRefused(
+                ErrorCode.INVALID_GOAL,
+                f"the trajectory begins elsewhere: {away:.4f} rad from the way of the arm, which "
+                f"follows another goal; {self._rules.start:g} allowed",
+            )
 
     def _replace(self) -> None:
         """Let the waiting goal take over from the moving arm, or else bring the arm to rest."""
@@ -478,7 +501,6 @@ class TrajectoryServer:
                     return None
                 if self._paused:
                     self._due = math.inf
-                    self._at_rest.set()
                     await self._resumed.wait()
                 actual = await self._standing()
             except DucoError as error:
@@ -503,7 +525,7 @@ class TrajectoryServer:
         Returns:
             Whether to the end, or until a pause or another speed.
         """
-        self._followed, self._switch = part, TrajectorySwitch()
+        self._followed, self._switch, self._at_rest = part, TrajectorySwitch(), anyio.Event()
         due = 0.0
         period = self._period
 
@@ -536,6 +558,7 @@ class TrajectoryServer:
                 options=self._options,
             )
             return True
+        self._at_rest.set()
         return False
 
     async def _come_to_rest(self) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import anyio
 
 from aioduco.errors import DucoError, ParameterError
+from aioduco.integrations.ros.seldom_log import SeldomLog
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -65,6 +66,7 @@ class TwistCommands:
         self._came = -math.inf
         self._blocked = False
         self._changed = anyio.Event()
+        self._seldom = SeldomLog(_log)
 
     def take(self, twist: Sequence[float], frame: str = "") -> bool:
         """Take a command; only the newest counts. Return whether it may be followed.
@@ -73,15 +75,17 @@ class TwistCommands:
             twist: speed along x, y, z [m/s], and about them [rad/s].
             frame: frame of the axes: the base's, empty for that, or one at the tool.
         """
+        axes = self._frames.get(frame)
+        if axes is None or not all(map(math.isfinite, twist)):
+            # it keeps no stream open: the arm would go on with the twist before it
+            known = ", ".join(self._frames)
+            text = "twist refused: not finite, or frame %r is none of %s"
+            self._seldom.warn("refused", text, frame, known)
+            return False
         now = anyio.current_time()
         if now - self._came > self._timeout:
             self._blocked = False
         self._came = now
-        axes = self._frames.get(frame)
-        if axes is None or not all(map(math.isfinite, twist)):
-            known = ", ".join(self._frames)
-            _log.warning("twist refused: not finite, or frame %r is none of %s", frame, known)
-            return False
         if self._blocked or (not self.following and self._busy()):
             return False
         if self.following and axes != self._frame:
@@ -125,7 +129,7 @@ class TwistCommands:
                     try:
                         await stream.send(newest)
                     except ParameterError as error:
-                        _log.warning("twist refused: %s", error)
+                        self._seldom.warn("out of range", "twist refused: %s", error)
                     with anyio.move_on_after(self._timeout):
                         await self._changed.wait()
         finally:

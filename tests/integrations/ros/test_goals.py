@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import anyio.lowlevel
@@ -36,11 +37,15 @@ from aioduco.integrations.ros.trajectory_goals import (
     check_start,
     code_of,
 )
-from aioduco.integrations.ros.trajectory_server import TrajectoryServer
+from aioduco.integrations.ros.trajectory_server import Progress, TrajectoryServer
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.state import RobotStates
+from aioduco.testing import eventually_async
 
 from .goals import NAMES, NOW, PROFILE, START, WRONG, Client, goal, way
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
 
 RULES = GoalRules()
 
@@ -237,6 +242,107 @@ class FakeRobot:
             get_robot_state=lambda: answer(ready),
             get_actual_joints_position=lambda: answer(list(START)),
         )
+
+
+class HeldMotion:
+    """A motion that goes on until it is ended, and comes to rest when it may.
+
+    Attributes:
+        begun: how many parts of goals were begun.
+        rest: set while an arm that is to come to rest does so.
+    """
+
+    def __init__(self) -> None:
+        self.begun = 0
+        self.rest = anyio.Event()
+
+    async def follow_joint_trajectory(self, trajectory: Any, *, feedback: Any, **_: Any) -> None:
+        self.begun += 1
+        here = np.array(START)
+        feedback(Progress(0.0, here, here, np.zeros(6)))
+        try:
+            await anyio.sleep_forever()
+        finally:
+            with anyio.CancelScope(shield=True):
+                await self.rest.wait()
+
+
+@asynccontextmanager
+async def held() -> AsyncIterator[tuple[TrajectoryServer, HeldMotion]]:
+    """A server whose arm is held on its way."""
+    robot: Any = FakeRobot()
+    robot.motion = HeldMotion()
+    server = TrajectoryServer(robot, PROFILE, RULES, wall=lambda: NOW)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(server.run)
+        yield server, robot.motion
+        robot.motion.rest.set()
+        tasks.cancel_scope.cancel()
+
+
+async def test_each_pause_is_answered_when_the_arm_stands() -> None:
+    """Also two at once, and one after a resume that came before the arm stood."""
+    answers: list[bool] = []
+    async with held() as (server, motion), anyio.create_task_group() as tasks:
+
+        async def pause() -> None:
+            answers.append(await server.pause())
+
+        server.submit(client := Client(goal()))
+        await eventually_async(lambda: motion.begun == 1)
+        tasks.start_soon(pause)
+        tasks.start_soon(pause)
+        await anyio.wait_all_tasks_blocked()
+        assert answers == []  # it does not stand yet
+        assert server.resume()
+        tasks.start_soon(pause)
+        await anyio.wait_all_tasks_blocked()
+        assert answers == []
+        motion.rest.set()
+        await eventually_async(lambda: len(answers) == 3)
+        assert answers == [True] * 3
+        assert server.resume()
+        await eventually_async(lambda: motion.begun == 2)
+        assert client.told == ["accepted"]
+
+
+async def test_a_resume_before_the_arm_stands_answers_the_pause() -> None:
+    answers: list[bool] = []
+    async with held() as (server, motion), anyio.create_task_group() as tasks:
+
+        async def pause() -> None:
+            answers.append(await server.pause())
+
+        server.submit(Client(goal()))
+        await eventually_async(lambda: motion.begun == 1)
+        tasks.start_soon(pause)
+        await anyio.wait_all_tasks_blocked()
+        server.resume()
+        motion.rest.set()
+        await eventually_async(lambda: motion.begun == 2)
+        assert answers == [False]
+
+
+async def test_a_goal_that_begins_elsewhere_disturbs_no_running_one() -> None:
+    async with held() as (server, motion):
+        server.submit(running := Client(goal()))
+        await eventually_async(lambda: motion.begun == 1)
+        away = [p._replace(positions=tuple(q + 0.5 for q in p.positions)) for p in goal().points]
+        server.submit(elsewhere := Client(goal(points=away)))
+        assert (elsewhere.told, elsewhere.code) == (["rejected"], ErrorCode.INVALID_GOAL)
+        assert "elsewhere" in elsewhere.text
+        assert running.told == ["accepted"]
+        # one that begins where the arm soon is may take its place
+        server.submit(near := Client(goal(points=[GoalPoint(way(0.1)), GoalPoint(START, time=2)])))
+        assert near.told == []
+
+
+@pytest.mark.parametrize("name", ["path", "goal", "goal_time", "start", "max_stamp_age"])
+@pytest.mark.parametrize("value", [math.nan, -0.1, math.inf])
+def test_rules_are_numbers(name: str, value: float) -> None:
+    given_: Any = {name: value}
+    with pytest.raises(ParameterError, match=name):
+        GoalRules(**given_)
 
 
 @given(st.one_of(GOALS, near_goals()))

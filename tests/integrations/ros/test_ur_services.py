@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from aioduco import RobotState, WorkerOptions
+from aioduco.errors import ConnectionLost
 from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco.integrations.ros.arm_services import ArmServices
 from aioduco.integrations.ros.service_table import service_table
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
@@ -21,7 +23,7 @@ from .test_arm_node import Sink
 from .test_joint_commands import ticks
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Generator, Iterator
 
     from aioduco.integrations.ros.arm_node import ArmNode
     from aioduco.integrations.ros.arm_services import ServiceReply
@@ -66,6 +68,40 @@ async def done(node: ArmNode, name: str, **asked: Any) -> str:
 
 def test_each_service_has_a_name_of_its_own() -> None:
     assert len(TABLE) == len(list(service_table()))
+
+
+class Lost:
+    """A robot whose connection is lost, whatever is asked for."""
+
+    def __getattr__(self, name: str) -> Lost:
+        return self
+
+    def __call__(self, *_: object, **__: object) -> Lost:
+        return self
+
+    def __await__(self) -> Generator[Any, None, None]:
+        yield from ()
+        raise ConnectionLost("the connection is lost")
+
+
+SIX, THREE = [0.0] * 6, [0.0] * 3
+ASKED = SimpleNamespace(
+    **dict.fromkeys(("text", "name"), "wave"), **dict.fromkeys(("tool", "wobj"), ""),
+    **dict.fromkeys(("offset", "wrench", "damping", "speed_limits", "joints", "pose"), SIX),
+    **dict.fromkeys(("v", "a", "mass", "speed_slider_fraction"), 1.0), centre=THREE, percent=50.0,
+    selection=[True] * 6, number=1, value=True, current=False, fun=1, pin=0, state=1.0, frame=0,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TABLE)
+async def test_no_service_raises_without_a_connection(name: str) -> None:
+    robot: Any = Lost()
+    goals: Any = SimpleNamespace(busy=False, resume=lambda: False, stopped=lambda: None)
+    services = ArmServices(robot, goals, lambda: None)
+    reply = await TABLE[name].call(services, ASKED)
+    without = {"dashboard_client/load_program"}
+    assert reply.success == (name in without), reply.message
+    assert reply.message
 
 
 async def test_power_and_brakes(node: ArmNode) -> None:
@@ -150,16 +186,23 @@ async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simula
     assert not node.twists.take([0.0] * 6, "camera")
     before = await node.robot.state.get_tcp_pose()
 
-    async def lead() -> None:
-        async for _ in ticks(50.0):
-            node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0], "base_link")
+    @contextlib.asynccontextmanager
+    async def sent(up: float, frame: str) -> AsyncIterator[None]:
+        async def lead() -> None:
+            async for _ in ticks(50.0):
+                node.twists.take([0.0, 0.0, up, 0.0, 0.0, 0.0], frame)
 
-    sender = asyncio.create_task(lead())
-    await eventually_async(lambda: np.abs(np.array(sim.joints) - START).max() > 0.03)
-    sender.cancel()
-    with contextlib.suppress(asyncio.CancelledError):
-        await sender
-    await eventually_async(lambda: not node.twists.following and not sim.moving)
+        sender = asyncio.create_task(lead())
+        yield
+        sender.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await sender
+
+    async with sent(0.05, "base_link"):
+        await eventually_async(lambda: np.abs(np.array(sim.joints) - START).max() > 0.03)
+    # what is refused does not let the arm go on with the twist before it
+    async with sent(0.05, "camera"), sent(float("nan"), "base_link"):
+        await eventually_async(lambda: not node.twists.following and not sim.moving)
     after = await node.robot.state.get_tcp_pose()
     assert after.z - before.z > 0.005
     assert abs(after.x - before.x) + abs(after.y - before.y) < 0.005
