@@ -6,6 +6,8 @@ import contextlib
 import copy
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from aioduco.models.host_port import host_port
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from typing import Self
@@ -93,6 +95,8 @@ __all__ = [
 
 
 _Error = TypeVar("_Error", bound="Portable")
+#: characters of a wrong value that a message shows
+_LONGEST_VALUE = 500
 
 
 class Portable(Exception):
@@ -204,7 +208,7 @@ class ConnectError(DucoError, ConnectionError):
     def __init__(self, host: str, port: int, reason: str) -> None:
         self.host = host
         self.port = port
-        super().__init__(f"cannot connect to {host}:{port}: {reason}")
+        super().__init__(f"cannot connect to {host_port(host, port)}: {reason}")
 
 
 class ConnectTimeout(ConnectError, TimeoutError):
@@ -827,11 +831,14 @@ class _Described:
 
 
 def _text(value: object) -> str:
-    """The `repr` of what was given, which may be anything: some have none."""
+    """The `repr` of what was given, which may be anything: some have none, some a long one."""
     try:
-        return repr(value)
+        text = repr(value)
     except Exception as error:  # such as that of a number with more than 4300 digits
         return f"a {type(value).__name__} ({error})"
+    if len(text) <= _LONGEST_VALUE:
+        return text
+    return f"{text[:_LONGEST_VALUE]}… ({len(text)} characters)"
 
 
 def _restored(kind: type[_Error], arguments: tuple[Any, ...], fields: dict[str, Any]) -> _Error:

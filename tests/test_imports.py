@@ -129,8 +129,11 @@ TO_STOP = FOR_ALL | {
     *("aioduco.models.enums", "aioduco.models.numpy_on_use", "aioduco.models.pose"),
     *(
         "aioduco.models.rotation",
+        "aioduco.models.host_port",
+        "aioduco.models.named_int",
         "aioduco.models.samples",
         "aioduco.models.similar",
+        "aioduco.models.words",
         "aioduco.models.toml_files",
         "aioduco.models.state",
     ),

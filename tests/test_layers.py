@@ -29,6 +29,7 @@ BASE = {
     "_wire.newer",
     "_process.scheduling",
     "models.trace",
+    "models.host_port",
     "models.similar",
     "models.address",
 }
@@ -48,9 +49,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_process.spawn": {"_process.platform"},
     "_process.linked_process": {"_process.platform", "_process.spawn"},
     "models.controller_clock": set(),
+    "models.host_port": set(),
     "models.similar": set(),
     "models.address": {"errors", "models.similar"},
-    "errors": set(),
+    "errors": {"models.host_port"},
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
     "_wire.newer": {"_wire.rpc"},
@@ -67,7 +69,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "envelope": {"errors", "models", "kinematics"},
     "_wire": {
         *("_process.platform", "_process.trial", "errors", "_process.reporting", "models.trace"),
-        *("_wire.rpc", "_wire.newer", "models.address"),
+        *("_wire.rpc", "_wire.newer", "models.address", "models.host_port"),
     },
     "supervision": BASE | {"models", "envelope", "_wire"},
     "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
@@ -77,7 +79,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     "devices.bus": BASE | {"models", "api"},
     # drivers of grippers: they use a robot by its public interface
     "devices.grippers": BASE | {"models", "supervision", "api", "devices.bus", "robot"},
-    "api.port_reader": {"_process.copying", "errors", "models", "models.address"},
+    "api.port_reader": {
+        *("_process.copying", "errors", "models", "models.address", "models.host_port", "_wire"),
+    },
     "api.status_port": {"errors", "models", "api.port_reader"},
     "api.force_stream": {"models", "api.port_reader"},
     "recording": CLIENT,
@@ -110,7 +114,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # on top of the public interface; can be deleted with its folder
     "integrations.panel": {
         *("errors", "kinematics", "envelope", "__init__", "planning", "sim.twin"),
-        *("_process.copying", "models", "recording.playback"),
+        *("_process.copying", "models", "models.host_port", "recording.playback"),
     },
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
@@ -213,13 +217,15 @@ STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "shared": {
         *("aioduco.streaming.shared", "aioduco._process.platform", "aioduco.errors"),
         # check what a program gives; no worker loads them
-        *("aioduco.models.rules", "aioduco.models.ranges"),
+        *("aioduco.models.rules", "aioduco.models.ranges", "aioduco.models.words"),
+        "aioduco.models.named_int",
     },
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco._process.scheduling"),
         *("aioduco._process.platform", "aioduco.supervision.unanswered"),
         *("aioduco.envelope.checker", "aioduco.envelope.limits", "aioduco.envelope.zones"),
         *("aioduco.streaming.shared", "aioduco.streaming.worker"),
+        "aioduco.models.enums",  # names of states, for a person
     },
 }
 #: and of the others, what neither of them may import

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-import math
+import numbers
 import threading
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -170,7 +170,8 @@ class DucoCobot(Uncopied, NewerFunctions):
     """
 
     def __init__(self, ip: str, port: int = 7003, timeout: float | None = None) -> None:
-        if timeout is not None and not 0.0 < timeout < math.inf:
+        number = isinstance(timeout, numbers.Real) and not isinstance(timeout, bool)
+        if timeout is not None and not (number and 0.0 < timeout < threading.TIMEOUT_MAX):
             raise ParameterError("timeout", timeout, "a number above 0 s, or None")
         self.ip = ip
         self.port = port

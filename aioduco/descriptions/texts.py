@@ -13,6 +13,7 @@ from aioduco.descriptions.urdf_text import urdf_text
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.looks import merged
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     import os
@@ -153,9 +154,8 @@ def moveit(
     Raises:
         ParameterError: as for `urdf`; or there is no such release or link.
     """
-    if distro not in get_args(RosDistro):
-        raise ParameterError("distro", distro, ", ".join(get_args(RosDistro)))
-    if not WORD.fullmatch(group):
+    one_of("distro", distro, get_args(RosDistro))
+    if not isinstance(group, str) or not WORD.fullmatch(group):
         raise ParameterError("group", group, "a word of letters, digits and _")
     whole, trees = _take(arms, name)
     links = {link.name for tree in trees for link in tree.links}

@@ -17,7 +17,7 @@ from aioduco.kinematics.looks import looks
 from aioduco.kinematics.mounting import base_in_world
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
-from aioduco.models.rules import stored
+from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -51,6 +51,7 @@ STATES: Mapping[str, Joints] = {
 WORD = re.compile(r"[A-Za-z]\w*", re.ASCII)
 """What names of models and prefixes consist of."""
 
+_THREE = Vector(Number(source="this package"), length=3, source="this package")
 _DENSITY = 2700.0  # density of aluminium, for tools of unknown size [kg/m³]
 
 
@@ -77,10 +78,9 @@ class ToolDescription:
     def __post_init__(self) -> None:
         Pose.of(self.tcp)
         stored(self, mass=ranges.FROM_0)
-        if len(self.centre) != 3 or not all(map(math.isfinite, self.centre)):
-            raise ParameterError("centre", self.centre, "three finite numbers [m]")
+        _THREE("centre", self.centre)
         if self.inertia is not None:
-            low, middle, high = sorted(self.inertia) if len(self.inertia) == 3 else (0.0,) * 3
+            low, middle, high = sorted(_THREE("inertia", self.inertia))
             if not 0.0 < low <= high <= low + middle:
                 raise ParameterError(
                     "inertia", self.inertia, "three numbers above 0, none above the others' sum"
@@ -122,7 +122,7 @@ class ArmDescription:
     tool: ToolDescription | None = None
 
     def __post_init__(self) -> None:
-        if self.prefix and not WORD.fullmatch(self.prefix):
+        if not isinstance(self.prefix, str) or (self.prefix and not WORD.fullmatch(self.prefix)):
             raise ParameterError("prefix", self.prefix, "letters, digits and _, a letter first")
         self.tree()
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco.errors import Described, ParameterError
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -90,8 +91,7 @@ class EnvelopeLimit:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if self.action not in get_args(Action):
-            raise ParameterError("action", self.action, '"refuse", "slow" or "stop"')
+        one_of("action", self.action, get_args(Action))
         object.__setattr__(self, "speed", _positive("speed", self.speed, "m/s"))
         if not isinstance(self.name, str) or len(self.name) > 64:
             raise ParameterError("name", self.name, "a text of up to 64 characters")
@@ -127,11 +127,8 @@ class Zone(EnvelopeLimit):
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
-        if self.keep not in ("in", "out"):
-            raise ParameterError("keep", self.keep, '"in" or "out"')
-        if not self.bodies or any(body not in BODIES for body in self.bodies):
-            raise ParameterError("bodies", self.bodies, f"some of {', '.join(BODIES)}")
-        object.__setattr__(self, "bodies", tuple(self.bodies))
+        one_of("keep", self.keep, ("in", "out"))
+        object.__setattr__(self, "bodies", _bodies(self.bodies))
 
     def _what(self) -> str:
         return f"{self.shape} to keep {self.keep}"
@@ -169,7 +166,7 @@ class Zone(EnvelopeLimit):
             _positive("size", length, "m")
         return cls(
             shape="box", keep=keep, at=numbers[:3], size=lengths, turn=turn,
-            bodies=tuple(bodies), action=action, speed=speed, name=name,
+            bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
     @classmethod
@@ -201,7 +198,7 @@ class Zone(EnvelopeLimit):
         size = (_positive("radius", radius, "m"),)
         return cls(
             shape="sphere", keep=keep, at=_numbers("at", at, 3), size=size,
-            bodies=tuple(bodies), action=action, speed=speed, name=name,
+            bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
     @classmethod
@@ -235,7 +232,7 @@ class Zone(EnvelopeLimit):
         size = tuple(each / length for each in along)
         return cls(
             shape="plane", keep="in", at=_numbers("point", point, 3), size=size,
-            bodies=tuple(bodies), action=action, speed=speed, name=name,
+            bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
 
@@ -389,6 +386,14 @@ class Envelope:
             "tool": [*_rotation(*angles), x, y, z],
             "limits": rows,
         }
+
+
+def _bodies(given: Any) -> tuple[Body, ...]:
+    if not isinstance(given, (list, tuple)) or not given:
+        raise ParameterError("bodies", given, f"a list with some of {', '.join(BODIES)}")
+    for body in given:
+        one_of("bodies", body, BODIES)
+    return tuple(given)
 
 
 def _numbers(name: str, values: Any, *counts: int) -> tuple[float, ...]:

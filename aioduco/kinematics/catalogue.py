@@ -9,9 +9,9 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import LENGTHS, Geometry
+from aioduco.models.words import one_of
 
 __all__ = ["arm", "model_named", "models", "same_arm"]
 
@@ -67,12 +67,10 @@ def arm(model: str, **lengths: float) -> Arm:
     Raises:
         ParameterError: there is no such model or length.
     """
-    name = model.lower().replace("-", "_")
-    if name not in _data():
-        raise ParameterError("model", model, f"one of {', '.join(models())}")
+    name = model.lower().replace("-", "_") if isinstance(model, str) else model
+    one_of("model", name, _data())
     for length in lengths:
-        if length not in LENGTHS:
-            raise ParameterError("length", length, f"one of {', '.join(LENGTHS)}")
+        one_of("length", length, LENGTHS)
     base = _model(name)
     if not lengths:
         return base

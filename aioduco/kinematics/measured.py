@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,12 +52,14 @@ def rigid_frames(name: str, given: Any, each: str) -> Array:
         ParameterError: one of them is no rigid frame.
     """
     found = []
+    if not isinstance(given, Iterable):
+        raise ParameterError(name, given, f"a frame for each {each}")
     for number, one in enumerate(given):
         expected = f"in {each} {number} a rigid frame of shape (4, 4), or a pose"
         try:
             numbers = one if isinstance(one, Pose) else np.asarray(one, dtype=np.float64)
             frame = Pose.of(numbers).matrix if np.shape(numbers) != (4, 4) else np.array(numbers)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             told = (
                 f"None: leave out every {each} without one" if one is None else type(one).__name__
             )

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
@@ -42,9 +42,7 @@ def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
     }
     if not isinstance(mounting, str):
         return Pose.of(mounting)
-    if mounting not in named:
-        raise ParameterError("mounting", mounting, "floor, wall, ceiling, or a pose")
-    return named[mounting]
+    return named[one_of("mounting", mounting, named, besides="a pose")]
 
 
 def gravity(mounting: Pose) -> Array:

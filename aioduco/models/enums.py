@@ -7,8 +7,10 @@ value.
 
 from __future__ import annotations
 
-from enum import Enum, IntEnum
+from enum import Enum
 from typing import Self
+
+from aioduco.models.named_int import NamedInt
 
 __all__ = [
     "FileKind",
@@ -22,7 +24,7 @@ __all__ = [
 ]
 
 
-class _WireEnum(IntEnum):
+class _WireEnum(NamedInt):
     """An integer of the wire with names for the values that the manual lists."""
 
     @classmethod
@@ -83,7 +85,7 @@ class FileKind(_WireEnum):
     FILE = 1
 
 
-class OutputMode(IntEnum):
+class OutputMode(NamedInt):
     """Signal type of a digital output (IO 输出信号类型, manual 1.3.7)."""
 
     LEVEL = 0

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from aioduco.models.named_int import NamedInt
 
 __all__ = ["ForceFrame", "ForceLogic", "GuardedForce"]
 
 
-class ForceFrame(IntEnum):
+class ForceFrame(NamedInt):
     """Frame of the directions of forces (末端力控参考坐标系, manual 1.3.10)."""
 
     TOOL = 0
     WORK_OBJECT = 1
 
 
-class GuardedForce(IntEnum):
+class GuardedForce(NamedInt):
     """Which force is watched (监控力属性, manual 1.3.10)."""
 
     WITH_LOAD = 0
     EXTERNAL = 1
 
 
-class ForceLogic(IntEnum):
+class ForceLogic(NamedInt):
     """How a condition is combined with the others (条件判断间的逻辑关系, manual 1.3.10)."""
 
     OFF = 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from aioduco.errors import ParameterError
+from aioduco.models.words import one_of
 
 __all__ = ["GRIPPERS", "GripperModel", "gripper_model"]
 
@@ -75,6 +75,4 @@ def gripper_model(name: str) -> GripperModel:
     Raises:
         ParameterError: there is no gripper of this name.
     """
-    if name not in GRIPPERS:
-        raise ParameterError("gripper", name, f"one of {', '.join(GRIPPERS)}")
-    return GRIPPERS[name]
+    return GRIPPERS[one_of("gripper", name, GRIPPERS)]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import Enum
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
+from aioduco.models.named_int import NamedInt
 from aioduco.models.rules import Choice, Integer, Number
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from aioduco.models.rules import Real, Whole
@@ -32,7 +34,7 @@ _STEP_LENGTH = Number(0.0, unit="m", open_low=True, source=_SOURCE)
 _CARTESIAN, _JOINTS = 1, 2
 
 
-class JogFrame(IntEnum):
+class JogFrame(NamedInt):
     """The frame whose directions a Cartesian jog follows (参考坐标系, manual 1.3.5)."""
 
     WORLD = 0
@@ -165,8 +167,7 @@ class Jog:
         Raises:
             ParameterError: a value out of range.
         """
-        if axis not in _AXES:
-            raise ParameterError("axis", axis, f"one of {', '.join(_AXES)}")
+        one_of("axis", axis, _AXES)
         rule = _STEP_ANGLE if axis.startswith("r") else _STEP_LENGTH
         return cls(
             _AXES.index(axis),

@@ -45,11 +45,19 @@ class TaughtPoints(MutableMapping[str, Point]):
 
     Args:
         points: initial points by name.
+
+    Raises:
+        ParameterError: they are no points by name.
     """
 
     def __init__(self, points: Any = ()) -> None:
         self._points: dict[str, Point] = {}
-        self.update(points)
+        try:
+            given = dict(points)
+        except (TypeError, ValueError) as exc:
+            known = "points by their names; `TaughtPoints.load` reads a file"
+            raise ParameterError("points", points, known) from exc
+        self.update(given)
 
     def __repr__(self) -> str:
         return f"TaughtPoints({self._points!r})"

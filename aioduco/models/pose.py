@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, get_args, overload
 
 from aioduco.errors import ParameterError
 from aioduco.models.numpy_on_use import is_array, is_scalar, np
@@ -21,6 +21,7 @@ from aioduco.models.rotation import (
     slerp,
     turn_between,
 )
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -247,11 +248,13 @@ class Pose(_Six):
         Raises:
             ParameterError: wrong lengths, values that are not finite, or a quaternion of zeros.
         """
+        order = one_of("order", order, get_args(QuaternionOrder))
+        order = _order(order)
         values = _finite("quaternion", quaternion, (4,), f"four numbers in the order {order}")
         length = float(np.linalg.norm(values))
         if length < 1e-9:
             raise ParameterError("quaternion", values.tolist(), "not zero")
-        if _order(order) == "xyzw":
+        if order == "xyzw":
             values = np.roll(values, 1)
         return cls.from_rotation(position, matrix_from_quaternion(values / length))
 
@@ -376,9 +379,8 @@ PoseLike: TypeAlias = Union[Pose, Sequence[float], "NDArray[Any]"]
 JointsLike: TypeAlias = Union[Joints, Sequence[float], "NDArray[Any]"]
 
 
-def _order(order: str) -> str:
-    if order not in ("wxyz", "xyzw"):
-        raise ParameterError("order", order, "'wxyz' or 'xyzw'")
+def _order(order: QuaternionOrder) -> QuaternionOrder:
+    one_of("order", order, get_args(QuaternionOrder))
     return order
 
 

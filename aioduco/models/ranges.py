@@ -21,6 +21,7 @@ from aioduco.models import jog, realtime
 from aioduco.models.rules import (
     Choice,
     Duration,
+    FileName,
     Flag,
     Flags,
     Integer,
@@ -66,6 +67,7 @@ WAIT = Number(0.0, LONGEST, "s", source="this package")
 #: a number above 0, as of a length, a speed or a mass, of which nothing else is known
 ABOVE = Number(0.0, open_low=True, source="this package")
 #: the same, or 0
+FILE = FileName(source="this package")
 FROM_0 = Number(0.0, source="this package")
 #: TCP port of a server
 PORT = Integer(1, 65535, source="this package")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from math import pi
 from typing import TYPE_CHECKING
 
 from aioduco._wire import rpc
+from aioduco.models.named_int import NamedInt
 from aioduco.models.rules import JointsRule, Number, PoseRule, Vector
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ TWIST = Vector(
 _TORQUES = Vector(Number(unit="N·m", source=_SOURCE), length=6)
 
 
-class RealtimeMode(IntEnum):
+class RealtimeMode(NamedInt):
     """Kind of set-point that realtime control follows (manual 1.3.15)."""
 
     JOINT_POSITION = 0

@@ -9,6 +9,9 @@ if TYPE_CHECKING:
 
 __all__ = ["did_you_mean", "unknown"]
 
+#: characters of the longest text that may be a name, and is shown whole
+_LONGEST = 100
+
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The nearest of the known names, as the end of a message: ": did you mean 'left'?".
@@ -22,6 +25,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     import difflib  # noqa: PLC0415 - for errors alone
 
+    if len(name) > _LONGEST:
+        return ""
     by_case = {each.casefold(): each for each in known}
     near = difflib.get_close_matches(name.casefold(), by_case, n=1, cutoff=0.6)
     return f": did you mean {by_case[near[0]]!r}?" if near else ""
@@ -37,4 +42,5 @@ def unknown(name: str, known: Iterable[str], *, most: int = 12) -> str:
     """
     names = list(known)
     listed = f"; there are {', '.join(names) or 'none'}" if len(names) <= most else ""
-    return f"{name!r} is not known{listed}{did_you_mean(name, names)}"
+    shown = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…"
+    return f"{shown!r} is not known{listed}{did_you_mean(name, names)}"

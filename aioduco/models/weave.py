@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from aioduco.models.named_int import NamedInt
 
 __all__ = ["WeavePlane", "WeaveShape"]
 
 
-class WeaveShape(IntEnum):
+class WeaveShape(NamedInt):
     """Shape of a weave (复合运动轨迹几何类型, manual 1.3.13).
 
     Manual 4.3 calls the first a sawtooth, and the third an arc.
@@ -20,7 +20,7 @@ class WeaveShape(IntEnum):
     FIGURE_EIGHT = 5
 
 
-class WeavePlane(IntEnum):
+class WeavePlane(NamedInt):
     """Plane in which a weave lies (参考平面, manual 1.3.13)."""
 
     TOOL_XY = 0

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.rules import Number
+from aioduco.models.rules.lists import ordered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MotionLimits"]
 
+_JERKS = Number(0.0, unit="rad/s³", open_low=True, source="this package")
 _JERK = 10.0  # jerk over acceleration, as for streams [1/s]
 
 
@@ -55,11 +58,11 @@ class MotionLimits:
         Raises:
             ParameterError: a number is out of range, or there are not six of them.
         """
-        speeds = [ranges.JOINT_SPEED("v", each) for each in _six("v", v)]
-        accelerations = [ranges.JOINT_ACCELERATION("a", each) for each in _six("a", a)]
-        jerks = _six("jerk", jerk) if jerk is not None else [_JERK * a_ for a_ in accelerations]
-        if not all(0.0 < each < np.inf for each in jerks):
-            raise ParameterError("jerk", jerk, "above 0 rad/s³")
+        speeds = _six("v", v, ranges.JOINT_SPEED)
+        accelerations = _six("a", a, ranges.JOINT_ACCELERATION)
+        jerks = [_JERK * each for each in accelerations]
+        if jerk is not None:
+            jerks = _six("jerk", jerk, _JERKS)
         own = [min(one, other) for one, other in zip(speeds, arm.velocity, strict=True)]
         return cls(tuple(own), tuple(accelerations), tuple(jerks))
 
@@ -69,10 +72,11 @@ class MotionLimits:
         return np.array(self.velocity), np.array(self.acceleration), np.array(self.jerk)
 
 
-def _six(name: str, value: float | Sequence[float]) -> list[float]:
-    found = (
-        [float(each) for each in np.broadcast_to(value, (6,))] if np.size(value) in (1, 6) else []
-    )
-    if not found:
+def _six(name: str, value: float | Sequence[float], rule: Number) -> list[float]:
+    try:
+        found = ordered(name, value, "a number, or six")
+    except ParameterError:  # no list
+        return [rule(name, cast("float", value))] * 6
+    if len(found) != 6:
         raise ParameterError(name, value, "a number, or six")
-    return found
+    return [rule(name, each) for each in found]

@@ -112,7 +112,10 @@ class PointCloud(Thing):
 
 
 def _points(name: str, value: Any, *, least: int) -> NDArray[np.float64]:
-    found = np.asarray(value, dtype=np.float64)
+    try:
+        found = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as exc:
+        raise ParameterError(name, value, "numbers of the shape (n, 3) [m]") from exc
     if found.ndim != 2 or found.shape[1] != 3 or len(found) < least:
         raise ParameterError(name, found.shape, f"of the shape (n, 3), n from {least} [m]")
     if not np.isfinite(found).all():

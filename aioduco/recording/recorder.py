@@ -9,9 +9,7 @@ Guarantees:
 from __future__ import annotations
 
 import logging
-import os
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
@@ -19,7 +17,9 @@ import anyio
 from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
+from aioduco.errors import DucoError, RecordingError, RobotStateError, StreamClosed
+from aioduco.models.host_port import host_port
+from aioduco.models.ranges import FILE
 from aioduco.models.samples import pose
 from aioduco.models.trace import CallFinished
 from aioduco.recording.moving_gaps import MAX_GAP, MovingGaps
@@ -28,7 +28,9 @@ from aioduco.streaming.session import Session
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable
+    from pathlib import Path
     from types import TracebackType
     from typing import Self
 
@@ -301,7 +303,7 @@ class RobotObserver(Uncopied):
         return {
             "library": f"aioduco {__version__}",
             "controller": self._supervisor.version.text,
-            "address": f"{self._supervisor.host}:{self._supervisor.port}",
+            "address": host_port(self._supervisor.host, self._supervisor.port),
             "started": str(wall),
             "clock_offset": str(wall - monotonic),
             "state_rate": f"{self._supervisor.feed.rate:g}",
@@ -396,9 +398,7 @@ class Recording(RobotObserver):
     _MADE_BY = "record"
 
     def __init__(self, supervisor: Supervisor, path: str | os.PathLike[str], forces: bool) -> None:
-        if not isinstance(path, str | os.PathLike) or not os.fspath(path):
-            raise ParameterError("path", path, "the name of a file")
-        self._file = RecordingWriter(Path(path), self._figures)
+        self._file = RecordingWriter(FILE("path", path), self._figures)
         super().__init__(supervisor, self._file, forces)
 
     def _described(self, state: str) -> str:

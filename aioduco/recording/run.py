@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError, RecordingError
+from aioduco.models.ranges import FILE
 from aioduco.recording.container import McapFile
 from aioduco.recording.protobuf import DECODERS
 
@@ -59,11 +60,12 @@ def read(path: str | os.PathLike[str]) -> RecordedRun:
             `RecordedRun.complete`.
 
     Raises:
+        ParameterError: the path is not the name of a file.
         RecordingError: the file cannot be opened, is not an MCAP file, has another compression, or
             unpacks to much more than its size.
         MissingExtra: the extra `record` is not installed.
     """
-    return RecordedRun(Path(path))
+    return RecordedRun(FILE("path", path))
 
 
 class RecordedRun:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+import numbers
 from collections import deque
 from typing import NamedTuple
 
+from aioduco.errors import ParameterError
+
 #: longest delay that the schedule catches up with; it drops a longer one [s of real time]
 _SLACK = 0.1
+#: the largest speed, but for inf
+_FASTEST = 1e9
 
 
 class CycleSchedule:
@@ -85,11 +90,12 @@ def checked_speed(speed: float) -> float:
     """Give a speed if a clock can run at it.
 
     Raises:
-        ValueError: The speed is not above zero.
+        ParameterError: The speed is no number above zero.
     """
-    if not speed > 0.0:
-        raise ValueError(f"speed is {speed}, but must be above 0")
-    return speed
+    number = isinstance(speed, numbers.Real) and not isinstance(speed, bool)
+    if not number or (not 0.0 < speed < _FASTEST and speed != math.inf):
+        raise ParameterError("speed", speed, "a number above 0, or inf for as fast as possible")
+    return float(speed)
 
 
 class LoopStatistics(NamedTuple):

@@ -15,13 +15,12 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 from xml.etree import ElementTree as ET
 
-import numpy as np
-
 from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import quaternion_from_matrix
 from aioduco.models.rules import Number, Vector, stored
+from aioduco.models.rules.lists import ordered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -56,6 +55,7 @@ _FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
 _SPRUNG = {**_LOOSE, "priority": "3"}
 _PERIOD = 0.004  # period of a sprung plate over 2π: a step of 1 ms still resolves it [s]
 _LOWEST_PEDESTAL = 0.05  # [m]
+_PEDESTAL = Number(0.0, 20.0, "m", source="this package")
 _MASS = Number(0.0, unit="kg", source="this package")
 _SIZE = Number(0.0, unit="m", open_low=True, source="this package")
 
@@ -312,8 +312,11 @@ def _sprung(
 
 
 def _pose(at: Sequence[float]) -> Pose:
-    numbers = list(at)
-    return Pose.of([*numbers, 0.0, 0.0, 0.0] if len(numbers) == 3 else numbers)
+    numbers = ordered("at", at, "three numbers [m], or a pose of six [m, rad]")
+    try:
+        return Pose.of([*numbers, 0.0, 0.0, 0.0] if len(numbers) == 3 else numbers)
+    except ParameterError as exc:
+        raise ParameterError("at", at, exc.expected) from exc
 
 
 def _text(values: Iterable[float]) -> str:
@@ -361,12 +364,16 @@ def mounting_of(mounting: MountingLike, arm: Arm, pedestal: float = 0.0) -> Pose
         SceneError: The mounting is neither a name nor a pose, the pedestal is out of range, or an
             arm that is not on the floor has a pedestal.
     """
-    if pedestal:
-        if mounting != "floor":
+    try:
+        height = _PEDESTAL("pedestal", pedestal)
+    except ParameterError as exc:
+        raise SceneError(str(exc)) from None
+    if height:
+        if not isinstance(mounting, str) or mounting != "floor":
             raise SceneError("a pedestal is for an arm on the floor: give the height by mounting")
-        if not _LOWEST_PEDESTAL <= pedestal < np.inf:
-            raise SceneError(f"pedestal is {pedestal}, but must be 0 or from {_LOWEST_PEDESTAL} m")
-        return Pose(0.0, 0.0, float(pedestal), 0.0, 0.0, 0.0)
+        if height < _LOWEST_PEDESTAL:
+            raise SceneError(f"pedestal is {height}, but must be 0 or from {_LOWEST_PEDESTAL} m")
+        return Pose(0.0, 0.0, height, 0.0, 0.0, 0.0)
     try:
         return base_in_world(mounting, arm)
     except ParameterError as exc:

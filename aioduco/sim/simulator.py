@@ -16,9 +16,11 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
+from aioduco.models.host_port import host_port
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import WAIT
 from aioduco.models.rules import Number
+from aioduco.models.words import one_of
 from aioduco.sim import trial
 from aioduco.sim.arm_pictures import ArmPictures
 from aioduco.sim.assembly import SimulatorAssembly, SimulatorSettings
@@ -167,8 +169,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
         cycle: float = CYCLE,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
-        if generation not in GENERATIONS:
-            raise ParameterError("generation", generation, f"one of {', '.join(GENERATIONS)}")
+        one_of("generation", generation, GENERATIONS)
         known = None if profile is None else ArmProfile.of(profile)
         if known is not None:
             named = model if isinstance(model, str) or model is None else model.name
@@ -234,7 +235,9 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
         self._closing = False
 
     def __repr__(self) -> str:
-        state = f"on {self.host}:{self.port}" if self._assembly is not None else "not running"
+        state = (
+            f"on {host_port(self.host, self.port)}" if self._assembly is not None else "not running"
+        )
         return f"<{type(self).__name__} {self.arm.name} {state}>"
 
     # -- life ----------------------------------------------------------------------------------

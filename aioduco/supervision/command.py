@@ -10,6 +10,7 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.models.words import one_of
 from aioduco.supervision.task import OnCancel
 from aioduco.supervision.task_command import blocking, shown
 
@@ -103,8 +104,8 @@ class MotionCommand(Uncopied):
         self.hand_over()
         if deadline is not None:
             deadline = SECONDS("deadline", deadline)
-        if on_cancel is not None and on_cancel not in get_args(OnCancel):
-            raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
+        if on_cancel is not None:
+            one_of("on_cancel", on_cancel, get_args(OnCancel))
         with trial.started():
             return await self._dispatcher.launch(
                 self.command, deadline=deadline, on_cancel=on_cancel

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
 from aioduco.models.controller_clock import Clock
-from aioduco.models.ranges import STATE_RATE, TIMEOUT
+from aioduco.models.ranges import FILE, STATE_RATE, TIMEOUT
 from aioduco.models.rules import Integer, Number
+from aioduco.models.words import one_of
 from aioduco.supervision.task import OnCancel
 
 if TYPE_CHECKING:
@@ -105,12 +106,13 @@ class RobotSettings:
                 rule(setting.name, value)
         if self.closing_steps is not None and not isinstance(self.closing_steps, ClosingSteps):
             raise ParameterError("closing_steps", self.closing_steps, "ClosingSteps, or None")
-        if self.guard is not None and self.guard not in get_args(GuardKind):
-            raise ParameterError("guard", self.guard, '"process", or None for no guard')
+        if self.guard is not None:
+            one_of("guard", self.guard, get_args(GuardKind), besides="None for no guard")
+        if self.record is not None:
+            FILE("record", self.record)
         if not isinstance(self.clock, Clock):
             raise ParameterError("clock", self.clock, "a Clock, such as Simulator.clock, or None")
-        if self.on_cancel not in get_args(OnCancel):
-            raise ParameterError("on_cancel", self.on_cancel, '"stop", "pause" or "detach"')
+        one_of("on_cancel", self.on_cancel, get_args(OnCancel))
 
     @property
     def steps(self) -> ClosingSteps:

@@ -14,7 +14,7 @@ import time
 from collections import deque
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
 import anyio
 
@@ -22,7 +22,6 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import (
     DucoError,
     FeedOverflow,
-    ParameterError,
     RobotStateError,
     StaleState,
 )
@@ -30,6 +29,7 @@ from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.rules import Integer
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
+from aioduco.models.words import one_of
 from aioduco.supervision.concurrency import Alarm, every, on_grid
 
 if TYPE_CHECKING:
@@ -66,8 +66,7 @@ class Subscription(Uncopied, Generic[T]):
     """
 
     def __init__(self, policy: Policy, size: int, owner_loop: OwnerLoop) -> None:
-        if policy not in ("latest", "drop_oldest", "every"):
-            raise ParameterError("policy", policy, '"latest", "drop_oldest" or "every"')
+        one_of("policy", policy, get_args(Policy))
         self._policy = policy
         size = _SIZE("size", size)
         self._size = 1 if policy == "latest" else size

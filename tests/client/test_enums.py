@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import pickle
+from enum import IntEnum
 
 import pytest
+from public_classes import public_classes
 
 from aioduco.models.enums import (
     OperationMode,
@@ -51,3 +54,12 @@ def test_success_is_finished_or_blended() -> None:
         Outcome.FINISHED,
         Outcome.BLENDED,
     }
+
+
+def test_a_person_reads_the_name_of_every_number() -> None:
+    kinds = [kind for kind in public_classes() if issubclass(kind, IntEnum)]
+    assert {TaskState, RobotState, SafetyState} <= set(kinds)
+    for member in (member for kind in kinds for member in kind):
+        assert (str(member), f"{member}", f"{member:>30}".strip()) == (member.name,) * 3
+        assert f"{member:d}" == f"{member:3d}".strip() == json.dumps(member) == repr(int(member))
+    assert str(TaskState(77)) == "UNKNOWN_77"

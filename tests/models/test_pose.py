@@ -236,9 +236,9 @@ def test_what_is_no_quaternion_is_refused() -> None:
     for quaternion in ([0, 0, 0, 0], [1, 0, 0], [1, 0, 0, math.nan]):
         with pytest.raises(ParameterError, match="quaternion"):
             Pose.from_quaternion((0, 0, 0), quaternion, "wxyz")
-    with pytest.raises(ParameterError, match="'wxyz' or 'xyzw'"):
+    with pytest.raises(ParameterError, match='"wxyz" or "xyzw"'):
         Pose.from_quaternion((0, 0, 0), (1, 0, 0, 0), "wzyx")  # type: ignore[arg-type]  # refused
-    with pytest.raises(ParameterError, match="'wxyz' or 'xyzw'"):
+    with pytest.raises(ParameterError, match='"wxyz" or "xyzw"'):
         Pose(0, 0, 0, 0, 0, 0).quaternion("wzyx")  # type: ignore[arg-type]  # refused
 
 

@@ -251,7 +251,8 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
 
 @pytest.mark.parametrize("mode", ["joint_torque", 2, "nonsense"])
 def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
-    with pytest.raises(ParameterError, match="joint_position, joint_velocity, pose, twist"):
+    known = '"joint_position", "joint_velocity", "pose" or "twist"'
+    with pytest.raises(ParameterError, match=known):
         RealtimeStreams(Controller.nowhere()).stream(mode, v=1.0, a=1.0)
 
 
@@ -362,7 +363,7 @@ async def test_a_path_that_begins_elsewhere_is_refused_by_play(controller: Contr
             await stream.play([near(0.2)])
             passed.append("play")
 
-    with pytest.raises(FirstPointTooFar):
+    with pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
         await program()
     assert passed == []
 
@@ -488,7 +489,7 @@ async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) 
         async with opened as stream:
             await stream.send(near(0.2))
 
-    with pytest.raises(FirstPointTooFar):
+    with pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
         await program()
     assert not pool.points
     assert pool.starts == 0

@@ -19,6 +19,7 @@ from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
+from aioduco.models.words import one_of
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.shared.options import Feeding, checked
 from aioduco.supervision.command import MotionCommand, check_motions
@@ -203,8 +204,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """
         if not isinstance(trajectory, JointTrajectory):
             raise ParameterError("trajectory", trajectory, "a JointTrajectory")
-        if through not in get_args(Through):
-            raise ParameterError("through", through, f"one of {', '.join(get_args(Through))}")
+        one_of("through", through, get_args(Through))
         speed, acceleration = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
         if tolerances is not None and not isinstance(tolerances, Tolerances):
             raise ParameterError("tolerances", tolerances, "Tolerances, or None")
@@ -280,8 +280,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """
         if not callable(getattr(plan, "run_on", None)):
             raise ParameterError("plan", plan, "a plan of aioduco.planning")
-        if through not in (*get_args(Through), "blended"):
-            raise ParameterError("through", through, f"{', '.join(get_args(Through))} or blended")
+        one_of("through", through, (*get_args(Through), "blended"))
         self._supervisor.check_open("execute")
         with self._supervisor.permits.undertaking("execute"):
             return await plan.run_on(

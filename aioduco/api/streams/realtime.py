@@ -10,6 +10,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Choice, Integer
+from aioduco.models.words import one_of
 from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
 from aioduco.streaming.shared.options import Feeding
 from aioduco.streaming.shared.turning import into_wobj
@@ -155,7 +156,6 @@ _MODE = Choice({int(each): each.name for each in _MODES}, source="this package")
 def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
     names = {known.name.lower(): known for known in _MODES}
     try:
-        chosen = RealtimeMode(_MODE("mode", names[mode] if isinstance(mode, str) else mode))
-    except (KeyError, ParameterError):  # torques are refused, too: they would not hold the arm
-        raise ParameterError("mode", mode, f"one of {', '.join(names)}") from None
-    return chosen
+        return RealtimeMode(_MODE("mode", mode))
+    except ParameterError:  # torques are refused, too: they would not hold the arm
+        return names[one_of("mode", mode, names)]

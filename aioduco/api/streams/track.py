@@ -10,6 +10,7 @@ from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
+from aioduco.models.words import one_of
 from aioduco.streaming.shared.config import Drive, StreamSpec
 from aioduco.streaming.shared.options import Feeding
 from aioduco.streaming.shared.space import Limits
@@ -152,8 +153,7 @@ class TrackStreams(StreamMaker):
 
         Manual section 1.3.12.
         """
-        if space not in ("joints", "pose"):
-            raise ParameterError("space", space, '"joints" or "pose"')
+        one_of("space", space, ("joints", "pose"))
         for name, count in (("low", low), ("high", high)):
             _COUNT(name, count)
         if low >= high:

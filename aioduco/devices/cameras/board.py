@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError
+from aioduco.models.rules import Number, stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BoardSize", "find_board"]
 
+_SQUARE = Number(0.0, unit="m", open_low=True, source="this package")
 _LEAST_CORNERS = 3  # inner corners along a side that OpenCV looks for, at least
 
 
@@ -50,13 +51,7 @@ class BoardSize:
                 "rows", self.rows, f"{'odd' if self.columns % 2 == 0 else 'even'}, as there are "
                 f"{self.columns} columns: this board looks the same when it is turned round",
             )  # fmt: skip
-        try:
-            square = float(self.square)
-        except (TypeError, ValueError):
-            square = math.nan
-        if not 0.0 < square < math.inf:
-            raise ParameterError("square", self.square, "above 0 m")
-        object.__setattr__(self, "square", square)
+        stored(self, square=_SQUARE)
 
 
 def find_board(frame: CameraFrame, size: BoardSize) -> Matrix | None:

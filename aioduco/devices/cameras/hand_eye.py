@@ -17,6 +17,7 @@ import numpy as np
 from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, nearest_rotation, rigid_frames
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -92,8 +93,7 @@ def calibrate_hand_eye(
         raise ParameterError(
             "boards", Described(f"{len(seen)} views"), f"{len(hands)}, as many as flanges"
         )
-    if mounted not in ("flange", "beside"):
-        raise ParameterError("mounted", mounted, '"flange" or "beside"')
+    one_of("mounted", mounted, ("flange", "beside"))
     if np.shape(limits) != (2,) or not all(0.0 < each < np.inf for each in limits):
         raise ParameterError("limits", limits, "two numbers above 0 [m, rad]")
     moved: Matrix = hands if mounted == "flange" else np.linalg.inv(hands).astype(np.float64)

@@ -8,11 +8,12 @@ import numpy as np
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame
-from aioduco.errors import CameraError, MissingExtra, ParameterError
+from aioduco.errors import CameraError, MissingExtra
 
 with MissingExtra.named("OpenCvCamera", "camera"):
     import cv2
 from aioduco.models.controller_clock import WallClock
+from aioduco.models.ranges import WAIT
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -49,8 +50,7 @@ class OpenCvCamera(Uncopied):
         clock: Clock | None = None,
         latency: float = 0.0,
     ) -> None:
-        if not 0.0 <= latency < float("inf"):
-            raise ParameterError("latency", latency, "0 s or more")
+        latency = WAIT("latency", latency)
         self._source, self._intrinsics = source, intrinsics
         self._clock = WallClock() if clock is None else clock
         self._latency = latency

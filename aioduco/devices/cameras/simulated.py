@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
+from aioduco.models.rules import Integer
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from aioduco.sim.simulator import Simulator
 
 __all__ = ["SimulatedCamera"]
+
+_WIDTH = Integer(1, 1920, "pixels", source="this package")
+_HEIGHT = Integer(1, 1080, "pixels", source="this package")
 
 
 class SimulatedCamera(Uncopied):
@@ -37,7 +41,7 @@ class SimulatedCamera(Uncopied):
         depth: whether to return distances, too; an image then takes twice as long.
 
     Raises:
-        ParameterError: there is no such camera.
+        ParameterError: there is no such camera, or an image cannot have that size.
     """
 
     def __init__(
@@ -49,6 +53,7 @@ class SimulatedCamera(Uncopied):
         height: int = 480,
         depth: bool = False,
     ) -> None:
+        width, height = _WIDTH("width", width), _HEIGHT("height", height)
         self._simulator, self._name, self._depth = simulator, name, depth
         focal = 0.5 * height / math.tan(0.5 * simulator.field_of_view(name))
         self._intrinsics = Intrinsics(

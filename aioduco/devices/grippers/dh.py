@@ -138,7 +138,7 @@ class DhGripper(ModbusGripper):
         found = await self.status()
         # There is no register that stops the gripper: its present position becomes the target.
         if found.grip is not registers.DhGrip.CAUGHT:
-            await self._send(min(found.position, registers.OPEN))
+            await self._send(found.position)
 
 
 def _hundredths(value: float, limits: tuple[float, float], register: tuple[int, int]) -> int:

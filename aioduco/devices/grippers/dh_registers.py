@@ -6,8 +6,9 @@ tables of basic control registers. The AG-95 has no register for the speed.
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
+
+from aioduco.models.named_int import NamedInt
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,9 +33,11 @@ STATE = 0x0200
 STATE_COUNT = 3
 #: position with the fingers open; 0 with the fingers closed
 OPEN = 1000
+#: how far beyond an end of the stroke a position may be; an assumption
+_BEYOND = 100
 
 
-class Initialization(IntEnum):
+class Initialization(NamedInt):
     """Whether the ends of the stroke are known."""
 
     NONE = 0
@@ -42,7 +45,7 @@ class Initialization(IntEnum):
     UNDER_WAY = 2
 
 
-class DhGrip(IntEnum):
+class DhGrip(NamedInt):
     """How the last motion ended."""
 
     MOVING = 0
@@ -68,8 +71,13 @@ class DhState(NamedTuple):
 def state(registers: Sequence[int]) -> DhState:
     """Decode the three state registers from `STATE` on.
 
+    A position a little beyond an end of the stroke, also below zero, is that end.
+
     Raises:
         ValueError: a register has a value that the manual does not list.
     """
     ready, grip, position = registers
-    return DhState(Initialization(ready), DhGrip(grip), position)
+    signed = position - 0x10000 if position & 0x8000 else position
+    if not -_BEYOND <= signed <= OPEN + _BEYOND:
+        raise ValueError(f"{signed} is no position: they are from 0 to {OPEN}")
+    return DhState(Initialization(ready), DhGrip(grip), min(max(signed, 0), OPEN))

@@ -17,6 +17,7 @@ from aioduco.errors import (
     GripperTimeout,
     ParameterError,
 )
+from aioduco.models.rules import Integer, Integers
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Robotiq"]
 
+#: positions of the register with the fingers open and closed
+_COUNTS = Integers(Integer(0, 0xFF, source="gPO"), length=2, source="gPO")
 #: faults that an activation clears
 _INACTIVE = (0x05, 0x07)
 #: fault after a second without a request of the master; the next request clears it
@@ -70,9 +73,10 @@ class Robotiq(ModbusGripper):
         max_age: float = 1.0,
     ) -> None:
         super().__init__(modbus, model, poll=poll, timeout=timeout, max_age=max_age)
-        if not 0 <= counts[0] < counts[1] <= 0xFF:
+        opened, closed = _COUNTS("counts", counts)
+        if opened >= closed:
             raise ParameterError("counts", counts, "open below closed, each 0 to 255")
-        self._counts = counts
+        self._counts = opened, closed
         self._sent = registers.reset()
 
     async def status(self) -> RobotiqStatus:

@@ -6,8 +6,9 @@ Source: Robotiq, 2F-85 & 2F-140 instruction manual, section 4 (control), tables 
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
+
+from aioduco.models.named_int import NamedInt
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,7 +49,7 @@ FAULTS: dict[int, str] = {
 }
 
 
-class Activation(IntEnum):
+class Activation(NamedInt):
     """Progress of the activation (gSTA)."""
 
     RESET = 0
@@ -56,7 +57,7 @@ class Activation(IntEnum):
     ACTIVE = 3
 
 
-class RobotiqGrip(IntEnum):
+class RobotiqGrip(NamedInt):
     """How the last motion ended (gOBJ)."""
 
     MOVING = 0

@@ -14,6 +14,7 @@ from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
 from aioduco.integrations.gym.tasks import task_of
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.words import one_of
 from aioduco.sim.simulator import READY
 from aioduco.sim.view.camera import Camera, PictureMark
 
@@ -79,11 +80,12 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         camera: Camera | None = None,
         render_mode: str | None = None,
     ) -> None:
-        _one_of("task", task, TASKS)
-        _one_of("actions", actions, ("cartesian", "joints"))
-        _one_of("observations", observations, ("state", "pixels", "both"))
-        _one_of("reward", reward, ("sparse", "dense"))
-        _one_of("render_mode", render_mode, (None, "rgb_array"))
+        one_of("task", task, TASKS)
+        one_of("actions", actions, ("cartesian", "joints"))
+        one_of("observations", observations, ("state", "pixels", "both"))
+        one_of("reward", reward, ("sparse", "dense"))
+        if render_mode is not None:
+            one_of("render_mode", render_mode, ("rgb_array",), besides="None")
         self.render_mode = render_mode
         self._arm = arm_of(model)
         scale = self._scale = self._arm.reach / _REACH
@@ -262,8 +264,3 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         at = self._task.mark(self._goal)
         marks = () if at is None else (PictureMark(at=at, radius=0.015 * self._scale),)
         return self._backend.picture(size[1], size[0], self._camera, marks)
-
-
-def _one_of(name: str, value: object, allowed: tuple[object, ...]) -> None:
-    if value not in allowed:
-        raise ParameterError(name, value, f"one of {allowed}")

@@ -13,7 +13,7 @@ import anyio
 import numpy as np
 
 from aioduco import connect
-from aioduco.errors import DucoError, ParameterError
+from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_readings import (
     diagnosis,
     joint_reading,
@@ -27,6 +27,7 @@ from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
 from aioduco.integrations.ros.trajectory_server import Progress, Through, TrajectoryServer
 from aioduco.integrations.ros.twist_commands import TwistCommands
 from aioduco.models.rules import Number, stored
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -96,8 +97,7 @@ class NodeSettings:
         ):
             stored(self, **{name: Number(0.1, most, "Hz", source="this package")})
         stored(self, command_timeout=Number(0.1, 10.0, "s", source="this package"))
-        if self.through not in get_args(Through):
-            raise ParameterError("through", self.through, f"one of {', '.join(get_args(Through))}")
+        one_of("through", self.through, get_args(Through))
 
     @property
     def base_frame(self) -> str:

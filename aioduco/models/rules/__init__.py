@@ -28,6 +28,7 @@ from aioduco.models.rules.lists import (
 from aioduco.models.rules.scalars import (
     Choice,
     Duration,
+    FileName,
     Flag,
     Integer,
     Number,
@@ -43,6 +44,7 @@ __all__ = [
     "BytesLike",
     "Choice",
     "Duration",
+    "FileName",
     "Flag",
     "Flags",
     "FlagsLike",

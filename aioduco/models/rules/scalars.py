@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.errors import ParameterError
@@ -243,6 +245,26 @@ class Text(Rule):
         if size < self.min_bytes or (self.max_bytes is not None and size > self.max_bytes):
             raise ParameterError(name, value, self.expected)
         return str(value)
+
+
+class FileName(Rule):
+    """The name of a file, as a text or a path."""
+
+    __slots__ = ()
+
+    def __init__(self, *, source: str) -> None:
+        self.source = source
+        self.expected = "the name of a file"
+
+    def __call__(self, name: str, value: str | os.PathLike[str]) -> Path:
+        """Check `value` and return it as a path."""
+        try:
+            text = os.fspath(value)
+            if isinstance(text, str) and text and b"\0" not in os.fsencode(text):
+                return Path(text)
+        except (TypeError, UnicodeEncodeError):  # no path; half of a surrogate pair
+            pass
+        raise ParameterError(name, value, self.expected)
 
 
 class Duration(Rule):

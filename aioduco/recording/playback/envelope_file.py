@@ -34,6 +34,7 @@ from aioduco.envelope import (
 from aioduco.errors import ParameterError
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     import os
@@ -72,7 +73,7 @@ def read_envelope(path: str | os.PathLike[str], *, arm: str | None = None) -> En
     except ValueError as exc:
         raise ParameterError("envelope", str(path), f"TOML: {exc}") from exc
     told = found.pop("arm", None)
-    model = arm or told
+    model = told if arm is None else arm
     blocks = found.pop("limit", [])
     if found:
         raise ParameterError("envelope", ", ".join(found), "`arm` and blocks of [[limit]] alone")
@@ -100,11 +101,7 @@ def limit_of(where: str, block: Any) -> EnvelopeLimit:
     if not isinstance(block, dict):
         raise ParameterError(where, block, "a block of [[limit]]")
     fields = dict(block)
-    kind = fields.pop("kind", None)
-    if kind not in _KINDS:
-        raise ParameterError(
-            f"kind of {where}", kind, f"one of {', '.join(_KINDS)}{did_you_mean(str(kind), _KINDS)}"
-        )
+    kind = one_of(f"kind of {where}", fields.pop("kind", None), _KINDS)
     known = inspect.signature(_KINDS[kind]).parameters
     for name, value in fields.items():
         if name not in known:

@@ -15,6 +15,7 @@ from aioduco.errors import ParameterError, RecordingError
 from aioduco.models.pose import Joints
 from aioduco.models.ranges import TIMEOUT, WAIT
 from aioduco.models.rules import Number
+from aioduco.models.words import one_of
 from aioduco.recording.foreign import of_any_maker
 from aioduco.recording.playback.sample_times import (
     SAME,
@@ -125,8 +126,7 @@ class RecordedPath:
                 gap is too wide to be bridged: the message says where, and what helps.
         """
         speed, bridge = SPEED_FACTOR("speed", speed), _BRIDGE("bridge", bridge)
-        if of not in ("setpoints", "states"):
-            raise ParameterError("of", of, '"setpoints" or "states"')
+        one_of("of", of, ("setpoints", "states"))
         first = 0.0 if begin is None else WAIT("begin", begin)
         last = run.duration if end is None else TIMEOUT("end", end)
         if not 0.0 <= first < last:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire import idl
+from aioduco.models.host_port import host_port
 from aioduco.sim import trial
 from aioduco.sim.server.processor import CallInbox, Malformed, Message, Processor
 
@@ -66,7 +67,7 @@ class Server:
 
     def __repr__(self) -> str:
         state = "closed" if self._listener is None else f"{len(self._connections)} connections"
-        return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
+        return f"<{type(self).__name__} {host_port(self.host, self.port)} {state}>"
 
     @property
     def connections(self) -> int:
@@ -172,7 +173,7 @@ class Server:
                     _log.exception("cannot accept a connection")
                     pause.select(_ACCEPT_PAUSE)
                     continue
-                self._admit(connection, f"{peer[0]}:{peer[1]}")
+                self._admit(connection, host_port(*peer[:2]))
 
     def _admit(self, connection: socket.socket, peer: str) -> None:
         with self._lock:

@@ -14,7 +14,7 @@ import threading
 import time
 from collections import deque
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
@@ -26,6 +26,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.pose import Pose
 from aioduco.models.trace import CallFinished
+from aioduco.models.words import one_of
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits
 from aioduco.sim.twin.monitor import TwinFigures
@@ -48,7 +49,6 @@ _log = BackgroundLogger(__name__)
 
 TwinAction: TypeAlias = Literal["report", "pause", "stop"]
 
-_ACTIONS: Final = ("report", "pause", "stop")
 #: largest number of samples and calls that wait for the process
 _MOST: Final = 500
 #: time-outs: of a read of the controller's settings, and until the process is ready [s]
@@ -96,8 +96,7 @@ class Twin(Uncopied):
         mounting: PoseLike | None,
         commands: bool,
     ) -> None:
-        if action not in _ACTIONS:
-            raise ParameterError("action", action, '"report", "pause" or "stop"')
+        one_of("action", action, get_args(TwinAction))
         if limits is not None and not isinstance(limits, TwinLimits):
             raise ParameterError("limits", limits, "a TwinLimits, or None")
         self._supervisor = supervisor

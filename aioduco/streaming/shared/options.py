@@ -76,9 +76,9 @@ class WorkerOptions:
 
     def __post_init__(self) -> None:
         from aioduco.models.rules import Integer, Number, stored  # noqa: PLC0415 - not in a worker
+        from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
-        if self.run_in not in ("process", "thread"):
-            raise ParameterError("run_in", self.run_in, '"process" or "thread"')
+        one_of("run_in", self.run_in, ("process", "thread"))
         if self.priority is not None:
             Integer(0, 99, source=_SOURCE)("priority", self.priority)
         pause = Number(0.0, 3600.0, "s", source=_SOURCE)
@@ -126,6 +126,7 @@ class Feeding:
             Number,
             stored,
         )
+        from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
         rate = rate_rule()
         stored(self, rate=rate)
@@ -138,8 +139,7 @@ class Feeding:
                 self.source_rate,
                 f"above 0 and up to the stream's rate, {self.rate:g} Hz",
             )
-        if self.upsample not in UPSAMPLING:
-            raise ParameterError("upsample", self.upsample, f"one of {', '.join(UPSAMPLING)}")
+        one_of("upsample", self.upsample, UPSAMPLING)
         if self.upsample == "ruckig" and importlib.util.find_spec("ruckig") is None:
             raise ParameterError(
                 "upsample", "ruckig", 'another one, or installed: pip install "aioduco[stream]"'

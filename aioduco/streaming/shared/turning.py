@@ -138,10 +138,9 @@ def into_wobj(frame: str) -> FrameRotation | None:
 
 def _checked(frame: str, wobj: str) -> str:
     from aioduco.models.ranges import FRAME  # noqa: PLC0415 - not in a worker
+    from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
-    if frame not in get_args(MotionFrame):
-        known = ", ".join(f'"{name}"' for name in get_args(MotionFrame))
-        raise ParameterError("frame", frame, f"one of {known}")
+    one_of("frame", frame, get_args(MotionFrame))
     name = FRAME("wobj", wobj)
     if name and frame != "wobj":
         raise ParameterError("wobj", wobj, 'left out, or frame="wobj" given with it')

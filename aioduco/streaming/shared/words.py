@@ -9,12 +9,14 @@ import struct
 from enum import IntEnum, IntFlag
 from typing import NamedTuple
 
+from aioduco.models.named_int import NamedInt
+
 __all__ = ["ActionTag", "ControlWord", "Reason", "StatusWord", "StreamState", "Unmet"]
 
 _TAG = struct.Struct("<QQII")
 
 
-class StreamState(IntEnum):
+class StreamState(NamedInt):
     """State of a stream."""
 
     WAITING = 0
@@ -24,7 +26,7 @@ class StreamState(IntEnum):
     ENDED = 4
 
 
-class Reason(IntEnum):
+class Reason(NamedInt):
     """Why a stream ended."""
 
     NONE = 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ControllerError
+from aioduco.models.enums import RobotState, TaskState
 from aioduco.streaming.shared.words import Reason
 
 if TYPE_CHECKING:
@@ -14,9 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["disabled", "ended", "newest_error", "refused"]
 
-_ENABLED = 6  # robot state (manual 1.2)
-_TASK_STOPPED = 3
-_TASK_FAILED = (6, 7, 8)  # error, illegal, parameter mismatch (manual 1.2)
+_TASK_FAILED = (TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH)
 
 
 def refused(answer: int) -> bool:
@@ -34,10 +33,10 @@ def ended(task: int, state: int) -> tuple[Reason, str]:
     Returns:
         The reason and a text; the reason is NONE if the stream need not end.
     """
-    if state == _TASK_STOPPED:
+    if state == TaskState.STOPPED:
         return Reason.STOPPED, f"the controller stopped task {task}"
     if state in _TASK_FAILED:
-        return Reason.REFUSED, f"task {task} ended in state {state} (manual 1.2)"
+        return Reason.REFUSED, f"task {task} ended as {TaskState(state)} (manual 1.2)"
     return Reason.NONE, ""
 
 
@@ -50,9 +49,9 @@ def disabled(states: Sequence[int]) -> tuple[Reason, str]:
     Returns:
         As `ended`.
     """
-    robot, *_ = states or [_ENABLED]
-    if robot != _ENABLED:
-        return Reason.REFUSED, f"the robot is in state {robot}, not enabled (manual 1.2)"
+    robot = RobotState(states[0]) if states else RobotState.ENABLE
+    if robot != RobotState.ENABLE:
+        return Reason.REFUSED, f"the robot is in state {robot}, not ENABLE (manual 1.2)"
     return Reason.NONE, ""
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.errors import ParameterError
+from aioduco.models.words import one_of
 from aioduco.sim.physics.parts import MOST_STUCK
 
 if TYPE_CHECKING:
@@ -72,8 +72,7 @@ class Variation:
         """
         kinds = tuple(kinds)
         for kind in kinds:
-            if kind not in KINDS:
-                raise ParameterError("vary", kind, f"one of {', '.join(KINDS)}")
+            one_of("vary", kind, KINDS)
         # all are drawn in a fixed order: leaving one out does not change the others
         draw = random.Random(seed)
         start = tuple(draw.uniform(-_TURN, _TURN) for _ in range(6))

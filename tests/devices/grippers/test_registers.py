@@ -92,3 +92,17 @@ def test_dh_answers() -> None:
     assert dh.state((1, 2, 400)) == (dh.Initialization.DONE, dh.DhGrip.CAUGHT, 400)
     with pytest.raises(ValueError, match="7"):
         dh.state((1, 7, 400))
+
+
+@pytest.mark.parametrize(
+    ("register", "position"),
+    [(0, 0), (1000, 1000), (1003, 1000), (1100, 1000), (0xFFFF, 0), (0xFFF0, 0)],
+)
+def test_a_position_beyond_an_end_of_the_stroke_is_that_end(register: int, position: int) -> None:
+    assert dh.state((1, 1, register)).position == position
+
+
+@pytest.mark.parametrize("register", [1101, 5000, 0x7FFF, 0x8000, 0xFF00])
+def test_a_register_that_is_no_position_is_refused(register: int) -> None:
+    with pytest.raises(ValueError, match="is no position"):
+        dh.state((1, 1, register))

@@ -1,0 +1,10 @@
+"""An address as a person writes it."""
+
+from __future__ import annotations
+
+__all__ = ["host_port"]
+
+
+def host_port(host: str, port: int) -> str:
+    """The text of an address: `arm.lan:7003`, or `[::1]:7003`."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

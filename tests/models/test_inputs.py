@@ -1,0 +1,106 @@
+"""What is no number, no list and no file is refused by the name of its parameter."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco import ParameterError, Pose, SceneError, TaughtPoints, kinematics
+from aioduco.compat import DucoCobot
+from aioduco.descriptions import ArmDescription, ToolDescription, moveit
+from aioduco.devices.cameras import BoardSize, SimulatedCamera, calibrate_hand_eye
+from aioduco.devices.grippers import Robotiq
+from aioduco.envelope import Zone
+from aioduco.planning import MotionLimits, PointCloud
+from aioduco.recording import read
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, mounting_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+ARM = kinematics.arm("gcr5_910")
+HUGE = 10**400
+#: arrays, texts and the like where one number is meant
+NO_NUMBERS: list[Any] = [
+    *(math.nan, -1.0, HUGE, "1", "", True, [1.0], {}, np.array([1.0, 2.0]), np.array(["a"])),
+    *(1j, object(), b"1"),
+]
+NO_LISTS: list[Any] = [3, math.nan, HUGE, "tool", b"tool", {}, object(), [[1.0]], ["a"] * 3]
+NO_FILES: list[Any] = [3, math.nan, True, "", b"run.mcap", [], "a\0b", "\ud800", object()]
+
+
+class _NoArm:
+    def field_of_view(self, _: str) -> float:
+        return 1.0
+
+
+NUMBERS: dict[str, Callable[[Any], object]] = {
+    "speed": lambda x: Simulator(speed=x),
+    "pedestal": lambda x: mounting_of("floor", ARM, x),
+    "square": lambda x: BoardSize(5, 4, x),
+    "width": lambda x: SimulatedCamera(_NoArm(), "eye", width=x),  # type: ignore[arg-type]
+    "height": lambda x: SimulatedCamera(_NoArm(), "eye", height=x),  # type: ignore[arg-type]
+    "timeout": lambda x: DucoCobot("192.0.2.1", timeout=x),
+    "v": lambda x: MotionLimits.of(ARM, v=x, a=1.0, jerk=None),
+    "a": lambda x: MotionLimits.of(ARM, v=1.0, a=x, jerk=None),
+    "jerk": lambda x: MotionLimits.of(ARM, v=1.0, a=1.0, jerk=x),
+}
+LISTS: dict[str, Callable[[Any], object]] = {
+    "at": lambda x: Box(at=x),
+    "bodies": lambda x: Zone.sphere((0, 0, 1), 0.1, bodies=x),
+    "points": lambda x: PointCloud(points=x),
+    "flanges": lambda x: calibrate_hand_eye(x, [Pose(0, 0, 0, 0, 0, 0)] * 5),
+    "centre": lambda x: ToolDescription(centre=x),
+    "inertia": lambda x: ToolDescription(inertia=x),
+    "prefix": lambda x: ArmDescription("gcr5_910", prefix=x if not isinstance(x, str) else "3"),
+    "group": lambda x: moveit(ARM, group=x if not isinstance(x, str) else "3"),
+    "counts": lambda x: Robotiq.at_tool(aioduco.connect("192.0.2.1")).__class__(
+        _modbus(), counts=x
+    ),
+}
+FILES: dict[str, Callable[[Any], object]] = {
+    "record": lambda x: aioduco.connect("192.0.2.1", record=x),
+    "path": read,
+}
+
+
+def _modbus() -> Any:
+    return Robotiq.at_tool(aioduco.connect("192.0.2.1"))._modbus
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_what_is_no_number_is_refused_by_name(name: str) -> None:
+    for value in NO_NUMBERS:
+        with pytest.raises((ParameterError, SceneError), match=name):
+            NUMBERS[name](value)
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_what_is_no_list_is_refused_by_name(name: str) -> None:
+    for value in NO_LISTS:
+        with pytest.raises(ParameterError, match=name):
+            LISTS[name](value)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_is_no_file_is_refused_by_name(name: str) -> None:
+    for value in NO_FILES:
+        with pytest.raises(ParameterError, match=name):
+            FILES[name](value)
+
+
+@pytest.mark.parametrize("points", ["points.toml", 3, ["a"], [("a",)]])
+def test_what_are_no_points_by_name_is_refused(points: Any) -> None:
+    with pytest.raises(ParameterError, match="points"):
+        TaughtPoints(points)
+
+
+def test_a_message_shows_the_beginning_of_a_long_value() -> None:
+    with pytest.raises(ParameterError, match=r"… \(200002 characters\)") as caught:
+        kinematics.arm("x" * 200_000)
+    assert len(str(caught.value)) < 1500
