@@ -23,6 +23,7 @@ from aioduco.errors import (
 )
 from aioduco.models.address import HOST_RULE, is_host
 from aioduco.models.controller_clock import WallClock
+from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import PORT
 from aioduco.models.ranges import TIMEOUT as SECONDS
@@ -278,7 +279,7 @@ async def stop_all(robots: Iterable[Robot]) -> None:
                 tasks.start_soon(stop, index)
     if (first := next(filter(None, errors), None)) is not None:
         places = [
-            f"{robot.host}:{robot.port}" if known[index] else f"robots[{index}]"
+            host_port(robot.host, robot.port) if known[index] else f"robots[{index}]"
             for index, robot in enumerate(chosen)
         ]
         raise StopsUnconfirmed.of(places, errors) from first
@@ -393,8 +394,8 @@ class Robot(Uncopied, ManualNames):
         return StreamEndpoint.of(self._supervisor)
 
     def __repr__(self) -> str:
-        tasks = len(self.tasks)
-        return f"<Robot {self.host}:{self.port} {self._supervisor.state}, {tasks} live tasks>"
+        where, tasks = host_port(self.host, self.port), len(self.tasks)
+        return f"<Robot {where} {self._supervisor.state}, {tasks} live tasks>"
 
     def __del__(self) -> None:
         supervisor = getattr(self, "_supervisor", None)

@@ -17,6 +17,7 @@ from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.rpc import RpcClient
 from aioduco.errors import ConnectError, ConnectionLost, NotSent
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -95,7 +96,9 @@ class Connection:
     def __repr__(self) -> str:
         state = self.state.name
         reason = f": {self.reason}" if self.reason else ""
-        return f"<Connection {self.host}:{self.port} {state}{reason}, {self._calls} calls>"
+        return (
+            f"<Connection {host_port(self.host, self.port)} {state}{reason}, {self._calls} calls>"
+        )
 
     def __del__(self) -> None:
         if getattr(self, "_stream", None) is not None:
@@ -132,9 +135,10 @@ class Connection:
             given_up = self.state is not ConnectionState.NEW
             self._end("it could not be made")
             if given_up:
+                where = host_port(self.host, self.port)
                 raise ConnectionLost(
-                    f"the connection to {self.host}:{self.port} was given up while it was made: "
-                    f"{self.reason}; nothing was sent"
+                    f"the connection to {where} was given up while it was made: {self.reason}; "
+                    "nothing was sent"
                 ) from None
             if isinstance(exc, ConnectError):
                 raise

@@ -23,6 +23,7 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.pool import PoolThread, ThreadCalls
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
+from aioduco.models.host_port import host_port
 from aioduco.models.trace import CallFinished, emit, tell
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ class WireLane:
         figures = self.statistics()
         state = "OPEN" if self._open else "CLOSED" if self.closed else "NEW"
         return (
-            f"<Lane {self.name} {self.host}:{self.port} {state}, "
+            f"<Lane {self.name} {host_port(self.host, self.port)} {state}, "
             f"{figures.busy} of {self.size} busy, {figures.waiting} waiting>"
         )
 

@@ -15,6 +15,7 @@ from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import ConnectError, ConnectionLost, ParameterError
 from aioduco.models import ranges
 from aioduco.models.address import HOST_RULE, is_host
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from typing import Self
@@ -58,7 +59,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
 
     def __repr__(self) -> str:
         state = "closed" if self._connection is None else "open"
-        return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
+        return f"<{type(self).__name__} {host_port(self.host, self.port)} {state}>"
 
     @abstractmethod
     async def _connect(self, host: str, port: int) -> C:

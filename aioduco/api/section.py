@@ -30,6 +30,7 @@ from aioduco.errors import (
 )
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
 from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
@@ -74,7 +75,7 @@ class Section(Uncopied, ManualNames):
         self._rpc = supervisor.rpc
 
     def __repr__(self) -> str:
-        where = f"{self._supervisor.host}:{self._supervisor.port}"
+        where = host_port(self._supervisor.host, self._supervisor.port)
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
 
     async def _finish(self, call: WireCall[int]) -> None:

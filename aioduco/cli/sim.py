@@ -18,6 +18,7 @@ from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import say
 from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import RenderError
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -174,7 +175,7 @@ def sim(
             except RenderError as error:
                 say(str(error), error=True)
                 raise typer.Exit(1) from None
-            where = f"{simulator.host}:{simulator.port}"
+            where = host_port(simulator.host, simulator.port)
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"
             if simulator.force_port is not None:

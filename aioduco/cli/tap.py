@@ -18,6 +18,7 @@ from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.output import say
 from aioduco.errors import ParameterError
 from aioduco.models.address import parse_address
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -70,7 +71,7 @@ def tap(
             _file(output, address.host, address.port) as write,
             _ended_by_signals(between.end),
         ):
-            said = f"between {between.host}:{between.port} and {address}; Ctrl-C ends it"
+            said = f"between {host_port(between.host, between.port)} and {address}; Ctrl-C ends it"
             say(said, error=json)
             begin = time.monotonic()
             for item in between:
@@ -133,7 +134,7 @@ def _recording(path: Path, host: str, port: int) -> Iterator[Callable[[TappedCal
     wall, monotonic = time.time_ns(), time.monotonic_ns()
     about = {
         "library": f"aioduco {__version__}",
-        "address": f"{host}:{port}",
+        "address": host_port(host, port),
         "started": str(wall),
         "clock_offset": str(wall - monotonic),
     }

@@ -18,6 +18,7 @@ from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import observing_session, wait_until_ended
+from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def twin(
         options: dict[str, Any] = {"action": action, "arm": arm, "mounting": base}
         made = stack.enter_context(robot.twin(known, commands=False, **options))
         shown = _Shown(made, as_json=json)
-        what = f"a twin watches {robot.host}:{robot.port}"
+        what = f"a twin watches {host_port(robot.host, robot.port)}"
         wait_until_ended(what, robot, shown.going, seconds)
         shown.going()
     if made.error is not None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from aioduco.errors import ParameterError
+from aioduco.models.host_port import host_port
 from aioduco.models.similar import did_you_mean
 
 __all__ = [
@@ -63,8 +64,7 @@ class RobotAddress:
     cell: str = ""
 
     def __str__(self) -> str:
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        where = f"{host}:{self.port}"
+        where = host_port(self.host, self.port)
         return f"{self.name} ({where})" if self.name else where
 
 

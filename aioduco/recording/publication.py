@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.errors import ParameterError
+from aioduco.models.host_port import host_port
 from aioduco.models.rules import Integer
 from aioduco.recording.recorder import RobotObserver
 from aioduco.recording.writer import PublicationWriter
@@ -56,8 +57,7 @@ class Publication(RobotObserver):
     @property
     def url(self) -> str:
         """The address to which watchers connect, such as `ws://127.0.0.1:8765`."""
-        host = self._server.host
-        return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
+        return f"ws://{host_port(self._server.host, self.port)}"
 
     def statistics(self) -> PublicationStatistics:
         """Figures since its start."""

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 from aioduco._process.platform import BINARY, CLOSE_ON_EXEC, PRIVATE
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import MissingExtra
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -317,7 +318,7 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
     @property
     def target(self) -> str:
         """The address that it listens on."""
-        return f"the publication on {self.host}:{self.port}"
+        return f"the publication on {host_port(self.host, self.port)}"
 
     def _open(self, metadata: dict[str, str]) -> ServerChannels:
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.errors import DucoError, RobotStateError, StopsUnconfirmed
+from aioduco.models.host_port import host_port
 from aioduco.sync._robot import RobotLifecycle
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def stop_all(robots: Iterable[Robot]) -> None:
         raise interrupts[0]
     if (first := next(filter(None, errors), None)) is not None:
         places = [
-            f"{robot.host}:{robot.port}"
+            host_port(robot.host, robot.port)
             if isinstance(robot, RobotLifecycle)
             else f"robots[{index}]"
             for index, robot in enumerate(chosen)

@@ -9,10 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco import ParameterError
+import aioduco
+from aioduco import ConnectError, ParameterError
 from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.models.address import is_host, parse_address
+from aioduco.models.host_port import host_port
 from aioduco.recording.tap import Tap
 
 ROOT = Path(__file__).parents[2] / "aioduco"
@@ -108,3 +110,21 @@ def test_there_is_no_other_reader_of_toml() -> None:
         if imported.search(path.read_text(encoding="utf-8"))
     }
     assert found == {"models/toml_files.py"}
+
+
+def test_an_address_is_shown_as_it_is_written() -> None:
+    assert host_port("arm.lan", 7003) == "arm.lan:7003"
+    for host, port in (("::1", 7003), ("fe80::1", 1)):
+        assert parse_address(host_port(host, port)) == (host, port)
+    assert "[::1]:7003" in str(ConnectError("::1", 7003, "refused"))
+    assert "[::1]:7003" in repr(aioduco.connect("::1"))
+
+
+def test_nothing_else_puts_a_host_and_a_port_together() -> None:
+    joined = re.compile(r"\{[\w.\[\]]*(host|\[0\])\}:\{[\w.\[\]]*(port|\[1\])\}")
+    found = {
+        path.relative_to(ROOT).as_posix()
+        for path in ROOT.rglob("*.py")
+        if joined.search(path.read_text(encoding="utf-8"))
+    }
+    assert found <= {"models/host_port.py"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._process.copying import Uncopied
+from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
 
 if TYPE_CHECKING:
@@ -24,4 +25,4 @@ class StreamMaker(Uncopied, ManualNames):
         self._endpoint = endpoint
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {self._endpoint.host}:{self._endpoint.port}>"
+        return f"<{type(self).__name__} of {host_port(self._endpoint.host, self._endpoint.port)}>"

@@ -20,6 +20,7 @@ from aioduco.cli.questions import ask
 from aioduco.cli.safe_console import SafeConsole
 from aioduco.errors import DucoError
 from aioduco.kinematics import forward
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     import signal
@@ -66,7 +67,7 @@ def run(
     if host is not None:
         if not yes:
             _ask(host, port, model, plan, console)
-        report = Report(model, f"{host}:{port}", simulated=False)
+        report = Report(model, host_port(host, port), simulated=False)
         ended_by = _perform(host, port, plan, report, console)
     else:
         from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
@@ -78,7 +79,7 @@ def run(
                 x, y, z = sim.positions[-7:-4].tolist()  # the box comes last, with its quaternion
                 return x, y, z
 
-            report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
+            report = Report(model, host_port(sim.host, sim.port), simulated=True, speed=speed)
             ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock, look)
 
     console.print(view.summary(report))
@@ -142,7 +143,7 @@ def _ask(host: str, port: int, model: str, plan: Choreography, console: SafeCons
     except DucoError as error:
         console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
         raise typer.Exit(1) from None
-    ask(_warning(f"{host}:{port}", model, plan, found), "Move the arm?", yes=False)
+    ask(_warning(host_port(host, port), model, plan, found), "Move the arm?", yes=False)
 
 
 def _warning(controller: str, model: str, plan: Choreography, found: Found) -> str:

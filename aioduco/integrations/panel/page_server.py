@@ -29,6 +29,7 @@ from websockets.http11 import Response
 
 from aioduco.integrations.panel.page_connection import PageConnection, Waiting, origin_of
 from aioduco.integrations.panel.page_requests import LONGEST
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
@@ -121,7 +122,7 @@ class PageServer:
         """Address of a page, for the log."""
         connection = self._pages.get(page)
         where = None if connection is None else connection.remote_address
-        return f"{where[0]}:{where[1]}" if where else "a page that is gone"
+        return host_port(*where[:2]) if where else "a page that is gone"
 
     @asynccontextmanager
     async def listening(self) -> AsyncIterator[None]:

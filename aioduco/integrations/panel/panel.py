@@ -63,6 +63,7 @@ from aioduco.integrations.panel.simulator_port import ask_simulator
 from aioduco.integrations.panel.twin_view import TWIN_RATE, TwinView, parted_text
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
+from aioduco.models.host_port import host_port
 from aioduco.models.rules import Number
 from aioduco.recording.playback.player import arm_named
 
@@ -180,7 +181,7 @@ class Panel(Uncopied):
         self.rate = rate
         self._address = (host, port)
         self._options = {"lag_limit": None, **options}
-        self._name = name or f"{host}:{port}"
+        self._name = name or host_port(host, port)
         self._model = model
         self._scene_around = scene
         self._envelope = envelope
@@ -235,9 +236,7 @@ class Panel(Uncopied):
     @property
     def url(self) -> str:
         """Address of the page, for observers."""
-        host = self._server.host
-        shown = f"[{host}]" if ":" in host else host
-        return f"http://{shown}:{self._server.port}/"
+        return f"http://{host_port(self._server.host, self._server.port)}/"
 
     @property
     def link(self) -> str:

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, Final
 from aioduco._process.linked_process import ValueChannel
 from aioduco._process.platform import CONNECTING
 from aioduco._process.scheduling import shorten_slice
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -435,7 +436,7 @@ class _Relay:
             self._rest()
             return
         number, self._number = self._number, self._number + 1
-        where = f"{address[0]}:{address[1]}".encode()
+        where = host_port(*address[:2]).encode()
         self.copies.put(time.monotonic(), number, CopyKind.OPENED, where)
         link = _Link(self, number, client, server, self._addresses)
         self._links.add(link)

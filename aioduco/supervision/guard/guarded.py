@@ -18,6 +18,7 @@ import anyio
 from aioduco._process.platform import boot_time
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import ConnectError, DucoError, GuardLost
+from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion
 from aioduco.supervision.guard.client import GuardLink, shared
 from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
@@ -74,7 +75,7 @@ class GuardClient:
         self._changed = changed
 
     def __repr__(self) -> str:
-        return f"<GuardClient of {self._host}:{self._port} at {self._link!r}>"
+        return f"<GuardClient of {host_port(self._host, self._port)} at {self._link!r}>"
 
     @property
     def alive(self) -> bool:

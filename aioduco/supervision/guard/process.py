@@ -36,6 +36,7 @@ from aioduco._wire.lane import WireLane
 from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError
+from aioduco.models.host_port import host_port
 from aioduco.supervision.guard.messages import (
     MAX_PACKET,
     Alive,
@@ -163,7 +164,7 @@ class GuardedRobot:
                 if gone:
                     await self._stop_until_certain(begin)
             except DucoError as exc:
-                where = f"{self._watch.host}:{self._watch.port}"
+                where = host_port(self._watch.host, self._watch.port)
                 _log.critical("the arm of %s was not seen to stop: %s", where, exc)
             finally:
                 self.stopping.discard(scope)

@@ -7,6 +7,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.errors import DucoError
+from aioduco.models.host_port import host_port
 from aioduco.testing.conformance.check_session import CheckSession, NotTried
 from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
 
@@ -65,7 +66,7 @@ def check_controller(
             version = str(session.call("get_robot_version"))
     finally:
         session.close()
-    return ControllerReport(f"{host}:{port}", version, move, tuple(results))
+    return ControllerReport(host_port(host, port), version, move, tuple(results))
 
 
 def _add(

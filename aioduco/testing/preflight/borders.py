@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 from weakref import WeakSet
 
 from aioduco.models.address import parse_address
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -60,10 +61,11 @@ def block_outside_access(
                 return  # it is already connected
             host, port = str(arguments[1][0]), int(arguments[1][1])
             if (host, port) not in allowed and not own(arguments[0], host, port):
+                where = host_port(host, port)
                 refuse(
-                    f"the program opens a connection of its own to {host}:{port}, which a "
-                    "preflight does not let through: it could lead to an arm. "
-                    f"If it does not, allow it by --reach {host}:{port}"
+                    f"the program opens a connection of its own to {where}, which a preflight does "
+                    "not let through: it could lead to an arm. If it does not, allow it by --reach "
+                    f"{where}"
                 )
         elif event in _STARTS and not ours():
             started()
