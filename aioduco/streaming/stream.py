@@ -14,6 +14,7 @@ from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.shared.options import MOST_ACTIONS, checked, rate_rule
+from aioduco.streaming.shared.space import too_far
 from aioduco.streaming.shared.words import ActionTag
 from aioduco.streaming.ticks import Tick, Ticks
 
@@ -270,8 +271,11 @@ class Stream(Uncopied):
             source: async iterator over the set-points.
 
         Raises:
+            ParameterError: it is no async iterator.
             StreamError: the stream has ended; the error says why.
         """
+        if not hasattr(source, "__aiter__"):
+            raise ParameterError("source", source, "an async iterator; an array goes to play()")
         async for point in source:
             await self.send(point)
 
@@ -377,10 +381,8 @@ class Stream(Uncopied):
         if before is None or not limits:
             return
         space = self._space
-        step = space.difference(space.decode(before), space.decode(values))
-        for group, most in zip(space.groups, limits, strict=True):
-            length = sum(s * s for s in step[group]) ** 0.5
-            if length > most:
-                raise SetPointTooFar(
-                    name, values, f"within {most:g} of the one before, not {length:.4g} away"
-                )
+        found = too_far(space, space.decode(before), space.decode(values), limits)
+        if found is not None:
+            what, distance, most, unit = found
+            expected = f"within {most:g} {unit} of the one before, not {distance:.4g} {unit} away"
+            raise SetPointTooFar(name, values, f"{expected} ({what})")

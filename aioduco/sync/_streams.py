@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.errors import StreamError
+from aioduco.errors import ParameterError, StreamError
 from aioduco.sync._generated_objects import OffsetStreamCalls, StreamCalls, TrackStreamCalls
 
 if TYPE_CHECKING:
@@ -82,8 +82,11 @@ class Stream(StreamCalls):
             source: the iterable of set-points.
 
         Raises:
+            ParameterError: it is no iterable.
             StreamError: the stream has ended; the error says why.
         """
+        if not hasattr(source, "__iter__"):
+            raise ParameterError("source", source, "an iterable of set-points")
         for point in source:
             self.send(point)
 

@@ -244,6 +244,7 @@ def test_a_first_chunk_from_far_away_moves_nothing() -> None:
     bench.send(ramp(0.2, 0.0, 10))
     bench.tick()
     assert (bench.source.reason, bench.given) == (Reason.TOO_FAR, [ZERO])
+    assert bench.source.text.startswith("joint 1: 0.2 rad away")
 
 
 def test_a_first_chunk_that_is_wholly_late_leaves_the_arm_standing() -> None:

@@ -267,7 +267,8 @@ async def test_a_first_point_too_far_is_refused_before_anything_is_sent(
         async with stream:
             await stream.send(near(0.11))
 
-    with pytest.raises(FirstPointTooFar):
+    said = r"joint 1: 0\.11 rad away, where 0\.1 rad are allowed"
+    with pytest.raises(FirstPointTooFar, match=said):
         await program()
     assert not controller.points()
     assert not controller.server.received("stop")
@@ -276,8 +277,12 @@ async def test_a_first_point_too_far_is_refused_before_anything_is_sent(
 async def test_a_step_too_large_is_refused_and_the_stream_goes_on(controller: Controller) -> None:
     async with controller.servo.joints(v=1.0, a=5.0, max_step=0.1, options=THREAD) as stream:
         await stream.send(HERE)
-        with pytest.raises(SetPointTooFar, match="within"):
+        said = r"within 0\.1 rad .*not 0\.2 rad away \(joint 1\)"
+        with pytest.raises(SetPointTooFar, match=said):
             await stream.send(near(0.2))
+        for wrong in (3, None, 0.5):
+            with pytest.raises(ParameterError, match="source"):
+                await stream.follow(wrong)  # type: ignore[arg-type]  # the wrong type is the point
         with pytest.raises(SetPointTooFar):
             await stream.play([near(0.0), near(0.05), near(0.2)])
         with pytest.raises(ParameterError):

@@ -84,6 +84,7 @@ def test_a_first_set_point_too_far_ends_and_nothing_is_sent() -> None:
     bench = Bench()
     assert bench.step(0.11) is StreamState.ENDED
     assert bench.source.reason is Reason.TOO_FAR
+    assert bench.source.text == "joint 1: 0.11 rad away, where 0.1 rad are allowed"
     assert bench.given == [None]
 
 

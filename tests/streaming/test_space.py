@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, too_far
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
 NEAR_VERTICAL = st.sampled_from([math.pi / 2, -math.pi / 2]).flatmap(
@@ -66,3 +66,14 @@ def test_joints_are_differences_of_angles(start: tuple[float, ...], end: tuple[f
     displacement = JOINT_SPACE.difference(start, end)
     np.testing.assert_allclose(displacement, np.subtract(end, start))
     np.testing.assert_allclose(JOINT_SPACE.moved(start, displacement), end, atol=1e-12)
+
+
+def test_what_is_too_far_is_named_with_its_distance() -> None:
+    far = [0.0, 0.0, 0.3, 0.2, 0.0, 0.0]
+    found = too_far(JOINT_SPACE, (0.0,) * 6, tuple(far), (0.1,) * 6)
+    assert str(found) == "joint 3: 0.3 rad away, where 0.1 rad are allowed"
+    assert too_far(JOINT_SPACE, (0.0,) * 6, tuple(far), (0.3,) * 6) is None
+    here, there = POSE_SPACE.decode((0.0,) * 6), POSE_SPACE.decode((0.3, 0.4, 0, 0, 0, 1.0))
+    assert str(too_far(POSE_SPACE, here, there, (0.1, 2.0))).startswith("position: 0.5 m away")
+    assert str(too_far(POSE_SPACE, here, there, (1.0, 0.5))).startswith("orientation: 1 rad away")
+    assert too_far(JOINT_SPACE, (0.0,) * 6, (math.nan,) * 6, (0.1,) * 6) is not None

@@ -223,7 +223,7 @@ async def test_cancelling_brings_the_arm_to_rest(controller: Controller) -> None
 async def test_a_trajectory_that_begins_elsewhere_is_refused(controller: Controller) -> None:
     arm = Arm(controller)
     there = np.array(HERE) + 0.2
-    with pytest.raises(FirstPointTooFar):
+    with pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
         await follow(
             controller.endpoint,
             arm.joints,

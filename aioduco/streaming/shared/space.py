@@ -24,7 +24,9 @@ __all__ = [
     "Limits",
     "PoseSpace",
     "Space",
+    "TooFar",
     "rotated",
+    "too_far",
 ]
 
 #: a point of a space: six joint angles [rad], or position [m] and unit quaternion (w, x, y, z)
@@ -55,10 +57,33 @@ class Limits(NamedTuple):
     jerk: tuple[float, ...] = ()
 
 
+class TooFar(NamedTuple):
+    """What of a point is further from another one than is allowed.
+
+    Attributes:
+        what: "joint 1" to "joint 6", "position" or "orientation".
+        distance: how far it is [rad or m].
+        most: what is allowed [rad or m].
+        unit: "rad" or "m".
+    """
+
+    what: str
+    distance: float
+    most: float
+    unit: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.what}: {self.distance:.4g} {self.unit} away, where {self.most:.4g} {self.unit} "
+            "are allowed"
+        )
+
+
 class JointSpace:
     """Joint angles [rad], each with its own limit."""
 
     groups: tuple[slice, ...] = tuple(slice(axis, axis + 1) for axis in range(6))
+    names: tuple[tuple[str, str], ...] = tuple((f"joint {axis}", "rad") for axis in range(1, 7))
 
     def decode(self, values: Sequence[float]) -> Config:
         """The point for six numbers of the wire."""
@@ -85,6 +110,7 @@ class PoseSpace:
     """Poses (x, y, z [m], rx, ry, rz [rad], R = Rz·Ry·Rx), limited in speed and turning speed."""
 
     groups: tuple[slice, ...] = (slice(0, 3), slice(3, 6))
+    names: tuple[tuple[str, str], ...] = (("position", "m"), ("orientation", "rad"))
 
     def decode(self, values: Sequence[float]) -> Config:
         """The point for six numbers of the wire."""
@@ -136,6 +162,23 @@ Space: TypeAlias = JointSpace | PoseSpace
 
 JOINT_SPACE = JointSpace()
 POSE_SPACE = PoseSpace()
+
+
+def too_far(space: Space, start: Config, end: Config, limits: Sequence[float]) -> TooFar | None:
+    """What of a point is further from another one than is allowed; None if nothing is.
+
+    Args:
+        space: the space of the points.
+        start: the other point.
+        end: the point.
+        limits: the largest distances, one per group of the space.
+    """
+    gap = space.difference(start, end)
+    for group, name, most in zip(space.groups, space.names, limits, strict=True):
+        length = sqrt(sum(g * g for g in gap[group]))
+        if not length <= most:
+            return TooFar(name[0], length, most, name[1])
+    return None
 
 
 def _quaternion(rx: float, ry: float, rz: float) -> Quaternion:

@@ -12,11 +12,12 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
+from aioduco.streaming.shared.space import too_far
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.life import Life
-from aioduco.streaming.worker.setpoints import SetpointFeed, within
+from aioduco.streaming.worker.setpoints import SetpointFeed
 from aioduco.streaming.worker.watch import ended, newest_error, refused
 
 if TYPE_CHECKING:
@@ -355,8 +356,9 @@ class TrackPoolDriver(Driver):
         actual = self._connection.call(name, tuple(args), self._timeout)
         space = self._sent_as.space
         reach = tuple(self._block.config.feeding.reach)
-        if not within(space, space.decode(actual), space.decode(first.values), reach):
-            return self._finish(Reason.TOO_FAR)
+        found = too_far(space, space.decode(actual), space.decode(first.values), reach)
+        if found is not None:
+            return self._finish(Reason.TOO_FAR, str(found))
         if self._block.config.envelope is not None:
             # imported here: only a stream with an envelope needs it
             from aioduco.streaming.worker.checked import envelope_check  # noqa: PLC0415

@@ -11,7 +11,7 @@ import json
 import time
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.streaming.shared.space import POSE_SPACE
+from aioduco.streaming.shared.space import POSE_SPACE, too_far
 from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import ActionTag, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.interpolation import interpolator
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.worker.chunks import ActionTimeline
     from aioduco.streaming.worker.interpolation import Linear
 
-__all__ = ["PositionGenerator", "SetpointFeed", "SetpointSource", "within"]
+__all__ = ["PositionGenerator", "SetpointFeed", "SetpointSource"]
 
 _LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed
 _FIRST = 0.05  # seconds assumed for the interval until one is measured
@@ -239,8 +239,7 @@ class SetpointSource(Life):
     def _aim(self, generator: Generator, point: SetPoint) -> None:
         target = point.values if self._speeds else self._space.decode(point.values)
         if self.state is StreamState.WAITING:
-            if not self._speeds and not within(self._space, generator.config, target, self._reach):
-                self.end(Reason.TOO_FAR)
+            if not self._speeds and self._begins_too_far(generator, target):
                 return
         elif self._fixed is None:
             since = (point.stamp - self._stamp) * 1e-9
@@ -308,15 +307,15 @@ class SetpointSource(Life):
         if self.state is not StreamState.WAITING:
             return
         self.holding()
-        if place is not None and not within(self._space, generator.config, place, self._reach):
-            self.end(Reason.TOO_FAR)
+        if place is not None:
+            self._begins_too_far(generator, place)
 
-
-def within(space: Space, start: Config, end: Config, reach: tuple[float, ...]) -> bool:
-    """Whether two points are no further apart than `reach`, in each group."""
-    gap = space.difference(start, end)
-    lengths = (sum(g * g for g in gap[group]) ** 0.5 for group in space.groups)
-    return all(length <= most for length, most in zip(lengths, reach, strict=True))
+    def _begins_too_far(self, generator: Generator, first: Config) -> bool:
+        """End if the first target is too far from the arm."""
+        found = too_far(self._space, generator.config, first, self._reach)
+        if found is not None:
+            self.end(Reason.TOO_FAR, str(found))
+        return found is not None
 
 
 class SetpointFeed:
