@@ -4,10 +4,22 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 from pathlib import Path
 from typing import Any, Final
 
 __all__ = ["parse_toml", "read_text", "read_toml", "rewrite"]
+
+_TEXT: Final = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_PART: Final = rf"(?:[\w-]++|{_TEXT})"
+#: keys of so many parts that they cost time: the square of their number; texts and comments are
+#: passed over
+_LONG_KEYS: Final = re.compile(
+    r""""{3}[\s\S]*?"{3}|'{3}[\s\S]*?'{3}|#[^\n]*+|"""
+    rf"(?P<key>(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{15,}}+)|{_TEXT}|[\w-]++"
+)
+#: squares of the numbers of parts that are read at most
+_WORK: Final = 1_000_000
 
 #: bytes of the largest file that is read; a person edits none that is larger
 _LARGEST: Final = 1 << 26
@@ -45,10 +57,31 @@ def parse_toml(text: str) -> dict[str, Any]:
     """
     import tomllib  # noqa: PLC0415 - most programs read none
 
+    work = 0
+    for key in _LONG_KEYS.finditer(text):
+        work += len(re.findall(_PART, key["key"] or "")) ** 2
+        if work > _WORK:
+            line = text.count("\n", 0, key.start()) + 1
+            raise ValueError(f"a key is nested too deep (at line {line})")
     try:
-        return tomllib.loads(text.removeprefix("\ufeff"))
+        read = tomllib.loads(text.removeprefix("\ufeff"))
     except RecursionError:
         raise ValueError("it is nested too deep") from None
+    _check_numbers(read)
+    return read
+
+
+def _check_numbers(read: dict[str, Any]) -> None:
+    """Refuse whole numbers that TOML does not have: those beyond 64 bits fit into no float."""
+    left: list[tuple[object, object]] = list(read.items())
+    while left:
+        name, value = left.pop()
+        if isinstance(value, dict):
+            left += value.items()
+        elif isinstance(value, list):
+            left += ((name, each) for each in value)
+        elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+            raise ValueError(f"{name} has a whole number beyond 64 bits")
 
 
 def rewrite(path: str | os.PathLike[str], text: str) -> None:

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+import copy
+import json
+import math
 import os
+import tomllib
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from aioduco import Joints, ParameterError, TaughtPoints, WaypointFileError
+from aioduco import Cell, DucoError, Joints, ParameterError, TaughtPoints, WaypointFileError
 from aioduco.cli import robots_file
 from aioduco.integrations.fleet import FleetFileError, FleetSettings
-from aioduco.models.toml_files import read_text, rewrite
+from aioduco.models.toml_files import parse_toml, read_text, rewrite
 from aioduco.recording.playback import WaypointFile, read_envelope
+from aioduco.sim import ArmProfile
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
+
+#: keys of 20,000 parts, each on the second line
+DEEP = {
+    "a dotted key": ".".join(["a"] * 20_000) + " = 1",
+    "a head": f"[{'.'.join(['a'] * 20_000)}]",
+    "quoted": " . ".join(['"a.b"'] * 20_000) + " = 1",
+    "in a table": f"x = {{ {'.'.join(['a'] * 20_000)} = 1 }}",
+    "many": "\n" + "\n".join(f"[{'.'.join([f'a{n}'] * 400)}]" for n in range(20)),
+}
 
 MARK = b"\xef\xbb\xbf"
 HOME = Joints.deg(30, -15, 105, 0, -90, 0)
@@ -146,3 +160,131 @@ def test_a_file_that_no_person_wrote_is_refused_before_it_is_read_whole(
     monkeypatch.setattr("aioduco.models.toml_files._LARGEST", 1000)
     with pytest.raises(error, match="larger than"):
         read(file)
+
+
+@pytest.mark.parametrize("kind", DEEP)
+def test_a_key_that_is_nested_too_deep_is_refused_before_it_is_parsed(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def parsed(_: str) -> None:
+        raise AssertionError("it takes 30 s")
+
+    monkeypatch.setattr("tomllib.loads", parsed)
+    with pytest.raises(ValueError, match=r"nested too deep \(at line [1-9]"):
+        parse_toml(f"# a file\n{DEEP[kind]}\n")
+
+
+def test_what_only_looks_like_a_deep_key_is_read() -> None:
+    dots = "a.b." * 20_000
+    numbers = ", ".join(["0.5"] * 20_000)
+    text = f'# {dots}\nlong = "{dots}"\nraw = """\n{dots}\n"""\nlist = [{numbers}]\n'
+    found = parse_toml(text)
+    assert (len(found["long"]), len(found["list"])) == (80_000, 20_000)
+    assert parse_toml("a.b.c.d = 1") == {"a": {"b": {"c": {"d": 1}}}}
+
+
+#: by name: a reader, and a file with each kind of field
+WHOLE: dict[str, tuple[Callable[[Path], Any], str]] = {
+    "points": (
+        TaughtPoints.load,
+        "a = {joints = [0,0,1,0,-1,0]}\nb = {pose_mm_deg = [1,2,3,4,5,6]}",
+    ),
+    "waypoints": (
+        WaypointFile.read,
+        """
+        arm = "GCR5 910"
+        defaults = {speed_deg_s = 20}
+        waypoint = [{name = "a", joints_deg = [0,0,90,0,-90,0], motion = "line", dwell_s = 1.0}]
+        """,
+    ),
+    "envelope": (
+        read_envelope,
+        """
+        arm = "gcr5_910"
+        limit = [
+          {kind = "box", at = [0,0,1], size = [1,1,1], keep = "in", bodies = ["tool"], name = "x"},
+          {kind = "tool_speed", most = 0.5, action = "slow", speed = 0.1},
+        ]
+        """,
+    ),
+    "fleet": (
+        FleetSettings.read,
+        """
+        fleet = {name = "c", gateway = "a", listen = ["tcp/127.0.0.1:0"], rate = 5.0, expect = []}
+        arm = [{name = "l", host = "10.0.0.1", port = 7003}]
+        """,
+    ),
+    "robots": (robots, """default = "left"\nleft = {host = "10.0.0.1", port = 7003}"""),
+    "profile": (
+        ArmProfile.load,
+        """
+        model = "gcr5_910"
+        geometry = {d2 = {value = 0.1411, low = 0.1410, high = 0.1412}, theta3 = 0.002}
+        times = {enable = 0.7}
+        sources = ["run.mcap"]
+        """,
+    ),
+    "cell": (
+        Cell.load,
+        """
+        arm = "gcr5_910"
+        robots = {default = "l", l = {host = "10.0.0.1", mounting = "wall", model = "gcr10_1300"}}
+        tool = {tcp_mm_deg = [0,0,150,0,0,90], load = [1.2,0,0,0.05], thing = [{kind = "rod"}]}
+        gripper = {kind = "robotiq_2f85", unit = 9, timeout = 5.0}
+        points = {a = {pose = [0.1,0,0.3,0,0,0], frame = "table"}, b = {joints_deg = [0,0,9,0,9,0]}}
+        frames = {table = {pose = [0.5,0,0,0,0,0]}}
+        scene = {padding = 0.01, thing = [{kind = "box", at = [0.5,0,0.1], size = [0.3,0.6,0.1]}]}
+        limit = [{kind = "tool_speed", most = 0.5, robot = "l"}]
+        defaults = {speed_deg_s = 20}
+        waypoint = [{joints_deg = [1,2,3,4,5,6]}]
+        """,
+    ),
+}
+OTHERS: list[Any] = [
+    *(True, 0, -1, 10**25, 1.5, math.nan, math.inf, "", "x", [], [1], ["a"], [[1]], {}, {"a": 1}),
+    *([{}], [math.nan] * 6, [10**25] * 6, ["1"] * 6, [0] * 3, [0] * 6, [1e308] * 6, [True] * 6),
+]
+
+
+def places(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    if place:
+        yield place
+    inner: Any = ()
+    if isinstance(value, (dict, list)):
+        inner = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, each in inner:
+        yield from places(each, (*place, key))
+
+
+def toml(value: Any) -> str:
+    if isinstance(value, dict):
+        pairs = (f"{json.dumps(key)} = {toml(each)}" for key, each in value.items())
+        return f"{{{', '.join(pairs)}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml, value))}]"
+    return str(value) if isinstance(value, float) else json.dumps(value)
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_a_value_of_another_kind_is_refused_by_a_typed_error(name: str, tmp_path: Path) -> None:
+    read, text = WHOLE[name]
+    path = tmp_path / "file.toml"
+    path.write_text(text, encoding="utf-8")
+    read(path)
+    whole, wrong = tomllib.loads(text), []
+    for number, place in enumerate(places(whole)):
+        for other in OTHERS[number % 5 :: 5]:
+            changed = copy.deepcopy(whole)
+            inner = changed
+            for key in place[:-1]:
+                inner = inner[key]
+            inner[place[-1]] = other
+            lines = [f"{json.dumps(key)} = {toml(value)}" for key, value in changed.items()]
+            path.write_text("\n".join(lines), encoding="utf-8")
+            try:
+                read(path)
+            except (DucoError, FleetFileError, robots_file.WrongAddress):
+                pass
+            except Exception as error:  # all of them in one message
+                wrong.append(f"{place} = {other!r}: {error!r}")
+    assert not wrong, "\n".join(wrong)

@@ -310,7 +310,7 @@ def points(value: Any, known: Mapping[str, Pose]) -> dict[str, CellPoint]:
         place = ("points", name)
         found = table(place, entry, ("joints", "joints_deg", "pose", "pose_mm_deg", "frame"))
         frame = found.pop("frame", "")
-        if frame and frame not in known:
+        if frame and (not isinstance(frame, str) or frame not in known):
             wrong((*place, "frame"), f"frame {unknown(str(frame), known)}")
         with at(*place):
             point = point_of(name, found)
@@ -338,7 +338,7 @@ def limits(value: Any, names: Iterable[str]) -> list[tuple[str, EnvelopeLimit]]:
     made = []
     for number, block in enumerate(blocks(("limit",), value)):
         robot = block.pop("robot", "")
-        if robot and robot not in names:
+        if robot and (not isinstance(robot, str) or robot not in names):
             wrong(("limit", number, "robot"), f"robot {unknown(str(robot), names)}")
         with at("limit", number):
             made.append((robot, limit_of(f"limit {number + 1}", block)))
