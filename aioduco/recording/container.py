@@ -5,11 +5,13 @@ a record and has no index. The records before that are read, and `McapFile.compl
 is with a file that is damaged elsewhere. A chunk is used only if its checksum is right.
 
 A file may come from a stranger. Guarantee: what it claims allocates nothing, and what it unpacks to
-is bounded by its own size: a file that wants more is refused before it is read on.
+is bounded by its own size, and by 4 GiB: a file that wants more is refused before it is read on.
+The file itself is read record by record, so a large one takes no memory by itself.
 """
 
 from __future__ import annotations
 
+import os
 import struct
 import zlib
 from dataclasses import dataclass
@@ -20,11 +22,14 @@ from aioduco.errors import MissingExtra, RecordingError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
+    from typing import BinaryIO
 
 __all__ = ["McapChannel", "McapFile", "McapMessage", "McapSchema"]
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 1, 3, 4, 5, 6, 0x0C, 0x0F
+#: kinds of records that are read outside of chunks
+_USED: Final = (SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END)
 
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
@@ -34,8 +39,8 @@ _NUMBERS: Final = struct.Struct("<HH")
 _LENGTH: Final = struct.Struct("<I")
 #: maximum bytes of an unpacked chunk; a chunk that claims more is damaged
 _LARGEST: Final = 1 << 28
-#: bytes of memory that any file may take, and those for each byte of the file
-_ALWAYS, _PER_BYTE = 1 << 28, 100
+#: bytes of memory that any file may take, those for each byte of the file, and most of all
+_ALWAYS, _PER_BYTE, _MOST = 1 << 28, 100, 1 << 32
 #: bytes of memory that a message takes beside its content
 _MESSAGE_COST: Final = 512
 #: times above are no nanoseconds since 1970, and fit into no array
@@ -108,25 +113,27 @@ class McapFile:
             RecordingError: the file cannot be opened, or is not an MCAP file.
         """
         try:
-            data = memoryview(self._path.read_bytes())
+            with self._path.open("rb") as file:
+                if file.read(len(MAGIC)) != MAGIC:
+                    raise RecordingError(
+                        f"{self._path} is no recording: it does not begin as MCAP files do"
+                    )
+                size = os.fstat(file.fileno()).st_size
+                self._left = min(_ALWAYS + _PER_BYTE * size, _MOST)
+                yield from self._records(file, size)
         except OSError as exc:
             why = exc.strerror or exc
             raise RecordingError(f"{self._path} cannot be read: {why}") from exc
-        if bytes(data[: len(MAGIC)]) != MAGIC:
-            raise RecordingError(
-                f"{self._path} is no recording: it does not begin as MCAP files do"
-            )
-        self._left = _ALWAYS + _PER_BYTE * len(data)
-        try:
-            yield from self._records(data[len(MAGIC) :])
         except _Damaged:
             return
 
-    def _records(self, data: memoryview) -> Iterator[McapMessage]:
-        for kind, record in _split(data):
+    def _records(self, file: BinaryIO, size: int) -> Iterator[McapMessage]:
+        for kind, record in _top_records(file, size):
             if kind == DATA_END:
                 self.complete = True
                 return
+            if kind != CHUNK:
+                self._spend(len(record))
             if kind == METADATA:
                 name, at = _text(record, 0)
                 self.metadata[name] = _texts(record, at)
@@ -163,8 +170,10 @@ class McapFile:
         self._left -= size
         if self._left < 0:
             raise RecordingError(
-                f"{self._path} unpacks to more than {_ALWAYS >> 20} MiB and {_PER_BYTE} times its "
-                "own size, which no recording does: it was not read"
+                f"{self._path} unpacks to more than {_MOST >> 30} GiB, or to more than "
+                f"{_ALWAYS >> 20} MiB and {_PER_BYTE} times its own size, which no recording of an "
+                "arm does: it was not read. Take the part that you need out of a longer one first, "
+                "such as by `mcap filter`"
             )
 
     def _unpacked(self, record: memoryview) -> memoryview:
@@ -202,6 +211,26 @@ def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
             raise _Damaged from exc
 
     return unpack
+
+
+def _top_records(file: BinaryIO, size: int) -> Iterator[tuple[int, memoryview]]:
+    """Iterate over the records of a file, from where it stands; those of other kinds are left out.
+
+    Raises `_Damaged` at an incomplete one, and at one that is larger than any is.
+    """
+    while head := file.read(_RECORD.size):
+        if len(head) < _RECORD.size:
+            raise _Damaged
+        kind, length = _RECORD.unpack(head)
+        if length > size - file.tell():
+            raise _Damaged
+        if kind not in _USED:
+            file.seek(length, os.SEEK_CUR)
+            continue
+        data = file.read(length) if length <= _LARGEST else b""
+        if len(data) < length:
+            raise _Damaged
+        yield kind, memoryview(data)
 
 
 def _split(data: memoryview) -> Iterator[tuple[int, memoryview]]:

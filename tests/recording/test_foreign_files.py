@@ -123,6 +123,45 @@ def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path: Path) -> None:
         read(path)
 
 
+def test_a_large_file_takes_no_memory_by_itself(tmp_path: Path) -> None:
+    """An attachment of 3 GiB, as other makers' files have, before the messages."""
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        file.write(HEAD + struct.pack("<BQ", 0x09, 3 << 30))
+        file.seek(3 << 30, os.SEEK_CUR)
+        file.write(of_json("/x", b'{"n": 1}') + END)
+    tracemalloc.start()
+    try:
+        run = read(path)
+        assert (run.complete, run.topics) == (True, {"/x": 1})
+        assert tracemalloc.get_traced_memory()[1] < 16 << 20
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("size", [5 << 40, 1 << 62, (1 << 64) - 1])
+def test_a_record_that_claims_more_than_the_file_has_ends_it(size: int, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    whole = HEAD + of_json("/x", b'{"n": 1}')
+    for kind in (0x06, 0x09):
+        path.write_bytes(whole + struct.pack("<BQ", kind, size) + END)
+        run = read(path)
+        assert (run.complete, run.topics) == (False, {"/x": 1})
+
+
+def test_what_is_kept_is_bounded_for_large_files_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("aioduco.recording.container._MOST", 1 << 20)
+    path = tmp_path / "run.mcap"
+    messages = [message(1, bytes(1 << 16)) for _ in range(20)]
+    path.write_bytes(HEAD + channel(1, "/x") + b"".join(messages[:10]) + END)
+    assert read(path).topics == {"/x": 10}
+    path.write_bytes(HEAD + channel(1, "/x") + b"".join(messages) + END)
+    with pytest.raises(RecordingError, match="unpacks to more than"):
+        read(path)
+
+
 @pytest.mark.slow
 def test_a_small_file_does_not_hold_millions_of_messages(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
