@@ -99,16 +99,23 @@ class InputDevice(Uncopied):
 
         Args:
             now: time of any clock that does not go back [s].
+
+        Raises:
+            ParameterError: it is not open.
         """
+        if self._descriptor < 0:
+            raise ParameterError("device", repr(self), "open: use it in `with`")
+        waits = select.poll()  # select() takes no descriptor above 1023
+        waits.register(self._descriptor, select.POLLIN)
         for _ in range(_REPORTS if self._whole else _READS):
-            if not select.select([self._descriptor], [], [], 0)[0]:
+            if not waits.poll(0):
                 break
             try:
                 data = os.read(self._descriptor, 64 if self._whole else _MOST)
             except BlockingIOError:
                 break
             except OSError as exc:
-                if exc.errno not in (errno.ENODEV, errno.EIO):
+                if exc.errno not in (errno.ENODEV, errno.EIO, errno.EBADF):
                     raise
                 data = b""
             self._meaning.feed(data, now)
@@ -145,14 +152,15 @@ class KeyboardDevice(InputDevice):
         """Set the terminal to return each key at once, without echo.
 
         Raises:
-            ParameterError: the system has no terminal that can be read in this way.
+            ParameterError: there is no standard input, or the system has no terminal that can be
+                read in this way.
         """
         _require_files("keyboard")
         import termios  # noqa: PLC0415 - not on every system
         import tty  # noqa: PLC0415
 
         if self._descriptor < 0:
-            self._descriptor = sys.stdin.fileno()
+            self._descriptor = _standard_input()
         if os.isatty(self._descriptor):
             self._before = termios.tcgetattr(self._descriptor)
             tty.setcbreak(self._descriptor, termios.TCSANOW)
@@ -170,6 +178,16 @@ class KeyboardDevice(InputDevice):
 
             termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
             self._before = None
+
+
+def _standard_input() -> int:
+    """The descriptor of standard input; a closed one, or one in memory, has none."""
+    try:
+        return sys.stdin.fileno()
+    except (AttributeError, OSError, ValueError) as exc:
+        raise ParameterError(
+            "device", "keyboard", "a terminal: there is no standard input"
+        ) from exc
 
 
 class GamepadDevice(InputDevice):
@@ -196,7 +214,8 @@ class SpaceMouseDevice(InputDevice):
     """
 
     def __init__(self, path: str | Path | None = None, mouse: SpaceMouse | None = None) -> None:
-        super().__init__(mouse or SpaceMouse(), path or _space_mouse(), whole=True)
+        found = _space_mouse() if path is None else path
+        super().__init__(mouse or SpaceMouse(), found, whole=True)
 
 
 def _space_mouse(root: Path = Path("/sys/class/hidraw")) -> str:
@@ -229,7 +248,7 @@ def open_device(kind: str, path: str | None = None) -> InputDevice:
         case "keyboard":
             return KeyboardDevice()
         case "gamepad":
-            return GamepadDevice(path or "/dev/input/js0")
+            return GamepadDevice() if path is None else GamepadDevice(path)
         case "spacemouse":
             return SpaceMouseDevice(path)
     raise ParameterError("device", kind, "keyboard, gamepad or spacemouse")

@@ -14,7 +14,7 @@ from __future__ import annotations
 import struct
 from typing import Final
 
-from aioduco.devices.teleoperation.reading import STANDING, Axes, Reading, deadband
+from aioduco.devices.teleoperation.reading import STANDING, WIDTH, Axes, Reading, deadband
 
 __all__ = ["EVENT", "Gamepad"]
 
@@ -33,10 +33,13 @@ class Gamepad:
     Args:
         width: share of a stick's travel within which it counts as at rest.
         dead_men: numbers of the buttons, one of which must be held.
+
+    Raises:
+        ParameterError: the width is out of range.
     """
 
     def __init__(self, *, width: float = 0.1, dead_men: tuple[int, ...] = _DEAD_MEN) -> None:
-        self._width = width
+        self._width = WIDTH("width", width)
         self._dead_men = dead_men
         self._rest = b""
         self._axes = list(STANDING)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from aioduco._process.copying import Uncopied
 from aioduco.models.ranges import TIMEOUT
-from aioduco.models.rules import Number
+from aioduco.models.rules import Number, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,6 +20,7 @@ __all__ = ["JointTarget"]
 
 _MOVED = 1.5  # multiple of the lead from which on the arm was moved by something else
 _Vector = NDArray[np.float64]
+_SIX = Vector(Number(source="this package"), length=6, source="this package")
 _ABOVE = Number(0.0, open_low=True, source="this package")
 
 
@@ -53,8 +54,11 @@ class JointTarget(Uncopied):
 
         Args:
             seen: joint angles of the arm [rad]. Shape (6,).
+
+        Raises:
+            ParameterError: they are not six finite numbers.
         """
-        actual = np.array(seen, dtype=float)
+        actual = np.array(_SIX("seen", seen))
         if self._target is None or np.abs(self._target - actual).max() > _MOVED * self._lead:
             self._target = actual
         return self._target.copy()
@@ -74,10 +78,10 @@ class JointTarget(Uncopied):
             The joint angles to go to [rad]. Shape (6,).
 
         Raises:
-            ParameterError: the duration is not above 0.
+            ParameterError: the duration is not above 0, or there are not six finite numbers.
         """
         target = self.rest(seen)
-        wanted = np.array(twist, dtype=float)
+        wanted = np.array(_SIX("twist", twist))
         if in_tool:
             turn = self._arm.fkine(target)[:3, :3]
             wanted = np.concatenate([turn @ wanted[:3], turn @ wanted[3:]])
@@ -99,10 +103,10 @@ class JointTarget(Uncopied):
             The joint angles to go to [rad]. Shape (6,).
 
         Raises:
-            ParameterError: the duration is not above 0.
+            ParameterError: the duration is not above 0, or there are not six finite numbers.
         """
         period = TIMEOUT("period", period)
-        target, found = self.rest(seen), np.array(speeds, dtype=float)
+        target, found = self.rest(seen), np.array(_SIX("speeds", speeds))
         most = float(np.abs(found).max())
         if most > self._fastest:
             found *= self._fastest / most

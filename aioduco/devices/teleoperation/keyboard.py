@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from aioduco.devices.teleoperation.reading import STANDING, Axes, Reading
+from aioduco.devices.teleoperation.reading import HELD, STANDING, Axes, Reading
 
 __all__ = ["KEYS", "Keyboard"]
 
@@ -30,13 +30,16 @@ class Keyboard:
     """Converts the keys of a terminal to readings.
 
     Args:
-        first: seconds for which a key counts as held after it came once.
-        repeating: seconds for which a repeated key counts as held.
+        first: seconds for which a key counts as held after it came once, up to 2.
+        repeating: seconds for which a repeated key counts as held, up to 2.
+
+    Raises:
+        ParameterError: a time is out of range.
     """
 
     def __init__(self, *, first: float = 0.4, repeating: float = 0.15) -> None:
-        self._first = first
-        self._repeating = repeating
+        self._first = HELD("first", first)
+        self._repeating = HELD("repeating", repeating)
         self._key = ""
         self._at = 0.0
         self._until = 0.0

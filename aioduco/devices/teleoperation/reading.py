@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["STANDING", "Axes", "Reading", "deadband"]
+from aioduco.models.rules import Number
+
+__all__ = ["HELD", "STANDING", "WIDTH", "Axes", "Reading", "deadband"]
+
+#: times without a sign of the device for which it counts as held
+HELD = Number(0.0, 2.0, "s", open_low=True, source="this package")
+#: share of a deflection within which it counts as at rest
+WIDTH = Number(0.0, 0.9, source="this package")
 
 #: six shares of the full speed, -1 to 1: along x, y, z and about x, y, z; or of joints 1 to 6.
 #: The axes are those of a person who stands behind the arm: x forward, y to the left, z up.

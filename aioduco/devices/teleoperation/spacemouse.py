@@ -15,7 +15,7 @@ from __future__ import annotations
 import struct
 from typing import Final
 
-from aioduco.devices.teleoperation.reading import STANDING, Axes, Reading, deadband
+from aioduco.devices.teleoperation.reading import HELD, STANDING, WIDTH, Axes, Reading, deadband
 
 __all__ = ["SpaceMouse"]
 
@@ -30,15 +30,18 @@ class SpaceMouse:
     Args:
         width: share of the cap's travel within which it counts as at rest.
         button: number of the button that must be held, from 0; None: no button.
-        quiet: seconds without a report after which a deflected cap counts as released.
+        quiet: seconds without a report after which a deflected cap counts as released, up to 2.
+
+    Raises:
+        ParameterError: a number is out of range.
     """
 
     def __init__(
         self, *, width: float = 0.08, button: int | None = None, quiet: float = 0.2
     ) -> None:
-        self._width = width
+        self._width = WIDTH("width", width)
         self._button = button
-        self._quiet = quiet
+        self._quiet = HELD("quiet", quiet)
         self._along = self._about = (0.0, 0.0, 0.0)
         self._down: frozenset[int] = frozenset()
         self._at = float("-inf")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import fcntl
+import io
+import math
 import os
+import resource
 import struct
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -270,3 +273,77 @@ def test_input_that_never_ends_is_not_held_and_holds_up_nobody() -> None:
     finally:
         os.close(reader)
         os.close(writer)
+
+
+# -- what is no device, and no number ------------------------------------------------------------
+
+
+def test_an_empty_name_of_a_device_is_not_another_device() -> None:
+    """A variable of a script that is not set."""
+    for kind in ("gamepad", "spacemouse"):
+        with pytest.raises(ParameterError, match="device is ''"), open_device(kind, ""):
+            pass
+
+
+def test_a_device_that_is_not_open_says_so() -> None:
+    device = GamepadDevice()
+    with pytest.raises(ParameterError, match="open: use it in `with`"):
+        device.read(0.0)
+
+
+@pytest.mark.parametrize("missing", [None, io.StringIO()])
+def test_a_keyboard_without_a_standard_input_is_refused(
+    missing: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", missing)
+    with pytest.raises(ParameterError, match="no standard input"), KeyboardDevice():
+        pass
+
+
+def test_a_device_is_read_in_a_program_with_thousands_of_descriptors() -> None:
+    if resource.getrlimit(resource.RLIMIT_NOFILE)[0] < 1100:
+        pytest.skip("this system allows no such descriptor")
+    reads, writes = os.pipe()
+    high = fcntl.fcntl(reads, fcntl.F_DUPFD_CLOEXEC, 1050)
+    try:
+        os.write(writes, b"w")
+        with KeyboardDevice(high) as keys:
+            assert keys.read(0.0).held
+            os.close(high)
+            assert keys.read(1.0) == Reading(done=True)
+    finally:
+        os.close(reads)
+        os.close(writes)
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf, 0.0, -1.0, 2.5, "1", None, True])
+def test_no_key_and_no_cap_counts_as_held_for_long(time: Any) -> None:
+    for make in (
+        lambda: Keyboard(first=time),
+        lambda: Keyboard(repeating=time),
+        lambda: SpaceMouse(quiet=time),
+    ):
+        with pytest.raises(ParameterError):
+            make()
+
+
+@pytest.mark.parametrize("width", [math.nan, -0.1, 1.0, "1", None])
+def test_a_width_at_rest_is_a_share(width: Any) -> None:
+    for make in (lambda: SpaceMouse(width=width), lambda: Gamepad(width=width)):
+        with pytest.raises(ParameterError, match="width"):
+            make()
+
+
+@pytest.mark.parametrize("wrong", [[math.nan] * 6, [0.0] * 5, "000000", None, [1e400] * 6])
+def test_a_target_of_joints_keeps_its_place_when_a_speed_is_no_number(wrong: Any) -> None:
+    target = JointTarget(arm("gcr5_910"))
+    before = target.by_joints([0.1] * 6, 0.02, READY)
+    for step in (
+        lambda: target.by_joints(wrong, 0.02, READY),
+        lambda: target.by_twist(wrong, 0.02, READY),
+        lambda: target.by_joints([0.0] * 6, 0.02, wrong),
+        lambda: target.rest(wrong),
+    ):
+        with pytest.raises(ParameterError):
+            step()
+    np.testing.assert_array_equal(target.rest(READY), before)
