@@ -110,3 +110,23 @@ def test_every_command_guards_its_streams(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(SystemExit):
         aioduco.cli.main()
     assert guarded
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_what_an_output_cannot_show_is_spelled_out(encoding: str) -> None:
+    """As in a file to which the output of a command goes, on Windows."""
+    program = (
+        "import aioduco.cli.output as o; from aioduco.cli.safe_console import SafeConsole\n"
+        "o.guard_streams()\n"
+        "o.say('关节 90°'); o.say('超限', error=True); SafeConsole().print('检测 ✓')\n"
+        "raise RuntimeError('检测')\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": encoding, "NO_COLOR": "1"},
+    )  # fmt: skip
+    assert b"UnicodeEncodeError" not in ended.stderr
+    assert b"\\u5173\\u8282 90" in ended.stdout
+    assert b"\\u68c0\\u6d4b \\u2713" in ended.stdout
+    assert b"\\u8d85\\u9650" in ended.stderr
+    assert b"RuntimeError: \\u68c0\\u6d4b" in ended.stderr

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import io
 import json
 import logging
 import math
@@ -55,7 +56,13 @@ class _ShownFormatter(logging.Formatter):
 
 
 def guard_streams() -> None:
-    """Let warnings of the library, and the traceback that ends the program, pass `shown`, too."""
+    """Let warnings of the library, and the traceback that ends the program, pass `shown`, too.
+
+    What the encoding of an output lacks, such as Chinese in a file of Windows, is spelled out.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     if logging.lastResort is not None:
         logging.lastResort.setFormatter(_ShownFormatter())
     sys.excepthook = _say_traceback
