@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Flags: TypeAlias = NDArray[np.bool_]
 
-__all__ = ["deviations", "estimate_friction", "estimate_load", "link_torques"]
+__all__ = ["estimate_friction", "estimate_load", "fit_by_motion", "link_torques"]
 
 #: speed below which a joint rests, and above which it turns [rad/s]
 _REST: Final = 3e-3
@@ -43,6 +43,10 @@ _CONSTANT: Final = 5e-3
 _AROUND: Final = 0.05
 #: reads that are needed
 _FEWEST: Final = 20
+#: motions that are needed besides one for each value
+_SPARE: Final = 2
+#: difference of the other joints between two configurations [rad]
+_SAME_PLACE: Final = 5e-3
 #: pause that ends a motion [s], and the largest rounding of a recorded speed [rad/s]
 _PAUSE: Final = 0.3
 _ROUNDED: Final = 0.5 * 2.0**-10
@@ -98,8 +102,6 @@ def estimate_friction(runs: Sequence[Evidence]) -> Findings:
     Args:
         runs: what the recordings say.
     """
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
-
     data = _torques(runs)
     values: dict[str, Estimate] = {}
     missing: list[str] = []
@@ -120,24 +122,19 @@ def estimate_friction(runs: Sequence[Evidence]) -> Findings:
             missing.append(f"{name}: it turned at one speed only, two are needed")
             continue
         # Where other joints stand elsewhere, the weight is another one: one for each of them.
-        place = np.round(np.delete(data.joints[alone], joint, axis=1), 2)
-        _, which = np.unique(place, axis=0, return_inverse=True)
-        places = np.eye(int(which.max()) + 1)[which.ravel()]
-        weight = [places * column[:, None] for column in (np.ones_like(q), np.cos(q), np.sin(q))]
-        matrix = np.concatenate([np.sign(qd)[:, None], qd[:, None], *weight], axis=1)
-        found, *_ = np.linalg.lstsq(matrix, torque, rcond=None)
-        left = torque - matrix @ found
-        free = len(q) - np.linalg.matrix_rank(matrix)
-        if free < _FEWEST:
-            missing.append(f"{name}: too few torques for the configurations")
+        apart = np.abs(np.diff(data.time[alone])) > _PAUSE
+        motions = np.concatenate([[0], np.cumsum((np.diff(np.sign(qd)) != 0) | apart)])
+        standing = _means(np.delete(data.joints[alone], joint, axis=1), motions)
+        near = np.abs(standing[:, None] - standing).max(axis=2) < _SAME_PLACE
+        places = np.eye(len(near))[np.unique(near.argmax(axis=1), return_inverse=True)[1][motions]]
+        places = places[:, places.any(axis=0)]
+        between = np.concatenate([np.sign(qd)[:, None], qd[:, None], places], axis=1)
+        within = np.concatenate([places * np.cos(q)[:, None], places * np.sin(q)[:, None]], axis=1)
+        fit = fit_by_motion(between, within, torque, motions)
+        if fit is None:
+            missing.append(f"{name}: too few motions for the configurations")
             continue
-        # Errors of one motion belong together.
-        turns = np.concatenate(
-            [[0], np.cumsum((np.diff(np.sign(qd)) != 0) | (np.diff(data.time[alone]) > _PAUSE))]
-        )
-        # one of each motion, less what motions tell: dry, viscous, and the weight's constant
-        factor = float(student.ppf(0.975, max(int(turns[-1]) + 1 - 3, 1)))
-        halves = factor * deviations(matrix, left, turns)[:2]
+        found, halves = fit[0][:2], fit[1][:2]
         # At constant speed, the rounding of the recorded speed is constant, too.
         halves += abs(found[1]) * _ROUNDED * np.array([1.0, 1.0 / np.abs(qd).min()])
         largest = float(abs(found[0]) + abs(found[1]) * np.abs(qd).max())
@@ -152,31 +149,54 @@ def estimate_friction(runs: Sequence[Evidence]) -> Findings:
     return Findings("friction", values, (), tuple(missing))
 
 
-def deviations(matrix: Array, left: Array, turns: NDArray[np.intp]) -> Array:
-    """Standard deviations of a fit whose errors belong together within a motion.
+def fit_by_motion(
+    between: Array, within: Array, torque: Array, motions: NDArray[np.intp]
+) -> tuple[Array, Array] | None:
+    """Fit torques whose errors are of two kinds: one of each motion, one of each read.
 
-    Few motions draw the fit towards themselves, so that what it leaves of each is less than its
-    error. So each counts by how far it is from the fit without it (the estimator CR3 of clustered
-    errors).
+    An arm that still swings or warms up has an error that lasts a motion, so that a motion is one
+    observation, however many reads it has: Student's t is that of the motions. What changes within
+    motions is found from the differences within them, which these errors leave alone.
 
     Args:
-        matrix: the fit's matrix. Shape (n, k).
-        left: what the fit leaves over. Shape (n,).
-        turns: number of the motion of each row, from 0. Shape (n,).
+        between: columns that are constant within a motion. Shape (n, k).
+        within: columns that are not. Shape (n, m).
+        torque: the torques [N m]. Shape (n,).
+        motions: number of the motion of each row, from 0. Shape (n,).
 
     Returns:
-        One for each of the k values.
+        The k values of `between`, and the half widths of their intervals; None if there are fewer
+        than two motions more than values.
     """
-    normal = matrix.T @ matrix
-    inverse = np.linalg.pinv(normal, hermitian=True)
-    scores = []
-    for turn in range(int(turns.max()) + 1):
-        rows = matrix[turns == turn]
-        own, score = rows.T @ rows, rows.T @ left[turns == turn]
-        without = np.linalg.pinv(normal - own, rcond=1e-9, hermitian=True)
-        scores.append(inverse @ (score + own @ without @ score))
-    found: Array = np.sqrt(np.square(scores).sum(axis=0) * (len(scores) - 1) / len(scores))
-    return found
+    from scipy.stats import t as student  # noqa: PLC0415 - an extra
+
+    count = np.bincount(motions)
+    rows, other = _means(between, motions), _means(within, motions)
+    mean = _means(torque[:, None], motions)[:, 0]
+    changing = within - other[motions]
+    slopes, *_ = np.linalg.lstsq(changing, torque - mean[motions], rcond=None)
+    left = torque - mean[motions] - changing @ slopes
+    reads = len(torque) - len(count) - int(np.linalg.matrix_rank(changing))
+    free = len(count) - int(np.linalg.matrix_rank(rows))
+    if free < _SPARE or reads < 1:
+        return None
+    inverse: Array = np.asarray(np.linalg.pinv(rows), dtype=np.float64)
+    found: Array = inverse @ (mean - other @ slopes)
+    off = mean - other @ slopes - rows @ found
+    of_motions = np.sqrt(off @ off / free * np.square(inverse).sum(axis=1))
+    # By chance the few motions may agree better than their reads allow.
+    of_reads = np.sqrt(np.square(inverse) @ (left @ left / reads / count))
+    halves = [student.ppf(0.975, n) * each for n, each in ((free, of_motions), (reads, of_reads))]
+    return found, np.maximum(*halves)
+
+
+def _means(columns: Array, motions: NDArray[np.intp]) -> Array:
+    """Means of the rows of each motion. Shape (n, k) to (motions, k)."""
+    count = np.bincount(motions)
+    sums = np.zeros((len(count), columns.shape[1]))
+    np.add.at(sums, motions, columns)
+    mean: Array = sums / count[:, None]
+    return mean
 
 
 def link_torques(arm: Arm, joints: Array) -> Array:

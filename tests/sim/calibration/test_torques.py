@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import t as student
 
 from aioduco.kinematics import arm
 from aioduco.sim.calibration.torques import (
-    deviations,
     estimate_friction,
     estimate_load,
+    fit_by_motion,
     link_torques,
 )
 from aioduco.sim.physics.world import World
@@ -33,24 +32,33 @@ def test_friction_is_found_without_any_mass(seed: int) -> None:
             assert estimate.low <= truth[joint] <= estimate.high
 
 
+@pytest.mark.parametrize("own", [0.0, 0.01, 0.05])
 @pytest.mark.parametrize("rounds", [1, 2])
-def test_intervals_hold_with_few_motions_each_of_which_has_an_error_of_its_own(rounds: int) -> None:
+def test_intervals_hold_whether_errors_are_of_motions_or_of_reads(rounds: int, own: float) -> None:
     random = np.random.default_rng(5)
-    motions = [(side * v, np.linspace(-0.1, 0.5, 8)) for v in (0.15, 0.45, 0.8) for side in (1, -1)]
-    motions *= rounds
-    turns = np.repeat(np.arange(len(motions)), 8)
-    speed = np.repeat([v for v, _ in motions], 8)
-    q = np.concatenate([places for _, places in motions])
-    matrix = np.stack([np.sign(speed), speed, np.ones_like(q), np.cos(q), np.sin(q)], axis=1)
-    factor, inside = float(student.ppf(0.975, len(motions) - 3)), []
+    kinds = [(side * v, round(18 / v)) for v in (0.15, 0.45, 0.8) for side in (1, -1)] * rounds
+    motions = np.repeat(np.arange(len(kinds)), [reads for _, reads in kinds])
+    speed = np.array([v for v, _ in kinds])[motions]
+    q = np.concatenate([np.linspace(-0.1, 0.5, reads) for _, reads in kinds])
+    between = np.stack([np.sign(speed), speed, np.ones_like(q)], axis=1)
+    within = np.stack([np.cos(q), np.sin(q)], axis=1)
+    inside = []
     for _ in range(400):
-        error = 0.05 * random.standard_normal(len(motions))[turns]
+        error = own * random.standard_normal(len(kinds))[motions]
         error += 0.02 * random.standard_normal(len(q))
-        found, *_ = np.linalg.lstsq(matrix, error, rcond=None)  # the true ones are zero
-        half = factor * deviations(matrix, error - matrix @ found, turns)
-        inside.append(np.abs(found[:2]) <= half[:2])
+        fit = fit_by_motion(between, within, within @ (4.0, 1.0) + error, motions)
+        assert fit is not None
+        inside.append(np.abs(fit[0][:2]) <= fit[1][:2])  # the true ones are zero
     # three standard deviations of a share of 95 % of 400
     assert np.mean(inside, axis=0).min() > 0.917, np.mean(inside, axis=0)
+
+
+def test_friction_needs_more_motions_than_values() -> None:
+    columns = np.repeat([[1.0, 0.2, 1.0], [-1.0, -0.2, 1.0], [1.0, 0.8, 1.0]], 9, axis=0)
+    q = np.tile(np.linspace(0.0, 0.5, 9), 3)
+    within = np.stack([np.cos(q), np.sin(q)], axis=1)
+    torque = np.random.default_rng(1).standard_normal(27)
+    assert fit_by_motion(columns, within, torque, np.repeat([0, 1, 2], 9)) is None
 
 
 def test_the_load_is_found_with_its_centre() -> None:
