@@ -33,9 +33,7 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
     # Of Python's shared memory on Linux, and of none on Windows: no test is to have left it.
     resource_tracker.ensure_running()
 
-from cycle_time import COARSE, SHORT, set_cycle, set_power_times  # noqa: E402 - see above
-from patient import be_patient  # noqa: E402
-from ports import give_each_once  # noqa: E402
+from ports import give_each_once  # noqa: E402 - see above
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -106,17 +104,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+#: whether each process collects a part of the files, and which
+_divided, _own = pytest.StashKey[bool](), pytest.StashKey[set[Path]]()
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    be_patient()
-    give_each_once()
     all_of_it: bool = config.getoption("thorough")
-    if not all_of_it:
-        set_cycle(COARSE)
-        set_power_times(SHORT)
+    if getattr(config.option, "dist", "no") == "no":  # not where others run the tests
+        _prepare(all_of_it=all_of_it)
     if getattr(config.option, "dist", "no") == "load":
-        # Each process takes neighbours, so that a fixture of a module is made once or twice, and at
-        # the end those that another one has left.
-        config.option.dist = "worksteal"
+        # Of all files, each process collects and runs every n-th alone: to import all of them takes
+        # as long as to run a fifth of the quick tests. Otherwise each takes neighbours, so that a
+        # fixture of a module is made once or twice, and at the end those that another one has left.
+        config.stash[_divided] = _all_files(config) and not all_of_it
+        config.option.dist = "each" if config.stash[_divided] else "worksteal"
+        if config.stash[_divided]:
+            config.pluginmanager.register(_Progress())
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:
             setattr(config.option, option, number[all_of_it])
@@ -131,6 +134,16 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.register_profile("quick", max_examples=10, **options)
     settings.register_profile("thorough", max_examples=100, **options)
     settings.load_profile("thorough" if all_of_it else "quick")
+
+
+def _prepare(*, all_of_it: bool) -> None:
+    """Change what robots and simulators of this process have by default."""
+    import_module("patient").be_patient()
+    give_each_once()
+    if not all_of_it:
+        times = import_module("cycle_time")
+        times.set_cycle(times.COARSE)
+        times.set_power_times(times.SHORT)
 
 
 def _draw_no_constants() -> None:
@@ -173,7 +186,8 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
     """
     gc.disable()
     try:
-        _import_a_share(session.config)
+        if not getattr(session.config, "workerinput", {}).get("divided"):
+            _import_own_files(session.config)
         return (yield)
     finally:
         gc.collect()
@@ -181,19 +195,57 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
         gc.enable()
 
 
-def _import_a_share(config: pytest.Config) -> None:
-    """Import every n-th module of the tests first, where n processes import all of them.
+def _all_files(config: pytest.Config) -> bool:
+    return [Path(__file__).parent] == [config.rootpath / each for each in config.args]
 
-    So each process compiles a part of them, in a fresh clone half of the time of collecting, and
-    finds the others compiled.
+
+def _own_files(config: pytest.Config) -> list[Path]:
+    """Every n-th of the files of tests, where n processes run all of them."""
+    given: dict[str, Any] = getattr(config, "workerinput", {})
+    if not given or not _all_files(config):
+        return []
+    number, processes = int(given["workerid"].removeprefix("gw")), given["workercount"]
+    return sorted(Path(__file__).parent.rglob("test_*.py"))[number % processes :: processes]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    node.workerinput["divided"] = node.config.stash.get(_divided, False)
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave to the other processes what is theirs, where each collects a part of the files."""
+    if not getattr(config, "workerinput", {}).get("divided") or collection_path.is_dir():
+        return None
+    if _own not in config.stash:
+        config.stash[_own] = set(_own_files(config))
+    return None if collection_path in config.stash[_own] else True
+
+
+class _Progress:
+    """Shows how much of all has been run, where xdist would show it of what one process has."""
+
+    def __init__(self) -> None:
+        self._all = 0
+        self._session: Any = None
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_xdist_node_collection_finished(self, node: Any, ids: list[str]) -> None:
+        self._all += len(ids)
+        self._session = node.config.pluginmanager.getplugin("session")
+
+    def pytest_runtest_logstart(self) -> None:
+        self._session.testscollected = self._all
+
+
+def _import_own_files(config: pytest.Config) -> None:
+    """Import these first where each process imports all files.
+
+    So each compiles a part of them, and finds the others compiled: in a fresh clone half of the
+    time of collecting.
     """
-    process = os.environ.get("PYTEST_XDIST_WORKER", "")
-    tests = Path(__file__).parent
-    if not process or [tests] != [config.rootpath / each for each in config.args]:
-        return
-    number, processes = int(process[2:]), int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
-    for path in sorted(tests.rglob("test_*.py"))[number::processes]:
-        name = ".".join(path.relative_to(tests).with_suffix("").parts)
+    for path in _own_files(config):
+        name = ".".join(path.relative_to(Path(__file__).parent).with_suffix("").parts)
         with contextlib.suppress(Exception, pytest.skip.Exception):  # collecting it reports that
             import_module(name)
 

@@ -545,6 +545,7 @@ def test_a_call_that_moves_the_arm_asks_first() -> None:
         assert sim.joints.j1 == pytest.approx(0.3, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_call_that_cannot_be_made_says_why() -> None:
     unknown = run("call", "no_such_function")
     assert unknown.exit_code == 2

@@ -129,6 +129,7 @@ def test_options_come_before_what_the_cell_says(tmp_path: Path) -> None:
     assert simulated_parts(None, None, **usual) == usual
 
 
+@pytest.mark.slow
 def test_a_preflight_is_flown_in_the_cell(tmp_path: Path) -> None:
     file = written(tmp_path)
     # the flange gets 30 mm into it
@@ -155,6 +156,7 @@ def test_a_misspelt_robot_is_not_taken_for_a_host(no_robots: Path) -> None:
     assert "lefft:7003" in told(answer)
 
 
+@pytest.mark.slow
 def test_a_misspelt_function_or_arm_is_answered_with_the_nearest() -> None:
     assert "did you mean 'get_tcp_pose'" in told(run("call", "get_tcp_pos", "--describe"))
     assert "did you mean 'gcr5_910'" in told(run("sim", "--model", "gcr5_901"))

@@ -87,6 +87,7 @@ def test_the_generated_module_is_up_to_date() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_the_check_finds_a_difference(tmp_path: Path) -> None:
     """A check that cannot fail checks nothing."""
     (tmp_path / "idl").mkdir()

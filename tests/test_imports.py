@@ -77,6 +77,7 @@ def test_what_is_loaded_when_it_is_used_is_public_and_told_to_type_checkers() ->
     assert len(aioduco.__all__) == len(set(aioduco.__all__))
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("package", [aioduco.recording, aioduco.testing])
 def test_a_package_gives_on_first_use_what_type_checkers_were_told(package: ModuleType) -> None:
     told = told_to_type_checkers(package)
@@ -201,6 +202,7 @@ def test_an_open_robot_has_loaded_all_its_sections() -> None:
         assert run(code) == "[] set()"
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("package", "extra", "begin"),
     [
@@ -210,7 +212,6 @@ def test_an_open_robot_has_loaded_all_its_sections() -> None:
         ("cv2", "camera", "from aioduco.devices.cameras import OpenCvCamera"),
     ],
 )
-@pytest.mark.cases(4)
 def test_a_missing_package_names_its_extra(package: str, extra: str, begin: str) -> None:
     code = f"import sys; sys.modules[{package!r}] = None; {begin}"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -8,9 +8,12 @@ import subprocess
 import sys
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 ROOT = Path(__file__).parents[1] / "aioduco"
 
@@ -329,13 +332,21 @@ class Import(NamedTuple):
         return f"aioduco/{self.path}:{self.line} imports {self.name}"
 
 
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """All statements in it, those in other statements included: expressions are most of a tree."""
+    for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for each in getattr(node, name, ()):
+            yield each
+            yield from statements(each)
+
+
 @cache
 def imports() -> tuple[Import, ...]:
     """Every import of the package, those in functions and for type checkers included."""
     found = []
     for path in sorted(ROOT.rglob("*.py")):
         relative = path.relative_to(ROOT).as_posix()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in statements(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 found += [Import(relative, node.lineno, alias.name) for alias in node.names]
             elif isinstance(node, ast.ImportFrom):

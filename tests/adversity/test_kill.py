@@ -204,6 +204,7 @@ def test_the_arm_stands_while_the_event_loop_hangs(sim: Simulator, watch: Watch)
         assert idle(sim), unrest(sim)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("end", "watch"), [("error", BEAT), ("leave", BEAT), ("leave", GUARD)], ids=str
 )

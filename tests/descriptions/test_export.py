@@ -85,6 +85,7 @@ def test_meshes_of_the_arms_lengths_are_written_beside_their_addresses(tmp_path:
     assert done.stdout.split() == [str(tmp_path / "gcr5_910.urdf"), str(tmp_path / "meshes")]
 
 
+@pytest.mark.slow
 def test_meshes_are_read_by_others(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     for link in looks(arm("gcr3_618")):
@@ -143,6 +144,7 @@ def test_the_simulator_of_that_package_is_given_no_remappings(tmp_path: Path) ->
     assert found == ["sim", "--model", "gcr5_910", "--port", "7003"]
 
 
+@pytest.mark.slow
 def test_options_are_those_of_the_description(tmp_path: Path) -> None:
     tool = ToolDescription(
         mass=1.5,

@@ -82,6 +82,7 @@ def test_it_follows_the_conventions_of_menagerie() -> None:
     assert loaded.geom_contype[touched].all()
 
 
+@pytest.mark.slow
 def test_two_arms_with_a_tool_stand_where_they_are_mounted() -> None:
     loaded = mujoco.MjModel.from_xml_string(mjcf(LEFT, RIGHT, name="cell"))
     data = mujoco.MjData(loaded)
@@ -112,6 +113,7 @@ def test_models_are_put_into_one_by_mujoco() -> None:
     assert cell.compile().nq == 12
 
 
+@pytest.mark.slow
 def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
     cube = [(x, y, z) for x in (0, 0.1) for y in (0, 0.1) for z in (0, 0.1)]
     faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]

@@ -383,6 +383,7 @@ async def test_nothing_that_stands_is_refused(robot: aioduco.Robot) -> None:
     await robot.motion.speedj((0, 0, 0, 0, 0, 0), a=3.0, time=0.05)
 
 
+@pytest.mark.slow
 async def test_a_speed_stream_from_beyond_a_limit_only_leads_back(robot: aioduco.Robot) -> None:
     await stand(robot, *turned(0.4))
     robot.envelope = Envelope("gcr5_910", wall())
@@ -540,7 +541,7 @@ async def test_a_stream_of_speeds_is_slowed(robot: aioduco.Robot, seen: Seen) ->
         assert 0.05 < fastest(seen) <= 0.1 * 1.05
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["speedj", "servoj", "jog"])
 async def test_margins_of_joints_are_kept(robot: aioduco.Robot, seen: Seen, kind: str) -> None:
     limit = 2 * math.pi - 0.3
@@ -562,6 +563,7 @@ async def test_margins_of_joints_are_kept(robot: aioduco.Robot, seen: Seen, kind
     assert max(q[5] for q in seen.q) < limit + LAG
 
 
+@pytest.mark.slow
 async def test_a_force_that_grows_stops_the_arm_again(robot: aioduco.Robot, sim: Simulator) -> None:
     """A program that tries again pushes no harder; it may lead the arm back."""
     robot.envelope = Envelope("gcr5_910", ToolForce(40.0, name="push"))

@@ -96,6 +96,7 @@ async def test_a_joint_motion_beyond_a_zone_is_not_sent(robot: aioduco.Robot, se
     assert least((wall(),), seen.q) < 0
 
 
+@pytest.mark.slow
 async def test_the_ways_of_lines_and_arcs_are_known(robot: aioduco.Robot) -> None:
     """Their ends are within the envelope; only what lies between them is not."""
     here = await robot.state.get_tcp_pose()
@@ -111,6 +112,7 @@ async def test_the_ways_of_lines_and_arcs_are_known(robot: aioduco.Robot) -> Non
         await robot.motion.tcp_move(Pose(0.2, 0, 0, 0, 0, 0), v=0.5, a=2.0)
 
 
+@pytest.mark.slow
 async def test_names_of_tool_and_work_object_are_taken_into_account(robot: aioduco.Robot) -> None:
     await robot.frames.set_wobj("bench", Pose(0.1, 0.2, 0.3, 0, 0, 0.5))
     await robot.frames.set_tool_data("long", Pose(0, 0, 0.2, 0, 0, 0), [0.1, 0, 0, 0])

@@ -24,6 +24,7 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
+@pytest.mark.slow
 @pytest.mark.linux("os.fork")
 @pytest.mark.parametrize("run_in", ["process", "thread"])
 def test_a_stream_goes_on_when_its_program_forks(sim: Simulator, run_in: str) -> None:

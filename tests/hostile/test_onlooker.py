@@ -129,6 +129,7 @@ async def test_a_frozen_guard_goes_on_when_it_wakes(bench: Bench) -> None:
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.slow
 async def test_without_a_guard_that_knows_of_it_nothing_is_moved(bench: Bench) -> None:
     """Not even without a heartbeat, which would be missed, too."""
     async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=None) as robot:

@@ -119,6 +119,7 @@ def test_who_reads_a_programs_output_to_its_end_does_not_wait_for_the_guard(benc
     eventually(lambda: not running(guard), timeout=30.0)
 
 
+@pytest.mark.slow
 async def test_what_the_guard_has_to_say_is_in_the_programs_log(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -23,7 +23,7 @@ from .conftest import Generated, _need, connected
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-pytestmark = pytest.mark.interop
+pytestmark = [pytest.mark.interop, pytest.mark.slow]
 
 FINISHED, WRONG = 4, 8
 TURNED = [1.0, 0.2, 1.4, 0.1, -1.4, 0.3]

@@ -48,6 +48,7 @@ def apart(one: Load, other: Load) -> tuple[float, float]:
     return abs(one.mass - other.mass), float(np.linalg.norm(np.subtract(one, other)[1:]))
 
 
+@pytest.mark.slow
 def test_forces_give_a_hidden_load_within_what_is_stated() -> None:
     held = np.zeros(2)
     for seed in range(300):
@@ -145,6 +146,7 @@ def test_wrong_arguments_are_refused() -> None:
         identify_load_by_forces(frames, read, gravity=(0.0, 0.0))
 
 
+@pytest.mark.slow
 async def test_a_load_hidden_on_a_simulated_arm_is_found_by_both_sensors() -> None:
     draw = np.random.default_rng(3)
     hidden = Load(2.5, 0.03, -0.02, 0.08)

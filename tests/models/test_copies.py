@@ -126,6 +126,7 @@ def _refused() -> float:
     return JointTrajectory([[400.0] * 6, [0.0] * 6], [0.0, 1.0]).duration
 
 
+@pytest.mark.slow
 def test_a_process_pool_raises_the_error_of_its_worker() -> None:
     with (
         multiprocessing.get_context("spawn").Pool(1) as pool,

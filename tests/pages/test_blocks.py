@@ -137,7 +137,7 @@ def run_in_pytest(code: str, folder: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.cases(4)
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("block", [pytest.param(b, id=b.name) for b in alone(PYTHON)])
 def test_a_block_of_python_runs(
     block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

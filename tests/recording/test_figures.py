@@ -145,6 +145,7 @@ def test_a_panel_of_zeros_is_left_out_unless_there_is_no_other() -> None:
     assert [panel.title for panel in panels(only)] == ["joint angles"]
 
 
+@pytest.mark.slow
 def test_no_legend_and_no_name_of_a_mark_lies_over_a_curve() -> None:
     pytest.importorskip("matplotlib")
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415

@@ -26,12 +26,19 @@ if TYPE_CHECKING:
 OUT_OF_RANGE = 0
 
 
-@pytest.fixture(scope="package", autouse=True)
+@pytest.fixture
 def real_cycle() -> Iterator[None]:
-    """The cycle and the times of power that a user's simulator has."""
-    cycle, times = set_cycle(CYCLE), set_power_times(USUAL)
+    """The cycle that a user's simulator has."""
+    cycle = set_cycle(CYCLE)
     yield
     set_cycle(cycle)
+
+
+@pytest.fixture
+def real_power() -> Iterator[None]:
+    """The times of power that a user's simulator has."""
+    times = set_power_times(USUAL)
+    yield
     set_power_times(times)
 
 

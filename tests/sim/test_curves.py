@@ -243,6 +243,7 @@ def test_a_trigger_at_a_pause_and_at_a_stop(sim: Simulator, robot: Program) -> N
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
 
 
+@pytest.mark.usefixtures("real_cycle")
 @pytest.mark.parametrize("how", ["pause", "stop", "abort"])
 @pytest.mark.parametrize("late", [0.0, 20.0])
 def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
@@ -282,6 +283,7 @@ def test_an_event_may_change_the_cell(sim: Simulator, robot: Program) -> None:
     assert robot.get_standard_digital_in(2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [3, 4])
 def test_triggers_of_kinds_that_no_manual_names_are_passed_over(
     sim: Simulator, robot: Program, strict: Program, kind: int

@@ -82,6 +82,7 @@ async def test_what_reach_check_found(robot: tuple[Robot, Simulator]) -> None:
     assert (found.reachable, found.index, found.singularity) == (False, 1, 4)
 
 
+@pytest.mark.slow
 def test_a_scheme_of_external_axes_says_how_fast_it_is() -> None:
     rail = {"rail": [(-1.0, 1.0, 0.5, 2.0)]}
     seen: list[tuple[float, float]] = []

@@ -114,6 +114,7 @@ def test_a_part_is_dropped_once_it_was_held_for_a_time(cell: Cell) -> None:
     assert cell.world.time - begin == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_worse_grip_slips(cell: Cell) -> None:
     cell.hand.set_grip(0.02)
     cell.grip()
@@ -136,6 +137,7 @@ def test_a_cup_drops_and_slips(fault: Callable[[Hand], None]) -> None:
     assert cell.world.parts.where("part", cell.world.positions).touches == ("tray",)
 
 
+@pytest.mark.slow
 def test_two_stuck_parts_come_together(cell: Cell) -> None:
     cell.run(0.1)
     parts = cell.world.parts

@@ -132,6 +132,7 @@ def test_sliding_along_the_table_keeps_the_pressure() -> None:
     assert np.ptp([at[2] for at in cell.tips[1500:]]) < 1e-3
 
 
+@pytest.mark.slow
 def test_a_hand_moves_what_gives_way_and_nothing_else() -> None:
     cell = Cell(target=NOTHING, direction=(True, True, True, False, False, False))
     pushed = 20.0

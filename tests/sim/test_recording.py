@@ -56,6 +56,7 @@ def record(program: Program, mode: int, interval: float, v: float = 0.5) -> None
 # -- recording -----------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("real_cycle")
 def test_points_by_position(cell: Simulator, program: Program) -> None:
     record(program, BY_POSITION, 0.0)
     track = cell.cabinet.project.tracks["t"]
@@ -257,6 +258,7 @@ def push(cell: Simulator, program: Program, force: list[float]) -> tuple[np.ndar
     return np.array(_tip(program)) - tip, np.abs(cell.joints.array - q)
 
 
+@pytest.mark.slow
 def test_some_joints_give_way(cell: Simulator, program: Program) -> None:
     wanted = ([1, 0, 0, 0, 0, 0], [1] * 6, 0, [True] * 6)
     assert program.set_hand_teach_parameter(0, *wanted) == TaskState.FINISHED
@@ -286,7 +288,7 @@ def test_directions_of_tool_and_work_object(cell: Simulator, program: Program, f
     program.set_wobj("none", [0.0] * 6)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "args",
     [

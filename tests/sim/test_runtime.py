@@ -216,6 +216,7 @@ def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
         pass
 
 
+@pytest.mark.usefixtures("real_cycle", "real_power")
 def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
     controller = controller_of(FakeMover)
     runtime = SimulationRuntime(controller, arm, speed=1.0)

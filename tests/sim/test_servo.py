@@ -184,6 +184,7 @@ def test_smoothing_and_gains_out_of_their_range_are_taken(
     assert robot.servoj(turned(0.0), 1.0, 5.0, True, *(math.nan,) * 4) == 8
 
 
+@pytest.mark.slow
 def test_gains_that_are_left_out_are_the_vendors(sim: Simulator, robot: Program) -> None:
     assert robot.servoj(turned(0.2), 1.0, 5.0, True, 0.0, 0.0, 0.0, 0.0) == TaskState.FINISHED
     sim.wait_until(lambda: not sim.moving)

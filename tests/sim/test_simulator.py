@@ -90,6 +90,7 @@ def follow_an_arc(sim: Simulator, robot: Program) -> None:
     assert Pose.of(robot.get_tcp_pose()).almost_equal(end, position=1e-3, rotation=2e-3)
 
 
+@pytest.mark.slow
 def test_an_offset_in_the_tools_frame_is_added_to_the_end_of_the_motion_before(
     sim: Simulator, robot: Program
 ) -> None:
@@ -360,6 +361,7 @@ def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
     assert not sim.moving
 
 
+@pytest.mark.usefixtures("real_cycle")
 def test_a_motion_that_has_finished_is_no_longer_moving(sim: Simulator, robot: Program) -> None:
     """However fast it was, and though the arm itself still swings out a little."""
     for goal in (0.6, 0.0):
@@ -466,6 +468,7 @@ def test_shutdown_answers_and_takes_the_network_down(
             robot.get_robot_state()
 
 
+@pytest.mark.slow
 def test_restart_comes_back_on_the_same_port(connect: Callable[..., Program]) -> None:
     with Simulator(speed=math.inf) as sim:
         robot = connect(sim)
@@ -491,6 +494,7 @@ async def test_a_restart_is_awaited_to_its_end() -> None:
             await robot.system.restart(timeout=0.001)
 
 
+@pytest.mark.slow
 def test_who_sees_a_controller_started_again_can_connect(connect: Callable[..., Program]) -> None:
     seen: list[tuple[bool | None, int]] = []
 
@@ -554,6 +558,7 @@ def test_wrong_options_are_named(options: dict[str, object]) -> None:
         Simulator(**options)  # type: ignore[arg-type]  # that is the test
 
 
+@pytest.mark.slow
 def test_the_same_program_gives_the_same_joints_at_any_speed(
     connect: Callable[..., Program],
 ) -> None:

@@ -10,6 +10,7 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 
 
+@pytest.mark.usefixtures("real_cycle")
 def test_time_goes_on_by_whole_cycles_and_the_same_each_time() -> None:
     box = Box(at=(0.5, 0.0, 0.3), size=(0.05, 0.05, 0.05), mass=0.1, name="box")
     with Simulator(speed=float("inf"), scene=[box]) as sim:

@@ -47,6 +47,7 @@ def test_speed_stop_ends_it_in_good_order(sim: Simulator, robot: Program) -> Non
     assert robot.to(*READY) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_what_comes_after_speed_stop_waits_until_the_arm_stands(
     sim: Simulator, robot: Program
 ) -> None:
@@ -69,6 +70,7 @@ def test_what_comes_after_speed_stop_waits_until_the_arm_stands(
     assert robot.get_noneblock_taskstate(never) == TaskState.STOPPED
 
 
+@pytest.mark.slow
 def test_a_second_velocity_takes_over(sim: Simulator, robot: Program) -> None:
     first = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
     sim.wait_until(lambda: sim.joints[0] > 0.05, 60.0)
@@ -177,6 +179,7 @@ def test_a_cartesian_jog_follows_the_axes_of_its_frame(
     assert back @ [-a for a in axis] == pytest.approx(float(sum(back**2)) ** 0.5, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_jog_along_the_world_of_an_arm_at_a_wall(connect: Callable[..., Program]) -> None:
     step = jog(jog_type=1, axis_num=2, use_step=True, step_cartvalue=0.05)
     moved: list[np.ndarray] = []

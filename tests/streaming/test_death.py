@@ -266,6 +266,7 @@ async def test_sending_with_one_set_point_ahead_lets_the_event_loop_run(
             await program(tasks)
 
 
+@pytest.mark.slow
 @pytest.mark.linux("real-time signals")
 async def test_a_worker_killed_by_a_signal_without_a_name_is_an_error(
     controller: Controller,

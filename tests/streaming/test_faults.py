@@ -196,7 +196,7 @@ async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultPro
 # -- deaths ------------------------------------------------------------------------------------
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
 async def test_a_worker_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
     async def program() -> None:

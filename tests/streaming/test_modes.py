@@ -95,6 +95,7 @@ async def test_a_stream_whose_connection_breaks_ends_its_mode_on_another_one(ben
     assert len(bench.received("end_realtime_mode")) == 1
 
 
+@pytest.mark.slow
 async def test_the_robot_ends_the_mode_of_a_worker_that_was_killed(bench: Queue) -> None:
     def kill(stream: Stream) -> None:
         assert stream.pid is not None

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.gate import Permit
 
 PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
-workers = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
 
 # -- the rules ---------------------------------------------------------------------------------
 

@@ -36,7 +36,7 @@ PROCESS, THREAD = (
     WorkerOptions(run_in="process", timeout=20.0),
     WorkerOptions(run_in="thread", timeout=20.0),
 )
-workers = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
 
 
 def near(offset: float) -> list[float]:
@@ -226,6 +226,7 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
     assert controller.server.received("get_tcp_pose_coord")[0].args == ("", "")
 
 
+@pytest.mark.slow
 async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     controller: Controller, queue: Cycles
 ) -> None:

@@ -149,7 +149,7 @@ async def ended_by(
             eventually(lambda: opened.quiet)
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("kind", "options"), [*((kind, PROCESS) for kind in FOLLOWED), ("servoj", THREAD)]
 )
@@ -179,6 +179,7 @@ async def test_so_do_the_others(robot: aioduco.Robot, sim: Simulator, way: str) 
     await robot.stop()
 
 
+@pytest.mark.slow
 async def test_stop_now_from_the_thread_of_the_event_loop(
     robot: aioduco.Robot, sim: Simulator
 ) -> None:
@@ -223,6 +224,7 @@ async def test_what_it_had_sent_is_not_left_paused(sim: Simulator) -> None:
     assert (paused, sim.view.program) == (ProgramState.PAUSED, ProgramState.STOPPED)
 
 
+@pytest.mark.slow
 async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
     robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:

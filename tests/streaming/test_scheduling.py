@@ -79,6 +79,7 @@ def test_who_goes_first_and_does_not_wait_goes_like_all_others_again() -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 async def test_a_worker_that_is_woken_late_goes_first_by_itself(controller: Controller) -> None:
     """By 125 µs, at this rate: each system wakes somebody so late, sooner or later.
 

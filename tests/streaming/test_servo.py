@@ -43,16 +43,17 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.config import CheckedEnvelope
 
-WORKERS = [WorkerOptions(run_in="process"), WorkerOptions(run_in="thread")]
+WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
 THREAD = WorkerOptions(run_in="thread")
 
-workers = pytest.mark.parametrize("options", WORKERS, ids=["process", "thread"])
+workers = pytest.mark.parametrize("options", WORKERS, ids=["thread", "process"])
 
 
 def near(offset: float) -> list[float]:
     return [angle + offset for angle in HERE]
 
 
+@pytest.mark.cases(2)
 @workers
 async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
     controller: Controller, options: WorkerOptions
@@ -293,6 +294,7 @@ async def test_a_step_too_large_is_refused_and_the_stream_goes_on(controller: Co
     assert controller.points()[-1] == pytest.approx(near(0.001))
 
 
+@pytest.mark.cases(2)
 @workers
 async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
     controller: Controller, options: WorkerOptions

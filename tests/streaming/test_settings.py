@@ -82,6 +82,7 @@ async def test_a_worker_stays_on_its_processor(controller: Controller) -> None:
     assert "cpus" not in stream.statistics().unmet
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("run_in", ["process", "thread"])
 async def test_a_worker_that_is_always_late_loses_no_set_point(
     controller: Controller, run_in: Any

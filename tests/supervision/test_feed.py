@@ -143,6 +143,7 @@ async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
                     await robot.feed.latest(max_age=soon)
 
 
+@pytest.mark.slow
 async def test_a_loop_that_is_held_up_is_not_taken_for_a_controller_that_does_not_answer(
     bench: Bench,
 ) -> None:

@@ -179,7 +179,7 @@ async def test_the_guards_death_stops_the_arm_and_another_takes_over(
     await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("heartbeat", [0.3, None], ids=["heartbeat", "none"])
 async def test_another_guard_is_tried_until_it_can_be_started(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, heartbeat: float | None
@@ -203,6 +203,7 @@ async def test_another_guard_is_tried_until_it_can_be_started(
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.slow
 async def test_a_robot_that_is_closed_tries_no_other_guard(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -260,6 +261,7 @@ async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Rob
     assert not bench.received("movej2")
 
 
+@pytest.mark.slow
 async def test_a_guard_that_hangs_does_not_hold_up_a_stop(
     bench: Bench, robot: aioduco.Robot
 ) -> None:
@@ -279,6 +281,7 @@ async def test_a_guard_that_hangs_does_not_hold_up_a_stop(
         os.kill(pid, signal.SIGCONT)
 
 
+@pytest.mark.slow
 async def test_a_broken_connection_of_the_guard_is_replaced(bench: Bench) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(proxy.host, proxy.port, guard="process") as robot:
@@ -310,6 +313,7 @@ async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:
         await robot.open()
 
 
+@pytest.mark.slow
 def test_a_killed_program_leaves_a_standing_arm(bench: Bench) -> None:
     bench.motion_time = 30.0
     program = f"""

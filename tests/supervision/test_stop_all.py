@@ -41,6 +41,7 @@ async def open_all(
     return robots
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("guard", [None, "process"])
 async def test_all_are_told_before_anything_else_runs(
     fleet: Fleet, guard: GuardKind | None

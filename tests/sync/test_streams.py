@@ -155,6 +155,7 @@ def test_each_leads_the_arm_and_leaves_it_standing(robot: Robot, sim: Simulator,
         next(stream.ticks())
 
 
+@pytest.mark.slow
 def test_its_worker_has_a_process_of_its_own_and_its_options_are_those_of_the_awaited_one(
     robot: Robot, sim: Simulator
 ) -> None:

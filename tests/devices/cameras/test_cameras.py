@@ -134,7 +134,7 @@ def test_half_turns_alone_say_what_is_missing(mounted: Any, turns: Any, noise: f
         calibrate_hand_eye(flanges, noisy, mounted=mounted)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", ["of the board", "in the camera", "in depth", "of the flange"])
 @pytest.mark.parametrize("count", [4, 7, 15])
 def test_the_uncertainty_holds_for_hidden_cameras(count: int, noise: str) -> None:

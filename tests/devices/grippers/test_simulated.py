@@ -105,7 +105,7 @@ async def test_what_is_too_heavy_for_the_force_stays(
     assert not trial.lifted
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("name", "driver", "stroke"),
     [

@@ -162,6 +162,7 @@ async def test_a_hold_that_lasts_until_the_end_counts() -> None:
     assert report.seconds == device.last - device.first
 
 
+@pytest.mark.slow
 async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
     fastest = TeleopScale(turn_speed=JOINT_SPEED.high)
     with Simulator() as sim:

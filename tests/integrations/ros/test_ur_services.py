@@ -208,7 +208,7 @@ async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simula
     assert abs(after.x - before.x) + abs(after.y - before.y) < 0.005
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["pause", "speed"])
 async def test_a_goal_survives_a_pause_and_another_speed(
     node: ArmNode, sim: Simulator, how: str

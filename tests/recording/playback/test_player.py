@@ -371,6 +371,7 @@ def test_record_says_at_its_end_whether_a_file_can_be_played(tmp_path: Path) -> 
     assert "--check" in playable(whole, 1_000_000)
 
 
+@pytest.mark.slow
 def test_a_gap_is_bridged_as_far_as_the_command_says(tmp_path: Path) -> None:
     gap = str(write(tmp_path / "gap.mcap", without=(0.8, 0.91)))
     done = run("play", gap, "--check")

@@ -292,6 +292,7 @@ async def test_a_peak_of_the_speed_between_two_close_samples_is_allowed_for(tmp_
     assert peak <= allowed[0] <= 1.1 * peak
 
 
+@pytest.mark.slow
 def test_a_sample_of_a_moving_arm_takes_60_bytes(tmp_path: Path) -> None:
     """That is 27 MB an hour at 125 samples a second; an index alone would take as much."""
 

@@ -122,6 +122,7 @@ def test_bytes_pass_both_ways_whatever_they_are(listener: socket.socket) -> None
     assert sum("is no message" in note for note in found.notes()) == 2
 
 
+@pytest.mark.slow
 def test_who_does_not_read_what_it_tells_holds_up_nothing(listener: socket.socket) -> None:
     with Tap("127.0.0.1", listener.getsockname()[1]) as tap, joined(tap, listener) as pair:
         client, controller = pair
@@ -252,6 +253,7 @@ def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
         assert result.exit_code == status, result.output
 
 
+@pytest.mark.cases(1)
 @pytest.mark.linux("limits of another process")
 @pytest.mark.parametrize("spare", [0, 1, 2, 3])
 def test_without_descriptors_the_connections_that_are_open_go_on(spare: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -88,7 +89,21 @@ def turns(
     The drives do not depend on each other: all joints are turned at once, and what each of them did
     stands one after the other, with the others at rest.
     """
-    drives = TrailingDrives(lag.tolist(), gain.tolist(), 1e-3)
+    together = _together(tuple(lag.tolist()), tuple(gain.tolist()), speeds, rounds)
+    rest = np.array([READY, np.zeros(6), READY, np.zeros(6)])
+    rows = np.concatenate([_one(together, rest, joint) for joint in range(6)])[rate - 1 :: rate]
+    rows[:, 2] += noise * random.standard_normal((len(rows), 6))
+    columns = zip(np.swapaxes(rows, 0, 1), (STEP, SPEED_STEP, STEP, SPEED_STEP), strict=True)
+    times = 1e-3 * rate * np.arange(1.0, len(rows) + 1.0, dtype=np.float64)
+    return Motions(times, *(np.round(column / step) * step for column, step in columns))
+
+
+@cache
+def _together(
+    lag: tuple[float, ...], gain: tuple[float, ...], speeds: tuple[float, ...], rounds: int
+) -> Array:
+    """What is asked of all joints and what they do, cycle by cycle: several tests turn the same."""
+    drives = TrailingDrives(list(lag), list(gain), 1e-3)
     q = 0.0
     turned = []
     for speed in speeds:
@@ -98,13 +113,8 @@ def turns(
                 there = drives.follow(JointSetPoint(wanted, np.full(6, fast), np.full(6, hard)))
                 turned.append((wanted, np.full(6, fast), there.q, there.qd))
             q += side
-    together = np.array(turned)
-    rest = np.array([READY, np.zeros(6), READY, np.zeros(6)])
-    rows = np.concatenate([_one(together, rest, joint) for joint in range(6)])[rate - 1 :: rate]
-    rows[:, 2] += noise * random.standard_normal((len(rows), 6))
-    columns = zip(np.swapaxes(rows, 0, 1), (STEP, SPEED_STEP, STEP, SPEED_STEP), strict=True)
-    times = 1e-3 * rate * np.arange(1.0, len(rows) + 1.0, dtype=np.float64)
-    return Motions(times, *(np.round(column / step) * step for column, step in columns))
+    together: Array = np.array(turned)
+    return together
 
 
 def _one(together: Array, rest: Array, joint: int) -> Array:

@@ -71,6 +71,7 @@ def test_how_d2_is_divided_among_parallel_joints_does_not_mislead() -> None:
     assert "d3" not in found.values
 
 
+@pytest.mark.slow
 def test_what_poses_do_not_show_is_left_out_and_said() -> None:
     random = np.random.default_rng(4)
     joints = configurations(random, 40)
@@ -105,6 +106,7 @@ def test_poses_of_a_moving_arm_are_refused() -> None:
         estimate_geometry(MODEL, [Poses(late, poses.poses)])
 
 
+@pytest.mark.slow
 def test_a_few_poses_that_stand_out_do_not_count() -> None:
     random = np.random.default_rng(8)
     truth = hidden_geometry(random)
@@ -115,6 +117,7 @@ def test_a_few_poses_that_stand_out_do_not_count() -> None:
     assert found.values["a2"].value == pytest.approx(truth.values["geometry"]["a2"].value, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_poses_of_a_tip_without_its_offset_leave_out_what_the_tool_hides() -> None:
     random = np.random.default_rng(9)
     truth = hidden_geometry(random)

@@ -110,6 +110,7 @@ def test_a_model_that_is_not_known_is_asked_for() -> None:
         profile_of([run], model="ur5e")
 
 
+@pytest.mark.slow
 def test_several_recordings_count_together() -> None:
     random = np.random.default_rng(3)
     truth = hidden_geometry(random)

@@ -213,6 +213,7 @@ def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPat
     assert (law.duration, law.end_speed) == (duration, whole.end_speed)
 
 
+@pytest.mark.slow
 def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     mover = Mover(FIVE, HOME, CYCLE)
     mover.append(1, partial(woven, swings=50))

@@ -113,6 +113,7 @@ def test_on_an_arc_it_swings_to_the_side_of_the_arc() -> None:
     assert np.abs(spoke[:, 2]).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_the_frequency_is_that_asked_for_but_for_whole_swings() -> None:
     plain = woven(None).duration
     for frequency in (0.9, 2.0, 3.3):

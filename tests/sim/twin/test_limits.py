@@ -26,7 +26,7 @@ def learned() -> TwinLimits:
     arm, draw = PerfectArm(), np.random.default_rng(1)
     normal = rubbing()
     arm.torques = lambda q, qd, t: normal(q, qd, t) + 0.003 * EFFORT * draw.standard_normal(6)
-    good = deviations(ARM, work(arm, *[movej2(*THERE), movej2(*READY)] * 5), NOWHERE)
+    good = deviations(ARM, work(arm, *[movej2(*THERE), movej2(*READY)] * 3), NOWHERE)
     return learn(ARM, good)
 
 

@@ -104,6 +104,7 @@ def test_torques_have_a_cause(torques: Any, cause: Cause) -> None:
     assert found[0].at - found[0].since < 0.5
 
 
+@pytest.mark.slow
 def test_a_part_is_lost_only_if_one_was_carried() -> None:
     arm = PerfectArm()
     arm.torques = pushed((0.0, 0.0, 4.9), at=0.5)
@@ -132,6 +133,7 @@ def test_a_late_controller_is_named() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_another_program_is_named() -> None:
     arm, watching = PerfectArm(), monitor()
     arm.torques = rubbing()
@@ -204,6 +206,7 @@ def test_what_the_controller_refuses_and_the_twin_accepts_is_an_outcome() -> Non
     assert [each.quantity for each in found] == [Quantity.OUTCOME]
 
 
+@pytest.mark.slow
 def test_a_short_disturbance_is_nothing() -> None:
     arm = PerfectArm()
     normal, push = rubbing(), pushed((0.0, 10.0, 0.0), at=0.0)
@@ -214,5 +217,5 @@ def test_a_short_disturbance_is_nothing() -> None:
 def test_a_divergence_is_said_once() -> None:
     arm = PerfectArm()
     arm.torques = pushed((0.0, 8.0, 0.0))
-    found = said(monitor(), work(arm, *[movej2(*THERE), movej2(*READY)] * 3))
+    found = said(monitor(), work(arm, *[movej2(*THERE), movej2(*READY)] * 2))
     assert len(found) == 1

@@ -95,8 +95,10 @@ async def test_it_reports_only_otherwise(sim: Simulator, robot: aioduco.Robot) -
         await robot.motion.movej2([*READY[:5], 0.2], v=1.0, a=2.0)
 
 
-async def test_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
+async def test_it_is_started_once_and_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS) as twin:
+        with pytest.raises(RobotStateError, match="once"):
+            await twin.start()
         assert twin._linked is not None
         twin._linked.popen.kill()
         await eventually_async(lambda: twin.over)
@@ -111,12 +113,6 @@ async def test_closing_the_robot_ends_it(sim: Simulator) -> None:
     assert twin.error is None
 
 
-async def test_it_is_started_once(robot: aioduco.Robot) -> None:
-    async with robot.twin(LIMITS) as twin:
-        with pytest.raises(RobotStateError, match="once"):
-            await twin.start()
-
-
 async def test_what_makes_no_sense_is_refused(robot: aioduco.Robot) -> None:
     with pytest.raises(ParameterError, match="report"):
         robot.twin(action="power_off")  # type: ignore[arg-type]
@@ -127,6 +123,7 @@ async def test_what_makes_no_sense_is_refused(robot: aioduco.Robot) -> None:
         await robot.twin(another).start()
 
 
+@pytest.mark.slow
 def test_programs_that_wait_have_it_too() -> None:
     with Simulator(joints=READY) as sim:
         options: dict[str, Any] = {"heartbeat": None, "lag_limit": None, "state_rate": 125.0}
