@@ -174,6 +174,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     kept, left = (items, []) if config.getoption("thorough") else quick.divided(items)
     if left:
         config.hook.pytest_deselected(items=left)
+    if _is_divided(config):
+        items[:] = kept
+        return
     items[:] = quick.slow_first(kept, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
 
 
@@ -186,7 +189,7 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
     """
     gc.disable()
     try:
-        if not getattr(session.config, "workerinput", {}).get("divided"):
+        if not _is_divided(session.config):
             _import_own_files(session.config)
         return (yield)
     finally:
@@ -208,6 +211,10 @@ def _own_files(config: pytest.Config) -> list[Path]:
     return sorted(Path(__file__).parent.rglob("test_*.py"))[number % processes :: processes]
 
 
+def _is_divided(config: pytest.Config) -> bool:
+    return bool(getattr(config, "workerinput", {}).get("divided"))
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
     node.workerinput["divided"] = node.config.stash.get(_divided, False)
@@ -215,7 +222,7 @@ def pytest_configure_node(node: Any) -> None:
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Leave to the other processes what is theirs, where each collects a part of the files."""
-    if not getattr(config, "workerinput", {}).get("divided") or collection_path.is_dir():
+    if not _is_divided(config) or collection_path.is_dir():
         return None
     if _own not in config.stash:
         config.stash[_own] = set(_own_files(config))

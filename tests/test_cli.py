@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from cli_runner import CliRunner
 from moments import complaints
 from patient import COMMAND_LINE
 from PIL import Image
-from typer.testing import CliRunner, Result
 
 import aioduco
 import aioduco.sync
@@ -37,6 +37,8 @@ from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from typer.testing import Result
 
     from aioduco.cli.demo.script import Choreography
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from cli_runner import CliRunner
 from typer.main import get_command
-from typer.testing import CliRunner
 
 from aioduco.cli.app import app
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from cli_runner import CliRunner
 from test_cli_robot import HOME, at, ready_arm
-from typer.testing import CliRunner
 
 import aioduco.sync
 from aioduco import Load, Pose

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from cli_runner import CliRunner
 from patient import COMMAND_LINE
-from typer.testing import CliRunner
 from wire.servers import ScriptedServer
 
 from aioduco.cli import stopping

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 import yaml
-from typer.testing import CliRunner, Result
+from cli_runner import CliRunner
 
 from aioduco.cli.app import app
 from aioduco.descriptions import (
@@ -33,6 +33,8 @@ from aioduco.kinematics.looks import looks, merged
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from typer.testing import Result
 
 PAGE = Path(__file__).parents[2] / "docs" / "descriptions.md"
 

@@ -347,7 +347,7 @@ def raised(scene: Scene, q: Joints, *by: float) -> Pose:
     return Pose.from_matrix(pose)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [3e-4, 2e-4, 1e-5, 0.0])
 def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float, thorough: bool) -> None:
     scene = near(gap, [Rod(length=0.1, radius=0.01)] if gap in (3e-4, 1e-5) else None)

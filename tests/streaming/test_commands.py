@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from typer.testing import CliRunner
+from cli_runner import CliRunner
 
 from aioduco.cli.app import app
 

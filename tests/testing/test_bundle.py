@@ -9,7 +9,7 @@ import zipfile
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from typer.testing import CliRunner
+from cli_runner import CliRunner
 
 from aioduco.cli.app import app
 from aioduco.sim import Simulator

@@ -7,9 +7,9 @@ import signal
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from cli_runner import CliRunner
 from client.bench import Bench
 from test_cli import process
-from typer.testing import CliRunner
 
 import aioduco.sync
 from aioduco.cli.app import app

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 from xmlrpc.client import ServerProxy
 
 import pytest
+from cli_runner import CliRunner
 from ports import free_port
-from typer.testing import CliRunner
 
 from aioduco import Joints
 from aioduco.cli.app import app

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from cli_runner import CliRunner
 from patient import COMMAND_LINE, patient_queue
-from typer.testing import CliRunner
 
 import aioduco
 import aioduco.sync

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from cli_runner import CliRunner
 from client.bench import HOME, Bench
-from typer.testing import CliRunner
 
 import aioduco
 import aioduco.sync

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
-from typer.testing import CliRunner
+from cli_runner import CliRunner
 
 import aioduco
 import aioduco.sync

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from cli_runner import CliRunner
 
 from aioduco.cli.app import app
 from aioduco.sim.scene import Box, Rod, Table, Thing
