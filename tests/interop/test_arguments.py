@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from .conftest import Generated
 
-pytestmark = pytest.mark.interop
+pytestmark = [pytest.mark.interop, pytest.mark.slow]
 
 
 def names(struct: Any) -> list[str]:
@@ -95,7 +95,6 @@ def answered(name: str, answer: Any, generated: Generated) -> Any:
     return reader.value(data)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "case",
     # restart also waits for the controller, over a connection: tests/api tries it with one
@@ -118,7 +117,6 @@ async def test_a_function_of_a_section(case: Case, generated: Generated) -> None
         same(result, case.result)
 
 
-@pytest.mark.cases(1)
 @pytest.mark.parametrize("case", blocking_cases(), ids=str)
 async def test_a_blocking_call(case: Case, generated: Generated) -> None:
     """It is the call of the motion with `block` true, and its answer is a state."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from .conftest import Generated
 
-pytestmark = pytest.mark.interop
+pytestmark = [pytest.mark.interop, pytest.mark.slow]
 
 
 def test_every_call_of_the_vendors_client_is_told(sim: Simulator, generated: Generated) -> None:

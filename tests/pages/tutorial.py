@@ -26,6 +26,7 @@ __all__ = ["carry_out"]
 
 #: the title of a terminal whose command goes on while the next block is typed
 BESIDE = "third terminal"
+FETCHED = {"PIP_NO_INDEX", "PIP_FIND_LINKS"}
 
 
 def carry_out(page: Page, session: Session, *, install: bool) -> int:
@@ -84,6 +85,8 @@ def main(wheel: str) -> None:
             "PIP_DISABLE_PIP_VERSION_CHECK": "1",
             "MPLBACKEND": "Agg",
             "NO_COLOR": "1",
+            # where pip finds what it needs, if that was fetched beforehand
+            **{name: value for name, value in os.environ.items() if name in FETCHED},
         }
         # In a clone it is `.[extras]`; here it is the same of the wheel.
         replaced = {"'.[": f"'{Path(wheel).resolve()}[", "pip install ": "pip install -q "}

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 OUT_OF_RANGE = 0
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def real_cycle() -> Iterator[None]:
     """The cycle that a user's simulator has."""
     cycle = set_cycle(CYCLE)

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
+pytestmark = pytest.mark.usefixtures("real_cycle")
+
 CYCLE = 0.001
 DEVIATION, ANGLE = 0.5e-3, math.radians(0.1)
 OVER = 1.02
@@ -295,7 +297,6 @@ def fastest(length: float, v: float, a: float, curvature: float) -> float:
     return float(2 * takes + (length - 2 * covers) / top)
 
 
-@pytest.mark.usefixtures("real_cycle")
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_a_path_of_the_tool(cell: Cell, case: Case) -> None:
@@ -331,7 +332,6 @@ def test_a_path_of_the_tool(cell: Cell, case: Case) -> None:
     assert cell.cycles.farthest() < TRACKING
 
 
-@pytest.mark.usefixtures("real_cycle")
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("function", ["movej2", "movej_pose2"])
 def test_a_way_of_the_joints(cell: Cell, function: str) -> None:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from .conftest import Program
 
+pytestmark = pytest.mark.usefixtures("real_cycle")
+
 START = [0.2, *READY[1:]]
 END = [0.4, 0.05, *READY[2:]]
 ELSEWHERE = [-0.2, *READY[1:]]
@@ -56,7 +58,6 @@ def record(program: Program, mode: int, interval: float, v: float = 0.5) -> None
 # -- recording -----------------------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("real_cycle")
 def test_points_by_position(cell: Simulator, program: Program) -> None:
     record(program, BY_POSITION, 0.0)
     track = cell.cabinet.project.tracks["t"]

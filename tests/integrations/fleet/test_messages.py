@@ -27,7 +27,7 @@ READERS = (StopRequest, StopReport, GatewayReport)
 values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
     lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
-    max_leaves=10,
+    max_leaves=4,
 )
 FIELDS = ("name", "link", "error", "robot", "program", "safety", "mode", "joints", "seconds")
 arms = st.fixed_dictionaries({}, optional=dict.fromkeys(FIELDS, values))
