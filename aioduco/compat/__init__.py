@@ -170,7 +170,8 @@ class DucoCobot(Uncopied, NewerFunctions):
     """
 
     def __init__(self, ip: str, port: int = 7003, timeout: float | None = None) -> None:
-        number = isinstance(timeout, numbers.Real) and not isinstance(timeout, bool)
+        given: object = timeout
+        number = isinstance(given, numbers.Real) and not isinstance(given, bool)
         if timeout is not None and not (number and 0.0 < timeout < threading.TIMEOUT_MAX):
             raise ParameterError("timeout", timeout, "a number above 0 s, or None")
         self.ip = ip

@@ -248,7 +248,6 @@ class Pose(_Six):
         Raises:
             ParameterError: wrong lengths, values that are not finite, or a quaternion of zeros.
         """
-        order = one_of("order", order, get_args(QuaternionOrder))
         order = _order(order)
         values = _finite("quaternion", quaternion, (4,), f"four numbers in the order {order}")
         length = float(np.linalg.norm(values))

@@ -92,7 +92,8 @@ def checked_speed(speed: float) -> float:
     Raises:
         ParameterError: The speed is no number above zero.
     """
-    number = isinstance(speed, numbers.Real) and not isinstance(speed, bool)
+    given: object = speed
+    number = isinstance(given, numbers.Real) and not isinstance(given, bool)
     if not number or (not 0.0 < speed < _FASTEST and speed != math.inf):
         raise ParameterError("speed", speed, "a number above 0, or inf for as fast as possible")
     return float(speed)

@@ -11,6 +11,8 @@ import pytest
 import aioduco
 from aioduco import ParameterError, Pose, descriptions, kinematics
 from aioduco._wire.owner_loop import OwnerLoop
+from aioduco.api.streams.realtime import RealtimeStreams
+from aioduco.api.streams.track import TrackStreams
 from aioduco.devices.cameras import calibrate_hand_eye
 from aioduco.envelope import ToolSpeed, Zone
 from aioduco.kinematics.mounting import base_in_world
@@ -19,9 +21,7 @@ from aioduco.models.jog import Jog
 from aioduco.recording.playback.envelope_file import limit_of
 from aioduco.sim import Simulator
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.options import Feeding
-from aioduco.streaming.realtime import RealtimeStreams
-from aioduco.streaming.track import TrackStreams
+from aioduco.streaming.shared.options import Feeding
 from aioduco.supervision.state_feed import Subscription
 from aioduco.testing.preflight.variation import Variation
 

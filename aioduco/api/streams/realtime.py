@@ -153,7 +153,7 @@ class RealtimeStreams(StreamMaker):
 _MODE = Choice({int(each): each.name for each in _MODES}, source="this package")
 
 
-def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
+def _mode(mode: Any) -> RealtimeMode:
     names = {known.name.lower(): known for known in _MODES}
     try:
         return RealtimeMode(_MODE("mode", mode))

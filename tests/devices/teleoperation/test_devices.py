@@ -29,6 +29,7 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
@@ -338,12 +339,13 @@ def test_a_width_at_rest_is_a_share(width: Any) -> None:
 def test_a_target_of_joints_keeps_its_place_when_a_speed_is_no_number(wrong: Any) -> None:
     target = JointTarget(arm("gcr5_910"))
     before = target.by_joints([0.1] * 6, 0.02, READY)
-    for step in (
+    steps: list[Callable[[], object]] = [
         lambda: target.by_joints(wrong, 0.02, READY),
         lambda: target.by_twist(wrong, 0.02, READY),
         lambda: target.by_joints([0.0] * 6, 0.02, wrong),
         lambda: target.rest(wrong),
-    ):
+    ]
+    for step in steps:
         with pytest.raises(ParameterError):
             step()
     np.testing.assert_array_equal(target.rest(READY), before)
