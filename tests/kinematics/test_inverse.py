@@ -349,6 +349,11 @@ def test_a_wrist_beyond_the_stretched_arm_is_out_of_reach_by_the_way_to_it(up: f
     assert shortfall(g, flange) == pytest.approx(0.1, abs=1e-12)
 
 
+@pytest.mark.parametrize("folded", [-2.6, 2.6])
+def test_a_wrist_that_a_folded_arm_reaches_is_not_out_of_reach(folded: float) -> None:
+    assert shortfall(FIVE.geometry, FIVE.fkine([0.3, -0.4, folded, 0.2, -1.0, 0.5])) == 0.0
+
+
 def test_a_solution_that_is_a_little_off_is_improved_alone_and_with_others() -> None:
     q = np.array([[0.3, -0.4, 1.2, 0.2, -1.0, 0.5], [1.0, 0.2, -1.5, -0.3, 0.8, -2.0]])
     flanges = np.stack([FIVE.fkine(each) for each in q])

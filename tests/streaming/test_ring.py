@@ -79,13 +79,14 @@ def test_latest_is_the_last_written_and_counts_the_others(bursts: list[int], cap
 
 
 def test_what_goes_with_a_point_comes_out_again() -> None:
-    ring = make(4, extra=10)
-    for text in (b"", b"one", b"ten bytes!"):
+    ring = make(4, extra=100)
+    texts = [b"", b"one", bytes(range(100))]
+    for text in texts:
         ring.put([0.0] * 6, 0, text)
-    taken = [ring.take() for _ in range(3)]
-    assert [point.extra for point in taken if point] == [b"", b"one", b"ten bytes!"]
-    with pytest.raises(ValueError, match="11 bytes go with the point; 10 fit"):
-        ring.put([0.0] * 6, 0, b"eleven byte")
+    taken = [ring.take() for _ in texts]
+    assert [point.extra for point in taken if point] == texts
+    with pytest.raises(ValueError, match="101 bytes go with the point; 100 fit"):
+        ring.put([0.0] * 6, 0, bytes(101))
 
 
 @given(st.integers(0, 71), st.integers(1, 255))
@@ -117,6 +118,23 @@ def test_a_slot_that_still_has_the_point_of_a_round_before_is_not_the_next_one()
     assert ring.take() is not None
     memoryview(memory)[:8].cast("Q")[0] = 2
     assert ring.take() is None
+
+
+def test_a_slot_that_has_a_newer_point_already_is_not_the_older_one() -> None:
+    memory = bytearray(Ring.size(2))
+    ring = Ring(memoryview(memory), 2)
+    for number in range(1, 4):
+        ring.overwrite([float(number)] * 6, number)
+    memoryview(memory)[:8].cast("Q")[0] = 1  # as if the bytes were visible before the counter
+    assert ring.newest() is None
+    assert ring.level == 1
+
+
+def test_a_counter_of_reads_ahead_of_that_of_writes_is_an_empty_ring() -> None:
+    memory = bytearray(Ring.size(2))
+    ring = Ring(memoryview(memory), 2)
+    memoryview(memory)[8:16].cast("Q")[0] = 1
+    assert ring.level == 0
 
 
 @pytest.mark.parametrize("extra", range(17))
