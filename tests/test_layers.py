@@ -54,7 +54,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "models.controller_clock": set(),
     "models.host_port": set(),
     "models.similar": set(),
-    "models.address": {"errors", "models.similar"},
+    "models.address": {"errors", "models.similar", "models.host_port"},
     "errors": {"models.host_port"},
     # the wire's types, generated and without a line of Thrift
     "_wire.rpc": set(),
