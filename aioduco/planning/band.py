@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 __all__ = ["BandMatrix"]
 
+#: whose type hints leave out what factorizes bands
+_LIBRARY: Any = mujoco
+
 
 class BandMatrix:
     """A sum of small square blocks along the diagonal, factorized once.
@@ -37,11 +40,11 @@ class BandMatrix:
         self._band: Any = band / self._size
         self._shape = count, width, 0
         # The factorization takes what is below 1e-15 for zero, and so would not see a small matrix.
-        if not mujoco.mju_cholFactorBand(self._band, *self._shape, 1e-12, 0.0) > 0.0:
+        if not _LIBRARY.mju_cholFactorBand(self._band, *self._shape, 1e-12, 0.0) > 0.0:
             raise np.linalg.LinAlgError
 
     def solve(self, right: NDArray[Any]) -> Points:
         """Give the unknowns for a right side. Shape (count,)."""
         found = np.empty(len(right))
-        mujoco.mju_cholSolveBand(found, self._band, right / self._size, *self._shape)
+        _LIBRARY.mju_cholSolveBand(found, self._band, right / self._size, *self._shape)
         return found
