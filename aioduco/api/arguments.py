@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike
     from aioduco.models.rules import Number
 
-__all__ = ["frames", "limits", "line", "outputs"]
+__all__ = ["frames", "gains", "limits", "line", "outputs"]
 
 
 def limits(
@@ -32,6 +32,16 @@ def frames(q_near: JointsLike | None, tool: str, wobj: str) -> tuple[list[float]
     """The joints to which the solution is to be near, the names of tool and work object."""
     near = ranges.JOINTS_NEAR("q_near", q_near)
     return near, ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+
+
+def gains(kp: float, kd: float, smooth_vel: float, smooth_acc: float) -> list[float]:
+    """The four gains of a servo function."""
+    return [
+        ranges.SERVO_KP("kp", kp),
+        ranges.SERVO_KD("kd", kd),
+        ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", smooth_vel),
+        ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", smooth_acc),
+    ]
 
 
 def outputs(

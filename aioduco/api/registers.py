@@ -135,8 +135,7 @@ class Registers(Section):
 
         Manual section 1.3.7.
         """
-        name_ = ranges.LONG_NAME("name", name)
-        return await self._value(calls.get_system_value_bool(name_), name_)
+        return await self._value(calls.get_system_value_bool(ranges.LONG_NAME("name", name)))
 
     async def set_system_value_double(self, name: str, value: Real) -> None:
         """Set a variable of the controller of type double (系统变量).
@@ -167,8 +166,7 @@ class Registers(Section):
 
         Manual section 1.3.7.
         """
-        name_ = ranges.LONG_NAME("name", name)
-        return await self._value(calls.get_system_value_double(name_), name_)
+        return await self._value(calls.get_system_value_double(ranges.LONG_NAME("name", name)))
 
     async def set_system_value_str(self, name: str, value: str) -> None:
         """Set a variable of the controller of type str (系统变量).
@@ -199,8 +197,7 @@ class Registers(Section):
 
         Manual section 1.3.7.
         """
-        name_ = ranges.LONG_NAME("name", name)
-        return await self._value(calls.get_system_value_str(name_), name_)
+        return await self._value(calls.get_system_value_str(ranges.LONG_NAME("name", name)))
 
     async def set_system_value_list(self, name: str, value: VectorLike) -> None:
         """Set a variable of the controller of type num_list (系统变量).
@@ -231,8 +228,7 @@ class Registers(Section):
 
         Manual section 1.3.7.
         """
-        name_ = ranges.LONG_NAME("name", name)
-        values = await self._value(calls.get_system_value_list(name_), name_)
+        values = await self._value(calls.get_system_value_list(ranges.LONG_NAME("name", name)))
         return vector(values, len(values))
 
     async def get_system_value_lists(self, name: str) -> tuple[Vector, ...]:
@@ -248,12 +244,12 @@ class Registers(Section):
             Refused: the controller lists an error: there is no such variable, or it is of another
                 type.
         """
-        name_ = ranges.LONG_NAME("name", name)
-        values = await self._value(calls.get_system_value_lists(name_), name_)
+        values = await self._value(calls.get_system_value_lists(ranges.LONG_NAME("name", name)))
         return tuple(vector(row, len(row)) for row in values)
 
-    async def _value(self, call: WireCall[T], name: str) -> T:
+    async def _value(self, call: WireCall[T]) -> T:
         """Read a variable; by a single call if it was read before, so that it is known to exist."""
+        (name,) = call.args
         if (call.name, name) in self._read:
             return await self._rpc.send(call)
         value = await self._read_checked(call, name)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numbers
 import sys
 import warnings
-from math import pi
+from math import inf, pi
 from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import ParameterError, UnitWarning
@@ -217,52 +217,38 @@ MODBUS_COILS = Integers(Choice({0: "off", 1: "on"}, source="1.3.9"), source="1.3
 # -- 1.3.10 force control ----------------------------------------------------------------------
 
 DIRECTIONS = Flags(6, source="1.3.10")
+
+
+def _six(linear: str, angular: str, low: float = -inf, high: float = inf) -> Vector:
+    """Three numbers along x, y, z and three about them, in these units, all within two bounds."""
+    along, about = (Number(low, high, unit, source="1.3.10") for unit in (linear, angular))
+    return Vector(*[along] * 3, *[about] * 3)
+
+
 #: force in x, y, z [N], torque about them [N·m]; signed
-WRENCH = Vector(
-    *[Number(-1000.0, 1000.0, "N", source="1.3.10")] * 3,
-    *[Number(-1000.0, 1000.0, "N·m", source="1.3.10")] * 3,
-)
+WRENCH = _six("N", "N·m", -1000.0, 1000.0)
 #: dead band; the manual allows negative numbers, although it is compared with a magnitude
 FORCE_DEAD_BAND = WRENCH
 #: fc_guard_act: a magnitude, regardless of the direction; the manual gives no range
-GUARD_WRENCH = Vector(
-    *[Number(0.0, unit="N", source="1.3.10")] * 3,
-    *[Number(0.0, unit="N·m", source="1.3.10")] * 3,
-)
+GUARD_WRENCH = _six("N", "N·m", 0.0)
 #: fc_force_set_value, for which the manual gives no range
-SENSOR_WRENCH = Vector(
-    *[Number(unit="N", source="1.3.10")] * 3,
-    *[Number(unit="N·m", source="1.3.10")] * 3,
-)
+SENSOR_WRENCH = _six("N", "N·m")
 #: the speed of the correction is the force error divided by the damping: with a negative one, the
 #: error grows. 0 is accepted for directions that are off, see `damping`
-DAMPING = Vector(
-    *[Number(0.0, unit="N/(m/s)", source="1.3.10")] * 3,
-    *[Number(0.0, unit="N·m/(rad/s)", source="1.3.10")] * 3,
-)
+DAMPING = _six("N/(m/s)", "N·m/(rad/s)", 0.0)
 #: the manual allows negative numbers, although it is the maximum magnitude of a speed
-FORCE_SPEED = Vector(
-    *[Number(-5.0, 5.0, "m/s", source="1.3.10")] * 3,
-    *[Number(-5.0, 5.0, "rad/s", source="1.3.10")] * 3,
-)
+FORCE_SPEED = _six("m/s", "rad/s", -5.0, 5.0)
 FORCE_FRAME = Choice({0: "tool", 1: "work object"}, source="1.3.10")
 FORCE_PROPERTY = Choice({0: "load and external force", 1: "external force"}, source="1.3.10")
-WAIT_POSITION = Vector(
-    *[Number(unit="m", source="1.3.10")] * 3, *[Number(unit="rad", source="1.3.10")] * 3
-)
+WAIT_POSITION = _six("m", "rad")
 WAIT_VELOCITY = Vector(
     *[Number(-5.0, 5.0, "m/s", source="1.3.10")] * 3,
     *[Number(-2 * pi, 2 * pi, "rad/s", source="1.3.10")] * 3,
 )
 WAIT_WRENCH = WRENCH
 #: widths around the middle values; the manual gives no range; a width is not negative
-WAIT_POSITION_RANGE = Vector(
-    *[Number(0.0, unit="m", source="1.3.10")] * 3, *[Number(0.0, unit="rad", source="1.3.10")] * 3
-)
-WAIT_VELOCITY_RANGE = Vector(
-    *[Number(0.0, unit="m/s", source="1.3.10")] * 3,
-    *[Number(0.0, unit="rad/s", source="1.3.10")] * 3,
-)
+WAIT_POSITION_RANGE = _six("m", "rad", 0.0)
+WAIT_VELOCITY_RANGE = _six("m/s", "rad/s", 0.0)
 WAIT_WRENCH_RANGE = GUARD_WRENCH
 WAIT_DURATION = Duration(source="1.3.10")
 WAIT_TIMEOUT = Duration(source="1.3.10")

@@ -239,12 +239,7 @@ class Heartbeat:
         """Return statistics since the heartbeat began."""
         machine = self._machine
         return HeartbeatStatistics(
-            machine.state,
-            machine.beats,
-            machine.missed,
-            machine.losses,
-            machine.stalls,
-            machine.longest_gap,
+            *(getattr(machine, each) for each in HeartbeatStatistics._fields)
         )
 
     @property

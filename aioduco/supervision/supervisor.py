@@ -157,14 +157,16 @@ class Supervisor:
         #: the way to the host, for all its connections
         self._route = Route()
         self.samples: Samples = Samples()
+        #: all lanes, that of the stop first
+        self.lanes: list[WireLane] = []
+        self._stop_lane = self._lane("stop", spare=True)
+        self._control_lane = self._lane("control")
+        self.poll: WireLane = self._lane("poll")
+        self._motion_lane = self._lane("motion")
+        self._feed_lane = self._lane("feed")
         self.calls: WireLane = self._lane("call", size=settings.pool_size)
         self.blocking: WireLane = self._lane("blocking", size=settings.pool_size, blocks=True)
         self.rpc: AsyncRpc = retried(self.calls)
-        self.poll: WireLane = self._lane("poll")
-        self._stop_lane = self._lane("stop", spare=True)
-        self._control_lane = self._lane("control")
-        self._motion_lane = self._lane("motion")
-        self._feed_lane = self._lane("feed")
         self._background = BackgroundTasks(self._crashed, self._stop_at_loop_end)
         self.guard: GuardClient | None = None
         self.heartbeat: Heartbeat | GuardClient | None = None
@@ -240,7 +242,7 @@ class Supervisor:
     def _lane(
         self, name: str, size: int = 1, *, blocks: bool = False, spare: bool = False
     ) -> WireLane:
-        return WireLane(
+        lane = WireLane(
             name,
             self.host,
             self.port,
@@ -253,19 +255,8 @@ class Supervisor:
             blocks=blocks,
             spare=spare,
         )
-
-    @property
-    def lanes(self) -> tuple[WireLane, ...]:
-        """All lanes, that of the stop first."""
-        return (
-            self._stop_lane,
-            self._control_lane,
-            self.poll,
-            self._motion_lane,
-            self._feed_lane,
-            self.calls,
-            self.blocking,
-        )
+        self.lanes.append(lane)
+        return lane
 
     @property
     def state(self) -> str:
@@ -315,10 +306,7 @@ class Supervisor:
         Returns:
             A function that ends the reports.
         """
-        lanes = (
-            *(self._stop_lane, self._control_lane, self._motion_lane),
-            *(self.calls, self.blocking),
-        )
+        lanes = [lane for lane in self.lanes if lane not in (self.poll, self._feed_lane)]
         follower = self.stop_coordinator.follower
 
         def end() -> None:

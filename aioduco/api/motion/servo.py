@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.arguments import frames
+from aioduco.api.arguments import frames, gains
 from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -68,7 +68,7 @@ class ServoMotions(Section):
         q = ranges.JOINTS("joints", joints)
         v_ = ranges.JOINT_SPEED("v", v)
         a_ = ranges.JOINT_ACCELERATION("a", a)
-        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        tuning = gains(kp, kd, smooth_vel, smooth_acc)
         return self._motion(calls.servoj(q, v_, a_, False, *tuning), superseded=True)
 
     def servoj_pose(
@@ -111,7 +111,7 @@ class ServoMotions(Section):
         v_ = ranges.JOINT_SPEED("v", v)
         a_ = ranges.JOINT_ACCELERATION("a", a)
         there = frames(q_near, tool, wobj)
-        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        tuning = gains(kp, kd, smooth_vel, smooth_acc)
         return self._motion(calls.servoj_pose(p, v_, a_, *there, False, *tuning), superseded=True)
 
     def servo_tcp(
@@ -164,7 +164,7 @@ class ServoMotions(Section):
         v_ = ranges.SERVO_SPEED("v", v)
         a_ = ranges.SERVO_ACCELERATION("a", a)
         tool_ = ranges.FRAME("tool", tool)
-        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        tuning = gains(kp, kd, smooth_vel, smooth_acc)
         turning = into_tool(frame, wobj, tool_)
         aim = None
         if turning is not None:
@@ -214,16 +214,5 @@ class ServoMotions(Section):
         v_ = ranges.SERVO_SPEED("v", v)
         a_ = ranges.SERVO_ACCELERATION("a", a)
         there = frames(q_near, tool, wobj)
-        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        tuning = gains(kp, kd, smooth_vel, smooth_acc)
         return self._motion(calls.servol(p, v_, a_, *there, False, *tuning), superseded=True)
-
-
-def _tuning(
-    kp: float, kd: float, smooth_vel: float, smooth_acc: float
-) -> tuple[float, float, float, float]:
-    return (
-        ranges.SERVO_KP("kp", kp),
-        ranges.SERVO_KD("kd", kd),
-        ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", smooth_vel),
-        ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", smooth_acc),
-    )

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
+from aioduco.api.arguments import gains
 from aioduco.errors import ParameterError
-from aioduco.models import ranges
 from aioduco.models.rules import Number
 from aioduco.streaming.shared.space import JERK, Limits
 
@@ -62,12 +62,7 @@ class ServoGains:
         Raises:
             ParameterError: a gain is out of range.
         """
-        return [
-            ranges.SERVO_KP("kp", self.kp),
-            ranges.SERVO_KD("kd", self.kd),
-            ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", self.smooth_vel),
-            ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", self.smooth_acc),
-        ]
+        return gains(self.kp, self.kd, self.smooth_vel, self.smooth_acc)
 
 
 def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:
