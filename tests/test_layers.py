@@ -257,13 +257,13 @@ ONLY_IN: dict[str, set[str]] = {
     "scipy": {"sim/calibration"},
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
-    "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
+    "rich": {"cli", "streaming/report.py"},
     "PIL": {
         *("cli/picture.py", "cli/demo/planned.py"),
         *("testing/artefacts.py", "testing/preflight/html.py"),
     },
     "distributed": {"testing/preflight/sweep.py"},
-    "matplotlib": {"cli", "streaming/report.py", "recording/figures.py"},
+    "matplotlib": {"cli", "recording/figures.py"},
     # connections on the event loop, what wakes it, and tasks that outlive the one that started them
     # and, in the process of a preflight, the program's own loops
     "asyncio": {

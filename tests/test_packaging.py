@@ -61,7 +61,7 @@ def test_command_line_says_what_it_needs_when_its_extra_is_missing() -> None:
     ("absent", "program", "extra"),
     [
         ("mujoco", "aioduco.sim.Simulator()", "sim"),
-        ("matplotlib", "aioduco.streaming.report.plot({}, 'x.png')", "plot"),
+        ("matplotlib", "aioduco.cli.stream_figure.plot({}, 'x.png')", "plot"),
     ],
 )
 def test_a_missing_extra_is_a_typed_error_that_says_what_to_install(
@@ -75,7 +75,7 @@ class Absent(importlib.abc.MetaPathFinder):
         if name.split('.')[0] == {absent!r}:
             raise ModuleNotFoundError(f'No module named {{name!r}}', name=name)
 sys.meta_path.insert(0, Absent())
-import aioduco, aioduco.sim, aioduco.streaming.report
+import aioduco, aioduco.sim, aioduco.cli.stream_figure
 try:
     {program}
 except aioduco.MissingExtra as error:

@@ -32,7 +32,7 @@ def doctor(
     Exit codes: 0 measured; 1 not measured, for example without a controller; 2 wrong options.
     """
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
-    from aioduco.streaming.doctor import examine  # noqa: PLC0415
+    from aioduco.cli.stream_rate import examine  # noqa: PLC0415
 
     address = robot_at(host, port, cell)
 

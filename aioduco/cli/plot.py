@@ -35,7 +35,7 @@ def plot(
         _recording(figures, picture or figures.with_suffix(".png"), over)
         return
     extras.need("plot")
-    from aioduco.streaming.report import plot as draw  # noqa: PLC0415 - needs matplotlib
+    from aioduco.cli.stream_figure import plot as draw  # noqa: PLC0415 - needs matplotlib
 
     target = picture or figures.with_suffix(".png")
     try:

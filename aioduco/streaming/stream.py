@@ -381,8 +381,5 @@ class Stream(Uncopied):
         if before is None or not limits:
             return
         space = self._space
-        found = too_far(space, space.decode(before), space.decode(values), limits)
-        if found is not None:
-            what, distance, most, unit = found
-            expected = f"within {most:g} {unit} of the one before, not {distance:.4g} {unit} away"
-            raise SetPointTooFar(name, values, f"{expected} ({what})")
+        if found := too_far(space, space.decode(before), space.decode(values), limits):
+            raise SetPointTooFar(name, values, f"near the one before ({found})")

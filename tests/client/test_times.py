@@ -14,13 +14,13 @@ import aioduco.sync
 from aioduco import ParameterError, Tolerances, WorkerOptions
 from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
+from aioduco.cli.stream_rate import examine
 from aioduco.compat import DucoCobot
 from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
 from aioduco.devices.teleoperation import JointTarget
 from aioduco.integrations.fleet import FleetClient, FleetSettings
 from aioduco.sim import Simulator
-from aioduco.streaming.doctor import examine
 from aioduco.streaming.ticks import Ticks
 from aioduco.supervision.settings import ClosingSteps
 from aioduco.testing import HalfOpen, Throttle

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from aioduco.cli.stream_figure import plot
+from aioduco.cli.stream_rate import RATES, Examination, examine, holdable
 from aioduco.errors import StreamLost
-from aioduco.streaming.doctor import RATES, Examination, examine, holdable
-from aioduco.streaming.report import StreamStatistics, plot
+from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.histogram import Percentiles
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import no_leaks

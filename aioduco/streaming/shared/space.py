@@ -24,7 +24,6 @@ __all__ = [
     "Limits",
     "PoseSpace",
     "Space",
-    "TooFar",
     "rotated",
     "too_far",
 ]
@@ -55,28 +54,6 @@ class Limits(NamedTuple):
     velocity: tuple[float, ...]
     acceleration: tuple[float, ...]
     jerk: tuple[float, ...] = ()
-
-
-class TooFar(NamedTuple):
-    """What of a point is further from another one than is allowed.
-
-    Attributes:
-        what: "joint 1" to "joint 6", "position" or "orientation".
-        distance: how far it is [rad or m].
-        most: what is allowed [rad or m].
-        unit: "rad" or "m".
-    """
-
-    what: str
-    distance: float
-    most: float
-    unit: str
-
-    def __str__(self) -> str:
-        return (
-            f"{self.what}: {self.distance:.4g} {self.unit} away, where {self.most:.4g} {self.unit} "
-            "are allowed"
-        )
 
 
 class JointSpace:
@@ -164,8 +141,8 @@ JOINT_SPACE = JointSpace()
 POSE_SPACE = PoseSpace()
 
 
-def too_far(space: Space, start: Config, end: Config, limits: Sequence[float]) -> TooFar | None:
-    """What of a point is further from another one than is allowed; None if nothing is.
+def too_far(space: Space, start: Config, end: Config, limits: Sequence[float]) -> str:
+    """What of a point is further from another one than is allowed; empty if nothing is.
 
     Args:
         space: the space of the points.
@@ -174,11 +151,11 @@ def too_far(space: Space, start: Config, end: Config, limits: Sequence[float]) -
         limits: the largest distances, one per group of the space.
     """
     gap = space.difference(start, end)
-    for group, name, most in zip(space.groups, space.names, limits, strict=True):
+    for group, (name, unit), most in zip(space.groups, space.names, limits, strict=True):
         length = sqrt(sum(g * g for g in gap[group]))
         if not length <= most:
-            return TooFar(name[0], length, most, name[1])
-    return None
+            return f"{name}: {length:.4g} {unit} away, where {most:.4g} {unit} are allowed"
+    return ""
 
 
 def _quaternion(rx: float, ry: float, rz: float) -> Quaternion:

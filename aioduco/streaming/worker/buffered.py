@@ -357,8 +357,8 @@ class TrackPoolDriver(Driver):
         space = self._sent_as.space
         reach = tuple(self._block.config.feeding.reach)
         found = too_far(space, space.decode(actual), space.decode(first.values), reach)
-        if found is not None:
-            return self._finish(Reason.TOO_FAR, str(found))
+        if found:
+            return self._finish(Reason.TOO_FAR, found)
         if self._block.config.envelope is not None:
             # imported here: only a stream with an envelope needs it
             from aioduco.streaming.worker.checked import envelope_check  # noqa: PLC0415

@@ -313,9 +313,9 @@ class SetpointSource(Life):
     def _begins_too_far(self, generator: Generator, first: Config) -> bool:
         """End if the first target is too far from the arm."""
         found = too_far(self._space, generator.config, first, self._reach)
-        if found is not None:
-            self.end(Reason.TOO_FAR, str(found))
-        return found is not None
+        if found:
+            self.end(Reason.TOO_FAR, found)
+        return bool(found)
 
 
 class SetpointFeed:
