@@ -20,7 +20,6 @@ __all__ = [
     "CallFinished",
     "ConnectionEnded",
     "ConnectionOpened",
-    "Event",
     "ProcedureFinished",
     "Trace",
     "TraceEvent",
@@ -105,9 +104,6 @@ class ProcedureFinished(TraceEvent):
     error: BaseException | None
     duration: float
 
-
-#: the former name of `TraceEvent`, for programs that use it
-Event = TraceEvent
 
 Trace = Callable[[TraceEvent], None]
 
