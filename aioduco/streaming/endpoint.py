@@ -72,7 +72,7 @@ class StreamEndpoint:
             stop=coordinator.stop_stream,
             streams=coordinator.streams,
             asked=supervisor.asked_for,
-            admit=supervisor.admit_stream,
+            admit=supervisor.dispatcher.admit_stream,
             gate=coordinator.gate,
             modes=coordinator.modes,
             guarded=supervisor.guard is not None,

@@ -68,7 +68,6 @@ if TYPE_CHECKING:
     from aioduco._wire.lane import LaneStatistics
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.models.trace import Trace
-    from aioduco.supervision.gate import Permit
     from aioduco.supervision.guard.guarded import GuardClient
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
@@ -331,11 +330,6 @@ class Supervisor:
         """
         self.check_open(name)
         return self.permits.within(self.permits.ask(name))
-
-    async def admit_stream(self, name: str) -> Permit:
-        """Check that a stream of set-points may begin; `Dispatcher.admit_stream` describes it."""
-        self.check_open(name)
-        return await self.dispatcher.admit_stream(name)
 
     def statistics(self) -> SupervisorStatistics:
         """Return statistics since the robot was opened."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.arguments import frames, line, outputs
+from aioduco.api.arguments import frames, limits, line, outputs
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.op import wire_op
 from aioduco.models.pose import Pose
 
 if TYPE_CHECKING:
@@ -156,14 +155,11 @@ class Curves(Section):
         Manual section 1.3.5.
         """
         points = ranges.SPLINE_POINTS("poses", poses)
-        v_ = ranges.LINE_SPEED("v", v)
-        a_ = ranges.LINE_ACCELERATION("a", a)
+        v_, a_, r_ = line(v, a, r)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        block, op_, def_acc_ = outputs(op, def_acc)
         return self._motion(
-            calls.spline(points, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
+            calls.spline(points, v_, a_, tool_, wobj_, block, op_, r_, def_acc_), r_
         )
 
     def spline_op(
@@ -203,14 +199,11 @@ class Curves(Section):
         """
         given = points_with_outputs("points", points, ranges.SPLINE_COUNT, Pose)
         points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
-        v_ = ranges.FINE_SPEED("v", v)
-        a_ = ranges.FINE_ACCELERATION("a", a)
+        v_, a_, r_ = limits(ranges.FINE_SPEED, ranges.FINE_ACCELERATION, v, a, r)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        op_ = wire_op("op", op)
-        r_ = ranges.BLEND_RADIUS("r", r)
-        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        block, op_, def_acc_ = outputs(op, def_acc)
         return self._motion(
-            calls.spline_op(points_, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
+            calls.spline_op(points_, v_, a_, tool_, wobj_, block, op_, r_, def_acc_), r_
         )
 
     def move_spiral(

@@ -12,6 +12,7 @@ word.
 
 from __future__ import annotations
 
+import itertools
 import mmap
 import struct
 
@@ -35,6 +36,13 @@ HISTOGRAMS = ("lateness", "interval", "round_trip", "work", "age", "depth")
 
 _WORDS = 32
 _REPORT = 4  # slots: the reader always finds a slot that is not being written
+
+
+def _sizes(config: WorkerConfig) -> list[int]:
+    """Bytes of the parts: configuration, control, status, text, report, ring, each histogram."""
+    rings = Ring.size(_REPORT), Ring.size(config.feeding.capacity, config.extra)
+    counts = [8 * Histogram.WORDS] * len(HISTOGRAMS)
+    return [_HEADER.size + _CONFIG, 8 * _WORDS, 8 * _WORDS, _TEXT, *rings, *counts]
 
 
 class Block:
@@ -74,28 +82,18 @@ class Block:
         self.config: WorkerConfig = WorkerConfig.unpack(
             bytes(memory[_HEADER.size : _HEADER.size + length])
         )
-        capacity, extra = self.config.feeding.capacity, self.config.extra
-        at = _HEADER.size + _CONFIG
-        self.control: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
-        at += 8 * _WORDS
-        self.status: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
-        at += 8 * _WORDS
-        self._text = self._view[at : at + _TEXT]
-        at += _TEXT
-        self.histograms: dict[str, Histogram] = {}
-        for name in HISTOGRAMS:
-            words = self._view[at : at + 8 * Histogram.WORDS].cast("Q")
-            self.histograms[name] = Histogram(words)
-            at += 8 * Histogram.WORDS
-        self.report: Ring = Ring(self._view[at : at + Ring.size(_REPORT)], _REPORT)
-        at += Ring.size(_REPORT)
-        self.ring: Ring = Ring(self._view[at : at + Ring.size(capacity, extra)], capacity, extra)
-
-    @staticmethod
-    def _size(config: WorkerConfig) -> int:
-        fixed = _HEADER.size + _CONFIG + 16 * _WORDS + _TEXT + Ring.size(_REPORT)
-        counts = 8 * Histogram.WORDS * len(HISTOGRAMS)
-        return fixed + counts + Ring.size(config.feeding.capacity, config.extra)
+        _, *sizes = _sizes(self.config)
+        ends = itertools.accumulate(sizes, initial=_HEADER.size + _CONFIG)
+        parts = [self._view[begin:end] for begin, end in itertools.pairwise(ends)]
+        control, status, self._text, report, ring, *histograms = parts
+        self.control: memoryview[int] = control.cast("Q")
+        self.status: memoryview[int] = status.cast("Q")
+        self.report: Ring = Ring(report, _REPORT)
+        self.ring: Ring = Ring(ring, self.config.feeding.capacity, self.config.extra)
+        self.histograms: dict[str, Histogram] = {
+            name: Histogram(words.cast("Q"))
+            for name, words in zip(HISTOGRAMS, histograms, strict=True)
+        }
 
     @classmethod
     def make(cls, config: WorkerConfig, *, shared: bool) -> Block:
@@ -105,7 +103,7 @@ class Block:
             config: the worker's configuration.
             shared: whether another process opens it, by its `handle`.
         """
-        size = cls._size(config)
+        size = sum(_sizes(config))
         if not shared:
             return cls(mmap.mmap(-1, size), config)
         backing = MemoryFile.make(size) if has_memory_files() else NamedMemory.make(size)
