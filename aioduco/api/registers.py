@@ -228,8 +228,8 @@ class Registers(Section):
 
         Manual section 1.3.7.
         """
-        values = await self._value(calls.get_system_value_list(ranges.LONG_NAME("name", name)))
-        return vector(values, len(values))
+        name_ = ranges.LONG_NAME("name", name)
+        return vector(await self._value(calls.get_system_value_list(name_)), None)
 
     async def get_system_value_lists(self, name: str) -> tuple[Vector, ...]:
         """Read a variable of the controller that is a list of poses, each a read-only array.
@@ -245,7 +245,7 @@ class Registers(Section):
                 type.
         """
         values = await self._value(calls.get_system_value_lists(ranges.LONG_NAME("name", name)))
-        return tuple(vector(row, len(row)) for row in values)
+        return tuple(vector(row, None) for row in values)
 
     async def _value(self, call: WireCall[T]) -> T:
         """Read a variable; by a single call if it was read before, so that it is known to exist."""

@@ -308,24 +308,21 @@ class Service(Section):
 
         Not in the manual, and neither is the unit.
         """
-        values = await self._rpc.get_axis_motor_kt()
-        return vector(values, len(values))
+        return vector(await self._rpc.get_axis_motor_kt(), None)
 
     async def get_axis_motor_rated_current(self) -> Vector:
         """Read the rated currents of the axes' motors, as a read-only array.
 
         Not in the manual, and neither is the unit.
         """
-        values = await self._rpc.get_axis_motor_rated_current()
-        return vector(values, len(values))
+        return vector(await self._rpc.get_axis_motor_rated_current(), None)
 
     async def get_pos_bias(self) -> Vector:
         """Read the biases of the positions of the axes, as a read-only array.
 
         Not in the manual, and neither is the unit.
         """
-        values = await self._rpc.get_pos_bias()
-        return vector(values, len(values))
+        return vector(await self._rpc.get_pos_bias(), None)
 
     async def get_axis_ratio(self) -> tuple[int, ...]:
         """Read the gear ratios of the axes.
@@ -350,4 +347,4 @@ class Service(Section):
 
 
 def _table(wire: Sequence[Sequence[float]]) -> tuple[Vector, ...]:
-    return tuple(vector(row, len(row)) for row in wire)
+    return tuple(vector(row, None) for row in wire)

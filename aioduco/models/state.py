@@ -34,13 +34,14 @@ __all__ = [
 Vector: TypeAlias = "NDArray[np.float64]"
 
 
-def vector(values: Sequence[float], length: int = 6) -> Vector:
-    """Return the first `length` values as a read-only array; NaN for missing ones.
+def vector(values: Sequence[float], length: int | None = 6) -> Vector:
+    """Return the first `length` values, None for all, as a read-only array; NaN for missing ones.
 
     Some controllers send longer lists (external axes) or no list (older software). A value that was
     not sent is NaN, and is never invented.
     """
-    array = np.array(_fitted(values, length), dtype=np.float64)
+    fitted = values if length is None else _fitted(values, length)
+    array = np.array(fitted, dtype=np.float64)
     array.setflags(write=False)
     return array
 

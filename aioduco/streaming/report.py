@@ -143,16 +143,9 @@ class StreamStatistics(NamedTuple):
 
     def as_dict(self) -> dict[str, Any]:
         """All fields as plain values, for JSON."""
-        found: dict[str, Any] = {}
-        for name, value in self._asdict().items():
-            match value:
-                case Percentiles():
-                    found[name] = value._asdict()
-                case _ if name in ("state", "reason"):
-                    found[name] = value.name
-                case _:
-                    found[name] = value
-        return found
+        found = self._asdict() | {"state": self.state.name, "reason": self.reason.name}
+        plain = {n: each._asdict() for n, each in found.items() if isinstance(each, Percentiles)}
+        return found | plain
 
     def save(self, path: str | Path) -> None:
         """Write the statistics as JSON, from which `aioduco plot` draws a figure."""
