@@ -145,6 +145,8 @@ class Endpoint:
         purpose: the purpose of the connections, for names of threads and for a trace.
         route: which address to try first; share it with other connections to the host.
         trace: hook that gets an event for each connection.
+        functions: whether the functions of the wire are called there: a preflight leads these
+            connections to its simulator.
 
     Attributes:
         opened: number of connections that were made.
@@ -160,8 +162,10 @@ class Endpoint:
         purpose: str = "",
         route: Route | None = None,
         trace: Trace | None = None,
+        *,
+        functions: bool = True,
     ) -> None:
-        if trial.current is not None:
+        if functions and trial.current is not None:
             host, port, connect_timeout = trial.current.endpoint(host, port, connect_timeout)
         self._trace = trace
         self.host = host

@@ -75,7 +75,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
         """Make the item; a `ProtocolError` says that the bytes are none."""
 
     async def __aenter__(self) -> Self:
-        endpoint = Endpoint(self.host, self.port, self.timeout)
+        endpoint = Endpoint(self.host, self.port, self.timeout, functions=False)
         deadline = time.monotonic() + self.timeout
         error: BaseException = TimeoutError("no time was left to connect")
         try:

@@ -71,6 +71,15 @@ async def main():
 
 asyncio.run(main())
 """
+OWN_STATUS_PORT = """
+from aioduco.api.status_port import StatusPort
+from aioduco.sim import Simulator
+async def main():
+    with Simulator(status_port=0) as simulator:
+        async with StatusPort(simulator.host, simulator.status_port, timeout=30.0) as frames:
+            await anext(frames)
+asyncio.run(main())
+"""
 OWN_PROCESSES = """
 from aioduco.planning import Planner, Scene
 async def main():
@@ -133,7 +142,11 @@ def test_what_is_refused_and_not_caught_is_one_finding(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("body", [OWN_SERVERS, OWN_PROCESSES], ids=["servers", "processes"])
+@pytest.mark.parametrize(
+    "body",
+    [OWN_SERVERS, OWN_STATUS_PORT, OWN_PROCESSES],
+    ids=["servers", "status port", "processes"],
+)
 def test_what_is_its_own_or_of_this_package_works(tmp_path: Path, body: str) -> None:
     tried = tmp_path / "tried.py"
     tried.write_text(BEGIN + body)
