@@ -259,8 +259,11 @@ def _controller(settings: SimulatorSettings) -> Controller:
         )
     controller.rules = settings.rules
     controller.external_axes = settings.external_axes
-    ignored = None if trial.current is None else trial.current.passes_over
-    controller.collisions = CollisionDetector(np.array(arm.effort), ignored)
+    tried = trial.current
+    controller.collisions = CollisionDetector(
+        np.array(arm.effort), None if tried is None else tried.passes_over
+    )
+    controller.tasks.made = None if tried is None else tried.task
     return controller
 
 

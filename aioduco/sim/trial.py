@@ -60,7 +60,7 @@ class ControllerTrial(ABC):
 
     @abstractmethod
     def task(self, number: int) -> None:
-        """The call that is answered on this thread has made a task."""
+        """A task was made: by the call that is answered on this thread, if there is one."""
 
     @abstractmethod
     def waiting(self) -> AbstractContextManager[object]:

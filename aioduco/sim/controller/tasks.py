@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum, auto
+from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: ids count up from here (1063 was seen on a real controller)
 FIRST_ID = 1000
@@ -54,6 +58,8 @@ class TaskTable:
         self._next = FIRST_ID
         self._running: dict[int, ControllerTask] = {}
         self._ended: dict[int, ControllerTask] = {}
+        #: called with the id of each task that is made; None for nothing
+        self.made: Callable[[int], object] | None = None
         #: ids that the next `take_answered` returns
         self.newly_answered: dict[int, None] = {}
 
@@ -65,6 +71,8 @@ class TaskTable:
         id_ = self._next
         self._next = FIRST_ID if id_ == _LAST_ID else id_ + 1
         self._running[id_] = ControllerTask(id_, name, TaskState.IDLE)
+        if self.made is not None:
+            self.made(id_)
         return id_
 
     def set(self, id_: int, state: TaskState, message: str = "") -> None:

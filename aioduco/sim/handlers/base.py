@@ -112,8 +112,6 @@ class HandlerSection:
                 id_ = controller.reject(name, exc.state, str(exc))
                 if exc.state is TaskState.PARAMETER_MISMATCH and name in ZERO_OUT_OF_RANGE:
                     return 0
-            if trial.current is not None:
-                trial.current.task(id_)
         if not block:
             return id_
         with trial.waiting():

@@ -129,7 +129,7 @@ class TriedController(ControllerTrial):
         return getattr(self._serving, "call", None)
 
     def task(self, number: int) -> None:
-        """Tie the task to the call."""
+        """Tie the first task of a call to it: that of a mode, not that of its start."""
         if (call := self._call) is not None and call.task is None:
             self._recorder.task(call, number)
 
