@@ -5,7 +5,6 @@ Visual geoms are in group 2, collision geoms in group 3, and the keyframe `home`
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
@@ -13,10 +12,9 @@ import numpy as np
 
 from aioduco.descriptions.collisions import disabled_pairs
 from aioduco.descriptions.tree import STATES, WORLD
-from aioduco.descriptions.xml_text import bounds, numbers, pretty, rgba
-from aioduco.kinematics.bodies import ROTOR
+from aioduco.descriptions.xml_text import bounds, pretty, rgba
 from aioduco.kinematics.looks import COLOURS, merged
-from aioduco.models.rotation import quaternion_from_matrix
+from aioduco.kinematics.mjcf_elements import drive, inertial, numbers, placed, shape, surround
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["mjcf_scene", "mjcf_text"]
 
-_SERVO = 2 * math.pi * 25  # natural frequency of a drive that moves only its own rotor [rad/s]
 #: frames that become sites; `attachment_site` is the name of the tool's place in Menagerie's arms
 _SITES = {"tool0": ("tool0", "attachment_site"), "tcp": ("tcp",)}
 
@@ -65,8 +62,8 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
             if pair.reason != "Never":
                 ET.SubElement(contact, "exclude", body1=pair.link1, body2=pair.link2)
         for joint, limits in tree.turning:
-            drive = _drive(tree, limits.effort)
-            ET.SubElement(actuator, "position", {"class": drive}, name=joint.name, joint=joint.name)
+            named = _drive_class(tree, limits.effort)
+            ET.SubElement(actuator, "position", {"class": named}, name=joint.name, joint=joint.name)
     for path in sorted(set(meshes.values())):
         ET.SubElement(asset, "mesh", name=path.stem, file=str(path))
     keys = ET.SubElement(root, "keyframe")
@@ -89,32 +86,11 @@ def mjcf_scene(name: str, file: str) -> str:
     """
     root = ET.Element("mujoco", model=f"{name} scene")
     ET.SubElement(root, "include", file=file)
-    visual = ET.SubElement(root, "visual")
-    ET.SubElement(
-        visual, "headlight", diffuse="0.4 0.4 0.4", ambient="0.3 0.3 0.3", specular="0 0 0"
-    )
-    ET.SubElement(visual, "global", azimuth="130", elevation="-20")
-    asset = ET.SubElement(root, "asset")
-    ET.SubElement(
-        asset, "texture", type="skybox", builtin="gradient", rgb1="0.9 0.93 0.96",
-        rgb2="0.6 0.68 0.76", width="64", height="64",
-    )  # fmt: skip
-    ET.SubElement(
-        asset, "texture", name="floor", type="2d", builtin="checker", rgb1="0.82 0.83 0.84",
-        rgb2="0.76 0.77 0.78", width="128", height="128",
-    )  # fmt: skip
-    ET.SubElement(
-        asset, "material", name="floor", texture="floor", texrepeat="8 8", texuniform="true"
-    )
-    world = ET.SubElement(root, "worldbody")
-    ET.SubElement(
-        world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.4 0.4 0.4", directional="true"
-    )
-    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 0.05", material="floor")
+    surround(root, size=(0.0, 0.0, 0.05))
     return pretty(root, "The model on a floor.")
 
 
-def _drive(tree: ArmTree, effort: float) -> str:
+def _drive_class(tree: ArmTree, effort: float) -> str:
     return f"{tree.arm.prefix}drive_{numbers([effort])}"
 
 
@@ -135,10 +111,11 @@ def _classes(root: ET.Element, tree: ArmTree) -> None:
     site = ET.SubElement(top, "default", {"class": prefix + "frame"})
     ET.SubElement(site, "site", group="4", size="0.005", rgba="0.9 0.3 0.1 1")
     for effort in sorted({limits.effort for _, limits in tree.turning}):
-        size = ET.SubElement(top, "default", {"class": _drive(tree, effort)})
-        ET.SubElement(size, "joint", armature=numbers([ROTOR * effort]))
+        size = ET.SubElement(top, "default", {"class": _drive_class(tree, effort)})
+        rotor, stiffness, _ = drive(effort)
+        ET.SubElement(size, "joint", armature=numbers([rotor]))
         ET.SubElement(
-            size, "position", kp=numbers([ROTOR * effort * _SERVO**2]),
+            size, "position", kp=numbers([stiffness]),
             forcerange=numbers([-effort, effort]),
         )  # fmt: skip
 
@@ -161,7 +138,7 @@ def _bodies(world: ET.Element, tree: ArmTree, meshes: Mapping[str, Path]) -> Non
         made[link.name] = parent, place
         for site in _SITES.get(link.name.removeprefix(prefix), ()):
             named = {"class": prefix + "frame", "name": prefix + site}
-            ET.SubElement(parent, "site", {**named, **_placed(place)})
+            ET.SubElement(parent, "site", {**named, **placed(place[:3, 3], place[:3, :3])})
 
 
 def _body(
@@ -173,21 +150,17 @@ def _body(
     meshes: Mapping[str, Path],
 ) -> ET.Element:
     prefix = tree.arm.prefix
-    body = ET.SubElement(parent, "body", {"name": link.name, **_placed(place)})
+    body = ET.SubElement(parent, "body", {"name": link.name, **placed(place[:3, 3], place[:3, :3])})
     if link is tree.links[0]:
         body.set("childclass", prefix + tree.arm.arm.name)
     if link.mass > 0.0:
-        inertia = link.inertia
-        ET.SubElement(
-            body, "inertial", pos=numbers(link.centre), mass=numbers([link.mass]),
-            fullinertia=numbers([*np.diag(inertia), *inertia[[0, 0, 1], [1, 2, 2]]]),
-        )  # fmt: skip
+        inertial(body, link.mass, link.centre, link.inertia)
     if joint is not None and joint.limits is not None:
-        drive = _drive(tree, joint.limits.effort)
+        named = _drive_class(tree, joint.limits.effort)
         ET.SubElement(
             body,
             "joint",
-            {"class": drive},
+            {"class": named},
             name=joint.name,
             range=" ".join(bounds(*joint.limits[:2])),
         )
@@ -198,22 +171,13 @@ def _body(
         mesh = {"type": "mesh", "mesh": f"{link.name}_{colour}", "material": prefix + colour}
         ET.SubElement(body, "geom", {"class": prefix + "visual", **mesh})
     for part in link.parts:
-        shape = {"size": numbers([part.radius]), "fromto": numbers([*part.start, *part.end])}
-        if part.start == part.end:
-            shape = {"type": "sphere", "size": shape["size"], "pos": numbers(part.start)}
+        geom = shape(part)
         if link.name not in meshes and not link.looks:
-            ET.SubElement(body, "geom", {"class": prefix + "visual", **shape})
-        ET.SubElement(body, "geom", {"class": prefix + "collision", **shape})
+            ET.SubElement(body, "geom", {"class": prefix + "visual", **geom})
+        ET.SubElement(body, "geom", {"class": prefix + "collision", **geom})
     return body
 
 
 def _drawn(link: LinkDescription, meshes: Mapping[str, Path]) -> tuple[Look, ...]:
     """Return a link's own surfaces, if no other mesh is shown."""
     return () if link.name in meshes else link.looks
-
-
-def _placed(place: Array) -> dict[str, str]:
-    """Return the attributes for a place in the parent body; default values are left out."""
-    placed = {"pos": numbers(place[:3, 3]), "quat": numbers(quaternion_from_matrix(place[:3, :3]))}
-    unmoved = {"pos": "0 0 0", "quat": "1 0 0 0"}
-    return {name: value for name, value in placed.items() if value != unmoved[name]}

@@ -5,17 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
+from aioduco.kinematics.mjcf_elements import numbers
 from aioduco.models.bounds import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 __all__ = ["bounds", "numbers", "pretty", "rgba"]
-
-
-def numbers(values: Iterable[float]) -> str:
-    """Return numbers with twelve digits; a rounding error of zero becomes zero."""
-    return " ".join(f"{round(float(value), 14) + 0.0:.12g}" for value in values)
 
 
 def rgba(colour: Iterable[float]) -> str:

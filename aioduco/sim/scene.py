@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, ClassVar, TypeAlias
 from xml.etree import ElementTree as ET
 
 from aioduco.errors import ParameterError, SceneError
+from aioduco.kinematics.mjcf_elements import numbers, placed
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import quaternion_from_matrix
 from aioduco.models.rules import Number, Vector, stored
 from aioduco.models.rules.lists import ordered
 
@@ -107,8 +107,7 @@ class Thing(ABC):
                 rigid piece.
         """
         pose = _pose(self.at)
-        quat = quaternion_from_matrix(pose.matrix[:3, :3])
-        body = ET.Element("body", pos=_text(pose[:3]), quat=_text(quat))
+        body = ET.Element("body", placed(pose[:3], pose.matrix[:3, :3]))
         if self.name:
             body.set("name", self.name)
         if free and self.mass > 0.0 and not self._anchored:
@@ -121,8 +120,8 @@ class Thing(ABC):
         return []
 
     def _geom(self, body: ET.Element, kind: str, size: Iterable[float], **more: str) -> None:
-        look = {"rgba": _text((*self.colour, 1.0)), "mass": _text((self.mass,))}
-        shape = {"type": kind, "size": _text(size)}
+        look = {"rgba": numbers((*self.colour, 1.0)), "mass": numbers((self.mass,))}
+        shape = {"type": kind, "size": numbers(size)}
         surface = _LOOSE if self.mass > 0.0 else _FIXED
         ET.SubElement(body, "geom", {**surface, **look, **shape, **more})
 
@@ -131,7 +130,7 @@ class Thing(ABC):
     ) -> None:
         """Add a box whose top is at the origin of the body."""
         half = tuple(0.5 * length for length in size)
-        self._geom(body, "box", half, pos=_text((0, 0, -half[2])), mass="0", **surface)
+        self._geom(body, "box", half, pos=numbers((0, 0, -half[2])), mass="0", **surface)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,10 +207,10 @@ class Rod(Thing):
         straight = max(self.length - self.radius, 1e-4)
         # The upper end of the cylinder is inside the sphere, so the rod has a round tip.
         self._geom(
-            body, "cylinder", (self.radius, 0.5 * straight), pos=_text((0, 0, 0.5 * straight))
+            body, "cylinder", (self.radius, 0.5 * straight), pos=numbers((0, 0, 0.5 * straight))
         )
         self._geom(
-            body, "sphere", (self.radius,), pos=_text((0, 0, self.length - self.radius)), mass="0"
+            body, "sphere", (self.radius,), pos=numbers((0, 0, self.length - self.radius)), mass="0"
         )
 
 
@@ -287,7 +286,7 @@ class Table(Thing):
             for y in (-1.0, 1.0):
                 leg = (x * (0.5 * self.size[0] - thick), y * (0.5 * self.size[1] - thick))
                 self._geom(
-                    body, "cylinder", (thick, half), pos=_text((*leg, -above - half)), mass="0"
+                    body, "cylinder", (thick, half), pos=numbers((*leg, -above - half)), mass="0"
                 )
 
 
@@ -298,29 +297,29 @@ def _sprung(
     # Light enough not to act as a load, heavy enough for the time step.
     mass = max(0.1, stiffness * _PERIOD**2)
     joint = ET.SubElement(
-        plate, "joint", type="slide", axis="0 0 1", limited="true", range=_text((-travel, 0.0)),
-        stiffness=_text((stiffness,)), margin="0",
-        damping=_text((2.0 * damping * math.sqrt(stiffness * mass),)),
+        plate, "joint", type="slide", axis="0 0 1", limited="true", range=numbers((-travel, 0.0)),
+        stiffness=numbers((stiffness,)), margin="0",
+        damping=numbers((2.0 * damping * math.sqrt(stiffness * mass),)),
     )  # fmt: skip
     if name:
         plate.set("name", f"{name}/plate")
         joint.set("name", f"{name}/spring")
     ET.SubElement(
-        plate, "inertial", pos="0 0 0", mass=_text((mass,)), diaginertia=_text((0.01 * mass,) * 3)
+        plate,
+        "inertial",
+        pos="0 0 0",
+        mass=numbers((mass,)),
+        diaginertia=numbers((0.01 * mass,) * 3),
     )
     return plate
 
 
 def _pose(at: Sequence[float]) -> Pose:
-    numbers = ordered("at", at, "three numbers [m], or a pose of six [m, rad]")
+    given = ordered("at", at, "three numbers [m], or a pose of six [m, rad]")
     try:
-        return Pose.of([*numbers, 0.0, 0.0, 0.0] if len(numbers) == 3 else numbers)
+        return Pose.of([*given, 0.0, 0.0, 0.0] if len(given) == 3 else given)
     except ParameterError as exc:
         raise ParameterError("at", at, exc.expected) from exc
-
-
-def _text(values: Iterable[float]) -> str:
-    return " ".join(f"{float(value):.12g}" for value in values)
 
 
 SceneLike: TypeAlias = str | os.PathLike[str] | Sequence[Thing]

@@ -7,27 +7,20 @@ import os
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
-import numpy as np
-
 from aioduco.errors import SceneError
-from aioduco.kinematics.bodies import ROTOR, Body, bodies
+from aioduco.kinematics.bodies import Body, bodies
 from aioduco.kinematics.looks import COLOURS, looks, merged
+from aioduco.kinematics.mjcf_elements import drive, inertial, numbers, placed, shape, surround
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import quaternion_from_matrix
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from aioduco.kinematics import Arm
 
     mujoco: Any  # its bindings are compiled, without types
 else:
     import mujoco
 
-__all__ = ["FREQUENCY", "SERVOS", "assemble", "compiled", "compose", "dressed", "mjcf", "part"]
-
-FREQUENCY = 2 * math.pi * 25
-"""Natural frequency of the position servos with the arm at its lightest [rad/s]."""
+__all__ = ["SERVOS", "assemble", "compiled", "compose", "dressed", "mjcf", "part"]
 
 SERVOS = 5
 """Group of the servos, which lose their power together; a scene's drives are in others."""
@@ -39,10 +32,6 @@ _GAP = 0.01  # between the base and what it stands on, so that a link may come c
 # Housings that overlap in every configuration, besides those of neighbours.
 _NESTED = (("base", "link1"), ("base", "link2"), ("link4", "link6"))
 _TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
-
-
-def _text(values: Iterable[float]) -> str:
-    return " ".join(f"{value:.12g}" for value in values)
 
 
 def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: bool = False) -> str:
@@ -64,83 +53,51 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
         root, "option", timestep=f"{timestep:.9g}", integrator="implicitfast", cone="elliptic"
     )
     ET.SubElement(option, "flag", eulerdamp="disable")
-    visual = ET.SubElement(root, "visual")
-    ET.SubElement(
-        visual, "global", offwidth="1920", offheight="1080", azimuth="130", elevation="-20"
-    )
-    ET.SubElement(visual, "headlight", diffuse="0.5 0.5 0.5", ambient="0.3 0.3 0.3")
-    # the whole floor that is seen: beyond the region of shadows there are dark dots
-    ET.SubElement(visual, "map", shadowclip="2")
-    asset = ET.SubElement(root, "asset")
-    ET.SubElement(
-        asset, "texture", name="sky", type="skybox", builtin="gradient",
-        rgb1="0.9 0.93 0.96", rgb2="0.6 0.68 0.76", width="64", height="64",
-    )  # fmt: skip
-    ET.SubElement(
-        asset, "texture", name="tiles", type="2d", builtin="checker",
-        rgb1="0.82 0.83 0.84", rgb2="0.76 0.77 0.78", width="128", height="128",
-    )  # fmt: skip
-    ET.SubElement(asset, "material", name="tiles", texture="tiles", texrepeat="8 8")
-    world = ET.SubElement(root, "worldbody")
-    ET.SubElement(
-        world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.5 0.5 0.5", directional="true"
-    )
-    ET.SubElement(
-        world,
-        "geom",
-        name="floor",
-        type="plane",
-        size="3 3 0.1",
-        pos=f"0 0 {-_GAP}",
-        material="tiles",
-    )
+    surround(root, size=(3.0, 3.0, 0.1), height=-_GAP)
+    world = root.find("worldbody")
+    assert world is not None
     links = bodies(arm)
     place = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
-    parent = ET.SubElement(
-        world, "body", name="base", pos=_text(place[:3]),
-        quat=_text(quaternion_from_matrix(place.matrix[:3, :3])),
-    )  # fmt: skip
+    where = placed(place[:3], place.matrix[:3, :3])
+    parent = ET.SubElement(world, "body", {"name": "base", **where})
     if pedestal:
         wide, high = 1.5 * links[0].parts[0].radius, 0.5 * (place[2] - _GAP)
         ET.SubElement(
-            parent, "geom", name="pedestal", type="box", size=_text((wide, wide, high)),
-            pos=_text((0.0, 0.0, -_GAP - high)), rgba="0.6 0.63 0.66 1",
+            parent, "geom", name="pedestal", type="box", size=numbers((wide, wide, high)),
+            pos=numbers((0.0, 0.0, -_GAP - high)), rgba="0.6 0.63 0.66 1",
         )  # fmt: skip
     elif any(place):
         # A base off the floor stands on a plate. The arm cannot pass through it either.
         half = 0.3 * arm.reach
         ET.SubElement(
-            parent, "geom", name="plate", type="box", size=_text((half, half, 0.01)),
+            parent, "geom", name="plate", type="box", size=numbers((half, half, 0.01)),
             pos="0 0 -0.02", rgba="0.6 0.63 0.66 1",
         )  # fmt: skip
     _solid(parent, links[0], "base")
     actuator = ET.Element("actuator")
     for i, link in enumerate(links[1:], start=1):
-        parent = ET.SubElement(
-            parent, "body", name=f"link{i}", pos=_text(link.position),
-            quat=_text(quaternion_from_matrix(link.rotation)),
-        )  # fmt: skip
+        where = placed(link.position, link.rotation)
+        parent = ET.SubElement(parent, "body", {"name": f"link{i}", **where})
         effort = arm.effort[i - 1]
+        rotor, stiffness, damping = drive(effort)
         ET.SubElement(
             parent, "joint", name=f"joint{i}", type="hinge", axis="0 0 1",
-            range=_text((arm.lower[i - 1], arm.upper[i - 1])), armature=f"{ROTOR * effort:.9g}",
+            range=numbers((arm.lower[i - 1], arm.upper[i - 1])), armature=numbers([rotor]),
             solreffriction=f"{2 * timestep:.9g} 1", solimpfriction=_FIRM,
         )  # fmt: skip
         _solid(parent, link, f"link{i}")
-        # Gains for this frequency with the rotor alone, the least inertia that the drive ever
-        # moves. MuJoCo integrates the damping implicitly.
-        stiffness = ROTOR * effort * FREQUENCY**2
+        # MuJoCo integrates the damping implicitly.
         ET.SubElement(
-            actuator, "position", name=f"servo{i}", joint=f"joint{i}", kp=f"{stiffness:.9g}",
-            kv=f"{2 * stiffness / FREQUENCY:.9g}", forcerange=_text((-effort, effort)),
+            actuator, "position", name=f"servo{i}", joint=f"joint{i}", kp=numbers([stiffness]),
+            kv=numbers([damping]), forcerange=numbers((-effort, effort)),
             group=str(SERVOS),
         )  # fmt: skip
     flange = ET.SubElement(parent, "body", {"name": "flange", **_beside(arm)})
     # The sensor measures what touches this geom; the link behind it is set back a little.
     thick, wide = 0.002, links[6].parts[0].radius
     ET.SubElement(
-        flange, "geom", name="flange_0", type="cylinder", size=_text((wide, thick)),
-        pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="3", mass="0",
+        flange, "geom", name="flange_0", type="cylinder", size=numbers((wide, thick)),
+        pos=numbers((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="3", mass="0",
     )  # fmt: skip
     # Not at its origin: older versions of MuJoCo would then keep loads at the origin, too.
     ET.SubElement(
@@ -163,25 +120,18 @@ def _beside(arm: Arm) -> dict[str, str]:
     if not a and not alpha:
         return {}
     return {
-        "pos": _text((a, 0.0, 0.0)),
-        "quat": _text((math.cos(0.5 * alpha), math.sin(0.5 * alpha), 0.0, 0.0)),
+        "pos": numbers((a, 0.0, 0.0)),
+        "quat": numbers((math.cos(0.5 * alpha), math.sin(0.5 * alpha), 0.0, 0.0)),
     }
 
 
 def _solid(parent: ET.Element, link: Body, name: str) -> None:
-    ET.SubElement(
-        parent, "inertial", pos=_text(link.centre), mass=f"{max(link.mass, 1e-6):.9g}",
-        fullinertia=_text(
-            np.maximum(link.inertia, 0.0)[[0, 1, 2], [0, 1, 2]].clip(1e-9).tolist()
-            + link.inertia[[0, 0, 1], [1, 2, 2]].tolist()
-        ),
-    )  # fmt: skip
+    inertial(parent, link.mass, link.centre, link.inertia)
     # By these bits they touch each other and the world, whose geoms have MuJoCo's default, 1 and 1.
     for i, part in enumerate(link.parts):
         ET.SubElement(
-            parent, "geom", name=f"{name}_{i}", type="capsule", size=f"{part.radius:.9g}",
-            fromto=_text((*part.start, *part.end)), rgba=_JOINT if part.joint else _TUBE,
-            contype="2", conaffinity="3", mass="0",
+            parent, "geom", shape(part), name=f"{name}_{i}",
+            rgba=_JOINT if part.joint else _TUBE, contype="2", conaffinity="3", mass="0",
         )  # fmt: skip
 
 
