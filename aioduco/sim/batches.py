@@ -126,6 +126,7 @@ class Batches:
     def end(self) -> None:
         """Resume the callers that wait for the cycles that are due."""
         self._owed = 0
+        self.late = 0.0
         asleep, self._asleep = self._asleep, None
         if asleep is not None:
             asleep.release()

@@ -63,6 +63,8 @@ _CHANGE = 2e-5
 #: simulated time at rest after which the physics need no further steps [s]
 _SETTLING = 0.3
 
+#: states of the robot in which the controller serves no client
+_BOOTING = (RobotState.START, RobotState.INITIALIZE)
 #: more cycles than any idle time contains
 _MANY = 1_000_000
 _NO_EFFORT_LIMIT: tuple[float, ...] = (math.inf,) * 6
@@ -483,19 +485,16 @@ class SimulationRuntime(PlantChanges):
                     idle = False
                     pace.begin(now)
             if self._speed != pace.speed:
+                self._batches.end()
                 pace.change(self._speed, now, idle=idle)
             if idle:
-                if self._wake.wait(_STRIDE):
-                    self._wake.clear()
-                self._stand_still(idle=idle)
-                if self._limit is not None:
+                passed = self._stride()
+                if passed is None:
                     continue
-                now = clock()
-                cycles = self._tick(now, idle=True)
-                pace.ran(cycles)
-                now = clock()
+                cycles, now = passed, clock()
             else:
-                cycles, begun = 1, self._batches.await_cycle(now)
+                cycles, paced = 1, pace.period > 0.0  # else each cycle follows the one before
+                begun = self._batches.await_cycle(now) if paced else now
                 if begun is None:
                     now = clock()
                     continue
@@ -506,13 +505,29 @@ class SimulationRuntime(PlantChanges):
                 self._tick(begun)
                 now = clock()
                 self._times.add(self._batches.late, now - begun)
-                self._batches.ran()
+                if paced:
+                    self._batches.ran()
             if self._busy and not idle:
                 self._quiet = 0
             elif idle != self._is_idle(cycles):
                 idle = not idle
                 self._batches.end()
                 pace.begin(now, idle=idle)
+
+    def _stride(self) -> int | None:
+        """Run the cycles of a while in which nothing happens.
+
+        Returns:
+            Their number; None if simulated time was locked meanwhile, and none ran.
+        """
+        if self._wake.wait(_STRIDE):
+            self._wake.clear()
+        self._stand_still(idle=True)
+        if self._limit is not None:
+            return None
+        cycles = self._tick(time.monotonic(), idle=True)
+        self._pace.ran(cycles)
+        return cycles
 
     def _has_waiters(self) -> bool:
         """Whether a caller waits for one of the next cycles."""
@@ -594,7 +609,8 @@ class SimulationRuntime(PlantChanges):
             simulated = controller.simulated
             self._change = object()
             self._drive = controller.tick(sensed)
-            network = None if controller.halted else not controller.starting
+            view = controller.view()
+            network = None if controller.halted else view.robot not in _BOOTING
             if network and not self._network:
                 # Before the snapshot: who sees the controller started can connect.
                 self._network = network
@@ -606,7 +622,7 @@ class SimulationRuntime(PlantChanges):
                 reading,
                 qdd,
                 followed,
-                controller.view(),
+                view,
                 controller.collisions.torque,
                 self._temperatures,
             )

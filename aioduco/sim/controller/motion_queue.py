@@ -121,7 +121,8 @@ class MotionQueue:
         self._finishing = False  # whether `finish` ends the last motion
         self._at_rest = True
         self._triggers = Triggers()
-        self._blending: dict[int, None] = {}  # have a blend radius and an unanswered call
+        #: ids of motions with a blend radius whose calls are not answered yet
+        self.blending: dict[int, None] = {}
         self._time = 0.0
         self._follower: TargetFollower | None = None
         self._following: tuple[int, Following] | None = None
@@ -228,7 +229,7 @@ class MotionQueue:
                 self._fail(id_, exc)
                 raise
             if segment.radius > 0.0:
-                self._blending[id_] = None
+                self.blending[id_] = None
             return segment
 
         try:
@@ -274,7 +275,7 @@ class MotionQueue:
         elif self._mover.take(came):  # else its inputs have changed: it is planned again
             self._unplanned.popleft()
             if came.segment.radius > 0.0:
-                self._blending[planning.id] = None
+                self.blending[planning.id] = None
 
     def read_ahead(self, part: int, count: int) -> None:
         """Answer blocking calls as early as programs read ahead, so that motions can blend.
@@ -288,17 +289,17 @@ class MotionQueue:
             count: if `part` is 0: number of motions, the running one included, whose calls are
                 answered.
         """
-        if not self._blending or self.phase is not MotionPhase.RUNNING:
+        if self.phase is not MotionPhase.RUNNING:
             return
         if part > 0:
             running = self._mover.active if self._follower is None else None
-            if running not in self._blending or self.progress < part / 100.0:
+            if running not in self.blending or self.progress < part / 100.0:
                 return
             passed = [running]
         else:
-            passed = [id_ for id_ in list(self._queue)[:count] if id_ in self._blending]
+            passed = [id_ for id_ in list(self._queue)[:count] if id_ in self.blending]
         for id_ in passed:
-            del self._blending[id_]
+            del self.blending[id_]
             self._tasks.pass_on(id_)
 
     def follow(self, id_: int, following: Following) -> None:
@@ -550,7 +551,7 @@ class MotionQueue:
 
     def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
         del self._queue[id_]
-        self._blending.pop(id_, None)
+        self.blending.pop(id_, None)
         if self._unplanned and self.awaits_plan(id_):
             self._unplanned = deque(each for each in self._unplanned if each[0] != id_)
             if self._planning is not None and self._planning.id == id_:

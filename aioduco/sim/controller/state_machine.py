@@ -65,7 +65,6 @@ _ERRORS = 20  # number of the latest messages in the error list
 _ENABLED, _STOP1, _MANUAL = RobotState.ENABLE, SafetyState.STOP1, OperationMode.MANUAL
 _IDLE, _PAUSED = MotionPhase.IDLE, MotionPhase.PAUSED
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
-_BOOTING = (RobotState.START, RobotState.INITIALIZE)
 _ZEROS = np.zeros(6)
 _ZEROS.flags.writeable = False
 
@@ -222,11 +221,6 @@ class Controller:
     def simulated(self) -> JointSetPoint | None:
         """Set-point that the simulated arm has reached; None while motions move the real arm."""
         return None if self._simulation is None else self._simulation.arm
-
-    @property
-    def starting(self) -> bool:
-        """Whether the controller restarts, and serves no client."""
-        return self._power.state in _BOOTING
 
     @property
     def busy(self) -> bool:
@@ -573,11 +567,12 @@ class Controller:
     def _tick(self, sensed: SensedState) -> DriveCommand:
         """Run one cycle of the real or simulated arm; idle parts are not called."""
         motion, force, power, time = self._motion, self.force, self._power, sensed.time
+        control = force.control
         self._sensed = force.sensed = sensed
         self._execution.watch(time, motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
-        forced = force.moving
+        forced = control.active and control.moving
         still = self._standstill.tick(sensed, commanded=forced or motion.moving)
         self._at_rest = still and not forced
         if self.recorder.active and self.recorder.tick(time, sensed.q):
@@ -600,19 +595,27 @@ class Controller:
         if joint and self._safety.fault is None:
             self.collide(joint, sensed.touched())
         setpoint = motion.tick(time, sensed.q, sensed.qd, at_rest=self._at_rest)
-        motion.read_ahead(*self.read_ahead)
-        self.external_axes.follow(motion.axes, time)
-        if force.control.active:
+        if motion.blending or self.external_axes.positions:
+            self._accompany(time)
+        alarm = ""
+        if control.active:
             setpoint = force.tick(setpoint)
+            alarm = force.take_alarm()
         if motion.failures or motion.faults:
             self._collect_failures()
         if self._execution.active and (reason := self._execution.tick(motion.phase)):
             self.note_error(reason)
             self._halt(TaskState.ERROR, reason)
-        if alarm := force.take_alarm() or _deviation(setpoint.q, sensed.q):
+        if alarm := alarm or _deviation(setpoint.q, sensed.q):
             self.fault(SafetyState.STOP0, alarm)
             return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), True)
         return DriveCommand(setpoint, False)
+
+    def _accompany(self, time: float) -> None:
+        """What goes on beside the motions: calls that are answered ahead, and external axes."""
+        if self._motion.blending:
+            self._motion.read_ahead(*self.read_ahead)
+        self.external_axes.follow(self._motion.axes, time)
 
     def _change_power(self, time: float) -> None:
         safe, standing = self._safety.safe, not self.moving

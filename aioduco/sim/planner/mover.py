@@ -220,7 +220,7 @@ class Mover:
     @property
     def moving(self) -> bool:
         """Whether the set-point moves, or is about to move."""
-        return bool(self._queue) and (self._v > 0.0 or not self._pausing)
+        return self._v > 0.0 or (not self._pausing and bool(self._queue))
 
     @property
     def paused(self) -> bool:

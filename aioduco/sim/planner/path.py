@@ -263,9 +263,11 @@ class PlanError(Portable):
         super().__init__(message)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class JointSetPoint:
-    """Commanded state of the joints at the end of a cycle.
+    """Commanded state of the joints at the end of a cycle. It never changes.
+
+    It is not frozen: that would triple the time to make one, which each cycle does.
 
     Attributes:
         q: joint angles [rad]. Shape (6,).
