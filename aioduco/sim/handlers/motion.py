@@ -15,6 +15,7 @@ from aioduco.sim.handlers.paths import (
     blend,
 )
 from aioduco.sim.planner.segments import line_move, spiral_move, spline_move
+from aioduco.sim.planner.slices import in_turn
 from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
@@ -304,7 +305,7 @@ class MotionHandlers(PathSection):
 
         def path(start: Vector) -> Segment:
             # Computed here, without the controller's lock: fifty poses take a millisecond.
-            targets = [base @ pose.matrix @ flange for pose in given]
+            targets = in_turn(lambda pose: base @ pose.matrix @ flange, given)
             return spline_move(
                 self._arm, start, targets, *pace, radius, tool=tip, apart=apart, **options
             )

@@ -91,6 +91,7 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     try:
         if together:
             start = corner.joints(np.zeros(1))[0]
+            yield_now()
             path = trace(first.arm, start, corner, first.tool)
         else:
             path, samples = fit(corner.joints, corner.length, _PIECES)
@@ -99,6 +100,7 @@ def blend(first: Segment, second: Segment) -> Blend | None:
         return None
     nodes = path.nodes()
     joints = path.sample(nodes)
+    yield_now()
     speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
@@ -177,6 +179,7 @@ def _reach(segment: Segment, *, backwards: bool, radius: float | None = None) ->
     radius = segment.radius if radius is None else radius
     along = np.linspace(0.0, 0.5 * segment.length, _SEARCH)
     points = segment.tcp(segment.length - along if backwards else along)[:, :3, 3]
+    yield_now()
     away = np.linalg.norm(points - points[0], axis=1)
     if away.max() < 1e-6:
         return None  # the motion only turns: a radius does not apply

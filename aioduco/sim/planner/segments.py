@@ -92,7 +92,9 @@ class Segment:
     def tcp(self, s: Array) -> Array:
         """Give the tool centre point at distances along the path. Shape (n,) to (n, 4, 4)."""
         assert self.path is not None
-        poses: Array = fkine(self.arm.geometry, self.path.sample(s)[:, 0]) @ self.tool
+        joints = self.path.sample(s)[:, 0]
+        yield_now()
+        poses: Array = fkine(self.arm.geometry, joints) @ self.tool
         return poses
 
 

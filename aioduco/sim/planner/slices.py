@@ -11,19 +11,31 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from aioduco.models.rotation import Array
 
-__all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "slices", "to_list", "yield_now", "yielding"]
+__all__ = [
+    "LONG_SLICE",
+    "SLICE",
+    "PlanDropped",
+    "in_turn",
+    "slices",
+    "to_list",
+    "yield_now",
+    "yielding",
+]
+
+T = TypeVar("T")
+R = TypeVar("R")
 
 #: number of samples or nodes of a path that are processed between two calls of the hook
 SLICE = 64
 #: the same for work with only a few operations on each
-LONG_SLICE = 512
+LONG_SLICE = 128
 
 
 class PlanDropped(Exception):
@@ -67,3 +79,12 @@ def to_list(values: Array) -> list[float]:
     for part in slices(len(values), 8 * LONG_SLICE):
         numbers += values[part].tolist()
     return numbers
+
+
+def in_turn(function: Callable[[T], R], values: Iterable[T]) -> list[R]:
+    """Call a function with each of some values, and yield to other threads after each call."""
+    results: list[R] = []
+    for value in values:
+        results.append(function(value))
+        yield_now()
+    return results

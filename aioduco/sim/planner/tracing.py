@@ -75,7 +75,10 @@ def follow(
     lost: list[int] = []
     beyond = False  # a pose is out of reach from every branch
     for part in slices(len(s)):
-        solutions = closed_form(arm.geometry, flange(s[part]), float(q0[5]))
+        poses = flange(s[part])
+        yield_now()
+        solutions = closed_form(arm.geometry, poses, float(q0[5]))
+        yield_now()
         if branch < 0:
             off = np.nan_to_num(np.abs(wrap(solutions[0] - q0)).max(axis=-1), nan=np.inf)
             branch = int(np.argmin(off))
@@ -148,6 +151,7 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     count = min(max(length / _SPACING, curve.turning / _TURNING), _MOST)
     path, samples = fit(joints, length, max(count, length / curve.detail))
     _check_singular(arm, samples)
+    yield_now()
     check_limits(arm, samples)
     yield_now()
     return path
@@ -174,6 +178,7 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
         # Every second sample only checks the path through the others.
         s = np.linspace(0.0, length, 2 * pieces + 1)
         every = joints(s)
+        yield_now()
         q = every[::2]
         steps = [
             np.abs(np.diff(q[part.start : part.stop + 1], axis=0)).max()
@@ -182,6 +187,7 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
         if max(steps) < STRIDE:
             path = Path.through(q, *differentiate(q, length / pieces), length)
             between = path.sample(s[1::2])[:, 0]
+            yield_now()
             if np.abs(between - every[1::2]).max() < _EXACT:
                 yield_now()
                 return path, every
