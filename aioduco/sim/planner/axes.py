@@ -68,4 +68,4 @@ def blended(first: ExternalAxesMove, second: ExternalAxesMove, leave: float, ent
     coefficients[0] = first.end - left
     coefficients[1] = 2.0 * left
     coefficients[2] = gone - left
-    return Path([0.0, 2.0 * enter], [0.0], [0.5 / enter], [coefficients])
+    return Path.of_one(coefficients, 2.0 * enter)

@@ -22,6 +22,8 @@ from aioduco.sim.planner.timing import allowed, backward
 from aioduco.sim.planner.tracing import check_limits, fit, trace
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import Path
     from aioduco.sim.planner.segments import Segment
@@ -104,6 +106,7 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
+        yield_now()
         limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE)
     else:
         # Between a joint move and a line only the joints have a common limit.
@@ -214,7 +217,7 @@ class Entry:
     blend: Blend | None = None
     blends: bool = False
     exit: float = -1.0
-    back: tuple[float, ...] = ()
+    back: Sequence[float] = ()
     axes: Path | None = None
 
     @property
@@ -311,7 +314,7 @@ def _with_exits(queue: tuple[Entry, ...]) -> tuple[Entry, ...]:
             entries[i] = replace(entry, exit=exit_)
             exit_ = 0.0
             continue
-        back = tuple(backward(entry.limits, exit_))
+        back = backward(entry.limits, exit_)
         entries[i] = replace(entry, exit=exit_, back=back)
         exit_ = back[0] / entry.blend.ratio**2 if entry.blend is not None else 0.0
     return tuple(entries)

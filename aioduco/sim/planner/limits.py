@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.sim.planner.arrays import numbers
 from aioduco.sim.planner.path import differentiate
-from aioduco.sim.planner.slices import LONG_SLICE, slices, to_list, yield_now
+from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 from aioduco.sim.planner.timing import PathLimits
 
 if TYPE_CHECKING:
+    from array import array
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
@@ -80,31 +83,30 @@ def axes_limits(
     speeds = np.broadcast_to(speeds, (count, axes.shape[2]))
     rates = np.broadcast_to(rates, (count, axes.shape[2]))
     top = np.broadcast_to(top, count)
-    ceilings: list[float] = []
-    push, brake = np.empty(count), np.empty(count)
+    ceiling, push, brake = np.empty(count), np.empty(count), np.empty(count)
     for part in slices(count, LONG_SLICE):
         slope, bend = np.abs(axes[part, 1]), np.abs(axes[part, 2])
         with np.errstate(divide="ignore", over="ignore"):
             fast = (speeds[part] / slope).min(axis=1) ** 2
             highest = np.minimum(fast, (share * rates[part] / bend).min(axis=1))
             highest = np.minimum(np.minimum(highest, top[part]), _HIGHEST)
-            ceilings += highest.tolist()
+            ceiling[part] = highest
             push[part] = ((rates[part] - bend * highest[:, None]) / slope).min(axis=1)
             brake[part] = (braking / slope).min(axis=1)
     pieces = count - 1
     return PathLimits(
-        to_list(nodes),
-        ceilings,
+        numbers(nodes),
+        numbers(ceiling),
         _least(push),
-        [math.inf] * pieces,
-        [0.0] * pieces,
+        numbers(np.full(pieces, math.inf)),
+        numbers(np.zeros(pieces)),
         _least(brake),
     )
 
 
-def _least(values: Array) -> list[float]:
+def _least(values: Array) -> array[float]:
     """Give the smaller of the values at both ends of each piece."""
-    return to_list(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST))
+    return numbers(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST))
 
 
 def tool_limits(
@@ -146,7 +148,7 @@ def tool_limits(
     widest = np.maximum(np.maximum(stretch[:-1], stretch[1:]), _STRAIGHT)
     if share is not None:
         left = a - curvature * np.array(limits.ceiling)
-        return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
+        return limits._replace(total=numbers(np.minimum(left[:-1], left[1:]) / widest))
     bends = np.maximum(curvature[:-1], curvature[1:]) / widest
     yield_now()
-    return limits._replace(total=to_list(a / widest), curvature=to_list(bends))
+    return limits._replace(total=numbers(a / widest), curvature=numbers(bends))

@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from aioduco.errors import Portable
+from aioduco.sim.planner.arrays import joined, numbers, shifted
 from aioduco.sim.planner.slices import LONG_SLICE, slices
 
 if TYPE_CHECKING:
+    from array import array
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
@@ -42,12 +44,12 @@ class Path:
 
     def __init__(
         self,
-        bounds: list[float],
-        origins: list[float],
-        gains: list[float],
-        coefficients: list[Array],
+        bounds: array[float],
+        origins: array[float],
+        gains: array[float],
+        coefficients: Array,
     ) -> None:
-        self.bounds: list[float] = bounds
+        self.bounds: array[float] = bounds
         self._origins = origins
         self._gains = gains
         self._coefficients = coefficients
@@ -58,7 +60,13 @@ class Path:
         coefficients = np.zeros((6, len(q0)))
         coefficients[0] = q0
         coefficients[1] = q1 - q0
-        return cls([0.0, length], [0.0], [1.0 / length], [coefficients])
+        return cls.of_one(coefficients, length)
+
+    @classmethod
+    def of_one(cls, coefficients: Array, length: float) -> Path:
+        """Follow one polynomial of s / `length`, from zero to `length`. Coefficients: (6, n)."""
+        bounds, gains = joined((0.0, length)), joined((1.0 / length,))
+        return cls(bounds, bounds[:1], gains, coefficients[None])
 
     @classmethod
     def through(cls, q: Array, slope: Array, bend: Array, length: float) -> Path:
@@ -72,7 +80,7 @@ class Path:
         """
         count = len(q) - 1
         step = length / count
-        coefficients: list[Array] = []
+        coefficients = np.empty((count, 6, q.shape[1]))
         for part in slices(count, LONG_SLICE):
             ends = slice(part.start + 1, part.stop + 1)
             a, b = q[part], q[ends]
@@ -81,21 +89,17 @@ class Path:
             rise = b - a - da - 0.5 * dda
             slip = db - da - dda
             twist = ddb - dda
-            coefficients += list(
-                np.stack(
-                    [
-                        a,
-                        da,
-                        0.5 * dda,
-                        10.0 * rise - 4.0 * slip + 0.5 * twist,
-                        -15.0 * rise + 7.0 * slip - twist,
-                        6.0 * rise - 3.0 * slip + 0.5 * twist,
-                    ],
-                    axis=1,
-                )
+            powers = (
+                a,
+                da,
+                0.5 * dda,
+                10.0 * rise - 4.0 * slip + 0.5 * twist,
+                -15.0 * rise + 7.0 * slip - twist,
+                6.0 * rise - 3.0 * slip + 0.5 * twist,
             )
-        bounds = np.linspace(0.0, length, count + 1).tolist()
-        return cls(bounds, bounds[:-1], [1.0 / step] * count, coefficients)
+            np.stack(powers, axis=1, out=coefficients[part])
+        bounds = numbers(np.linspace(0.0, length, count + 1))
+        return cls(bounds, bounds[:-1], numbers(np.full(count, 1.0 / step)), coefficients)
 
     @property
     def start(self) -> float:
@@ -171,29 +175,29 @@ class Path:
         """
         if len(s) <= LONG_SLICE:
             return self._sample(s)
-        result = np.empty((len(s), 3, self._coefficients[0].shape[1]))
+        result = np.empty((len(s), 3, self._coefficients.shape[2]))
         for part in slices(len(s), LONG_SLICE):
             result[part] = self._sample(s[part])
         return result
 
     def _sample(self, s: Array) -> Array:
         pieces = list(map(self._place, s.tolist()))
-        gain = np.array([self._gains[piece] for piece in pieces])
-        u = (s - np.array([self._origins[piece] for piece in pieces])) * gain
+        gain = np.asarray(self._gains)[pieces]
+        u = (s - np.asarray(self._origins)[pieces]) * gain
         power = np.arange(6)
         zeros = np.zeros((len(s), 1))
         values = u[:, None] ** power
         slopes = np.concatenate([zeros, power[1:] * values[:, :-1]], axis=1)
         bends = np.concatenate([zeros, power[1:] * slopes[:, :-1]], axis=1)
         weights = np.stack([values, slopes * gain[:, None], bends * gain[:, None] ** 2], axis=1)
-        result: Array = weights @ np.array([self._coefficients[piece] for piece in pieces])
+        result: Array = weights @ self._coefficients[pieces]
         return result
 
     def slice(self, start: float, end: float) -> Path:
         """Give the part from `start` to `end`, with the same distances."""
         first = self._place(start)
         last = self._place(float(np.nextafter(end, start)))
-        bounds = [start, *self.bounds[first + 1 : last + 1], end]
+        bounds = joined((start,), self.bounds[first + 1 : last + 1], (end,))
         part = slice(first, last + 1)
         return Path(bounds, self._origins[part], self._gains[part], self._coefficients[part])
 
@@ -201,10 +205,10 @@ class Path:
         """Give this path followed by another one, whose distances are shifted accordingly."""
         shift = self.end - other.start
         return Path(
-            self.bounds + [bound + shift for bound in other.bounds[1:]],
-            self._origins + [origin + shift for origin in other._origins],
-            self._gains + other._gains,
-            self._coefficients + other._coefficients,
+            joined(self.bounds, shifted(other.bounds[1:], shift)),
+            joined(self._origins, shifted(other._origins, shift)),
+            joined(self._gains, other._gains),
+            np.concatenate((self._coefficients, other._coefficients)),
         )
 
 

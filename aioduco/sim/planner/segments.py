@@ -466,7 +466,7 @@ def _followed(
         points[part] = curve.poses(nodes[part])[:, :3, 3]
     limits = tool_limits(arm, nodes, path.sample(nodes), points, v, a)
     yield_now()
-    slowest = math.sqrt(min(limits.ceiling))
+    slowest = math.sqrt(np.asarray(limits.ceiling).min())
     # A curve that mostly turns is slow for its turn, at which a singularity has no part.
     wanted = v if curve.turning == 0.0 else min(v, curve.length / curve.turning)
     if slowest < _SLOWEST * wanted:

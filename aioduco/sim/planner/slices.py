@@ -16,15 +16,12 @@ from typing import TYPE_CHECKING, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from aioduco.models.rotation import Array
-
 __all__ = [
     "LONG_SLICE",
     "SLICE",
     "PlanDropped",
     "in_turn",
     "slices",
-    "to_list",
     "yield_now",
     "yielding",
 ]
@@ -71,14 +68,6 @@ def slices(count: int, size: int = SLICE) -> Iterator[slice]:
     for begin in range(0, count, size):
         yield slice(begin, min(begin + size, count))
         yield_now()
-
-
-def to_list(values: Array) -> list[float]:
-    """Give an array as a list, and yield to other threads after each slice. Shape (n,)."""
-    numbers: list[float] = []
-    for part in slices(len(values), 8 * LONG_SLICE):
-        numbers += values[part].tolist()
-    return numbers
 
 
 def in_turn(function: Callable[[T], R], values: Iterable[T]) -> list[R]:

@@ -12,9 +12,11 @@ more at its beginning than a law of two, and its later pieces are computed as th
 from __future__ import annotations
 
 import math
+from array import array
 from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING, NamedTuple
 
+from aioduco.sim.planner.arrays import joined, shifted
 from aioduco.sim.planner.slices import slices
 
 if TYPE_CHECKING:
@@ -43,25 +45,25 @@ class PathLimits(NamedTuple):
         waits: distances of the nodes at which the motion stands, and for how long [s].
     """
 
-    nodes: list[float]
-    ceiling: list[float]
-    push: list[float]
-    total: list[float]
-    curvature: list[float]
-    brake: list[float]
+    nodes: Sequence[float]
+    ceiling: Sequence[float]
+    push: Sequence[float]
+    total: Sequence[float]
+    curvature: Sequence[float]
+    brake: Sequence[float]
     waits: tuple[tuple[float, float], ...] = ()
 
     def stricter(self, other: PathLimits) -> PathLimits:
         """Give the stricter of these limits and others at the same nodes, which are of joints."""
         return self._replace(
-            ceiling=list(map(min, self.ceiling, other.ceiling)),
-            push=list(map(min, self.push, other.push)),
-            brake=list(map(min, self.brake, other.brake)),
+            ceiling=joined(map(min, self.ceiling, other.ceiling)),
+            push=joined(map(min, self.push, other.push)),
+            brake=joined(map(min, self.brake, other.brake)),
         )
 
     def waiting(self, stops: Sequence[tuple[float, float]]) -> PathLimits:
         """Give these limits with stops, each at the node nearest to a distance, for a time [s]."""
-        nodes, ceiling = self.nodes, list(self.ceiling)
+        nodes, ceiling = self.nodes, joined(self.ceiling)
         waits = []
         for at, time in stops:
             i = bisect_left(nodes, at)
@@ -94,8 +96,12 @@ class PathLimits(NamedTuple):
         part = slice(first, last)
         inner = slice(first + 1, last)
         return PathLimits(
-            [start, *self.nodes[inner], end],
-            [self._ceiling_at(first, start), *self.ceiling[inner], self._ceiling_at(last - 1, end)],
+            joined((start,), self.nodes[inner], (end,)),
+            joined(
+                (self._ceiling_at(first, start),),
+                self.ceiling[inner],
+                (self._ceiling_at(last - 1, end),),
+            ),
             self.push[part],
             self.total[part],
             self.curvature[part],
@@ -113,12 +119,12 @@ class PathLimits(NamedTuple):
         shift = self.nodes[-1] - other.nodes[0]
         joint = min(self.ceiling[-1], other.ceiling[0])
         return PathLimits(
-            self.nodes + [node + shift for node in other.nodes[1:]],
-            [*self.ceiling[:-1], joint, *other.ceiling[1:]],
-            self.push + other.push,
-            self.total + other.total,
-            self.curvature + other.curvature,
-            self.brake + other.brake,
+            joined(self.nodes, shifted(other.nodes[1:], shift)),
+            joined(self.ceiling[:-1], (joint,), other.ceiling[1:]),
+            joined(self.push, other.push),
+            joined(self.total, other.total),
+            joined(self.curvature, other.curvature),
+            joined(self.brake, other.brake),
             self.waits + tuple((at + shift, time) for at, time in other.waits),
         )
 
@@ -247,7 +253,7 @@ class TimeLaw:
         return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
 
 
-def backward(limits: PathLimits, x: float) -> list[float]:
+def backward(limits: PathLimits, x: float) -> array[float]:
     """Give the highest (ds/dt)² at each node from which x at the last node can be reached.
 
     Args:
@@ -256,7 +262,7 @@ def backward(limits: PathLimits, x: float) -> list[float]:
     """
     nodes, ceiling = limits.nodes, limits.ceiling
     x = min(x, ceiling[-1])
-    reached = [x]
+    reached = array("d", (x,))
     last = len(nodes) - 2
     for part in slices(len(nodes) - 1):
         for i in range(last - part.start, last - part.stop, -1):

@@ -120,9 +120,11 @@ def _check_singular(arm: Arm, q: Array) -> None:
 
 def check_limits(arm: Arm, q: Array) -> None:
     """Raise PlanError where joints of shape (n, 6) are outside the arm's limits."""
-    beyond = outside(q, arm.lower, arm.upper)
+    beyond = np.zeros(6, dtype=bool)
+    for part in slices(len(q), LONG_SLICE):
+        beyond |= outside(q[part], arm.lower, arm.upper).any(axis=0)
     if beyond.any():
-        joint = int(np.argmax(beyond.any(axis=0)))
+        joint = int(np.argmax(beyond))
         raise PlanError(
             "limits",
             f"joint {joint + 1} would leave {shown(arm.lower[joint], low=True)} to "
@@ -151,9 +153,7 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     count = min(max(length / _SPACING, curve.turning / _TURNING), _MOST)
     path, samples = fit(joints, length, max(count, length / curve.detail))
     _check_singular(arm, samples)
-    yield_now()
     check_limits(arm, samples)
-    yield_now()
     return path
 
 

@@ -163,9 +163,9 @@ def test_slices_and_joins_keep_the_limits(limits: PathLimits, part: float) -> No
 
 def test_slices_at_nodes_have_no_empty_pieces() -> None:
     limits = halved(halved(plain(1.0, 1.0, 1.0)))
-    assert limits.slice(0.25, 0.75).nodes == [0.25, 0.5, 0.75]
-    assert limits.slice(0.0, 1.0).nodes == limits.nodes
-    assert limits.slice(0.1, 0.2).nodes == [0.1, 0.2]
+    assert list(limits.slice(0.25, 0.75).nodes) == [0.25, 0.5, 0.75]
+    assert list(limits.slice(0.0, 1.0).nodes) == list(limits.nodes)
+    assert list(limits.slice(0.1, 0.2).nodes) == [0.1, 0.2]
 
 
 def test_a_law_may_end_at_speed() -> None:
