@@ -32,21 +32,21 @@ class ArmRates:
         rotation: the flange's rotation in the base frame, by rows.
     """
 
-    __slots__ = ("_geometry", "_plane", "_turns", "position", "rotation")
+    __slots__ = ("_lengths", "_plane", "_turns", "position", "rotation")
 
     def __init__(self, geometry: Geometry, q: Sequence[float]) -> None:
-        d1, d2, a2, a3, d5, d6 = geometry.lengths
+        self._lengths = d1, d2, a2, a3, d5, d6 = geometry.lengths
         q1, q2, q3, q4, q5, q6 = q
         sin, cos = math.sin, math.cos
         c1, s1, c2, s2 = cos(q1), sin(q1), cos(q2), sin(q2)
-        c23, s23 = cos(q2 + q3), sin(q2 + q3)
-        c, s = cos(q2 + q3 + q4), sin(q2 + q3 + q4)
+        q23 = q2 + q3
+        q234 = q23 + q4
+        c23, s23, c, s = cos(q23), sin(q23), cos(q234), sin(q234)
         c5, s5, c6, s6 = cos(q5), sin(q5), cos(q6), sin(q6)
         # From joint 4 to the flange, and from the axis of joint 1 to the wrist's centre.
         ahead, above = d5 * s - d6 * s5 * c, d5 * c + d6 * s5 * s
         out = a2 * s2 + a3 * s23
         x, y = out + ahead, d2 + d6 * c5
-        self._geometry = geometry
         self._turns = c1, s1, c2, s2, c23, s23, c, s, c5, s5, math.sin(q3)
         self._plane = x, y, ahead, above, out + d5 * s
         self.position: Triple = (
@@ -67,7 +67,7 @@ class ArmRates:
 
     def of_flange(self, qd: Sequence[float]) -> tuple[float, ...]:
         """Give the flange's speed [m/s] and angular speed [rad/s] for joint speeds [rad/s]. Six."""
-        _, _, a2, a3, _, d6 = self._geometry.lengths
+        _, _, a2, a3, _, d6 = self._lengths
         c1, s1, c2, s2, c23, s23, c, s, c5, s5, _ = self._turns
         x, y, ahead, above, _ = self._plane
         r1, r2, r3, r4, r5, r6 = qd
@@ -87,7 +87,7 @@ class ArmRates:
         Raises:
             ZeroDivisionError: the arm is at a singularity.
         """
-        _, _, a2, a3, _, d6 = self._geometry.lengths
+        _, _, a2, a3, _, d6 = self._lengths
         c1, s1, c2, s2, c23, s23, c, s, c5, s5, s3 = self._turns
         _, y, ahead, above, centre = self._plane
         vx, vy, w, wx, wy, ww = twist

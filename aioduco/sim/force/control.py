@@ -7,7 +7,7 @@ set-point of the motions and returns that of the drives.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -74,16 +74,20 @@ class AdmittanceLaw:
     cap: tuple[float, ...]
     band: tuple[float, ...]
     axes: ForceAxes
+    _compliant: tuple[tuple[int, float, float, float, float], ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        each = zip(range(6), self.target, self.damping, self.cap, self.band, strict=True)
+        compliant = tuple(one for one in each if self.direction[one[0]])
+        object.__setattr__(self, "_compliant", compliant)
 
     def speed(self, force: Sequence[float]) -> list[float]:
         """Give the speed of the tip along the axes [m/s, rad/s] for the force on it [N, N m]."""
         speeds = [0.0] * 6
-        for i in range(6):
-            if self.direction[i]:
-                difference = force[i] - self.target[i]
-                if abs(difference) > self.band[i]:
-                    cap = self.cap[i]
-                    speeds[i] = max(-cap, min(difference / self.damping[i], cap))
+        for i, target, damping, cap, band in self._compliant:
+            difference = force[i] - target
+            if abs(difference) > band:
+                speeds[i] = max(-cap, min(difference / damping, cap))
         return speeds
 
 
@@ -269,7 +273,7 @@ class ForceControl:
                 self._twist = _NOTHING
                 return
         self._twist = self._approach(wanted)
-        self._offset.move(self._twist, self.axes.tip[:3, 3])
+        self._offset.move(self._twist, self.axes.tip)
 
     def _approach(self, wanted: Sequence[float]) -> list[float]:
         share = self._cycle / (self._cycle + _LAG)

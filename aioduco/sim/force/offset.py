@@ -68,7 +68,7 @@ class FlangeOffset:
         fastest = [_FASTER * speed for speed in arm.velocity]
         braking = [_BRAKING * rate for rate in arm.acceleration]
         bounds = map(least, arm.lower), map(most, arm.upper)
-        self._bounds = tuple(zip(fastest, braking, *bounds, strict=True))
+        self._bounds = tuple(zip(range(1, 7), fastest, braking, *bounds, strict=True))
         self._hard = np.array(braking)
         self._shift: Sequence[float] = _NOWHERE
         self._turn: Array = _STRAIGHT
@@ -108,7 +108,7 @@ class FlangeOffset:
         Args:
             twist: speed of the tip at the end of the cycle [m/s], then its angular speed [rad/s],
                 in the base frame.
-            tip: the tip in the flange's frame [m]. Shape (3,).
+            tip: the tip in the flange's frame. Shape (4, 4).
         """
         u, v, w, a, b, c = twist
         r, s, t, i, j, k = self._twist
@@ -118,7 +118,7 @@ class FlangeOffset:
         self._twist = twist
         if a or b or c or i or j or k:
             # The rotation is about the tip: the flange moves round it.
-            arm = self.flange.dot(tip)
+            arm = self.flange.dot(tip[:3, 3])
             turned = _turned(0.5 * (i + a), 0.5 * (j + b), 0.5 * (k + c), self._cycle)
             dx, dy, dz = (arm - turned.dot(arm)).tolist()
             x, y, z = x + dx, y + dy, z + dz
@@ -138,21 +138,21 @@ class FlangeOffset:
         same = setpoint.q is self._at
         nominal = self._of_motions(setpoint.q)
         rotation: Rows = nominal.rotation
+        flange = np.array(rotation)
         if self._none:
-            self._last = setpoint
-            self.flange = np.array(rotation)
+            self._last, self.flange = setpoint, flange
             return setpoint
         speed = self._speed
         moving = any(rates := setpoint.qd.tolist())
         if same and not (moving or any(speed) or self._last.qd.any()):
             return self._last
-        flange = np.array(rotation)
-        if self._turn is not _STRAIGHT:
+        turned = self._turn is not _STRAIGHT
+        if turned:
             flange = self._turn.dot(flange)
             rotation = flange.tolist()
         if moving:
             u, v, w, a, b, c = nominal.of_flange(rates)
-            if self._turn is not _STRAIGHT:
+            if turned:
                 a, b, c = self._turn.dot((a, b, c)).tolist()
             x, y, z, i, j, k = speed
             speed = (x + u, y + v, z + w, a + i, b + j, c + k)
@@ -160,7 +160,7 @@ class FlangeOffset:
         self._check(q, qd)
         cycle = self._cycle
         qdd = [(b - a) / cycle for a, b in zip(self._last.qd.tolist(), qd, strict=True)]
-        self._last = JointSetPoint(*np.array((q, qd, qdd)))
+        self._last = JointSetPoint(np.array(q), np.array(qd), np.array(qdd))
         self._speed = _NOTHING
         self.flange = flange
         return self._last
@@ -216,13 +216,13 @@ class FlangeOffset:
         return self._nominal
 
     def _check(self, q: Sequence[float], qd: Sequence[float]) -> None:
-        for i, (angle, rate, bound) in enumerate(zip(q, qd, self._bounds, strict=True)):
-            fastest, braking, lower, upper = bound
-            speed = abs(rate)
+        for angle, rate, bound in zip(q, qd, self._bounds, strict=True):
+            joint, fastest, braking, lower, upper = bound
+            speed = rate if rate >= 0.0 else -rate
             if not speed <= fastest:
                 raise OutOfReach(
-                    f"force control: joint {i + 1} would have to turn at {speed:.3f} rad/s"
+                    f"force control: joint {joint} would have to turn at {speed:.3f} rad/s"
                 )
             # The joint must be able to stop before its limit.
             if not lower <= angle + 0.5 * rate * speed / braking <= upper:
-                raise OutOfReach(f"force control: joint {i + 1} comes to its limit")
+                raise OutOfReach(f"force control: joint {joint} comes to its limit")

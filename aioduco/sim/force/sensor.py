@@ -40,14 +40,16 @@ class ForceAxes:
     of_tool: bool = True
     _at: list[float] = field(init=False, repr=False)
     _axes: list[list[float]] = field(init=False, repr=False)
+    _turn: Matrix = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_at", self.tip[:3, 3].tolist())
         object.__setattr__(self, "_axes", self.tip[:3, :3].tolist())
+        object.__setattr__(self, "_turn", (self.tip if self.of_tool else self.wobj)[:3, :3])
 
     def turn(self, flange: Matrix) -> Matrix:
         """Give the axes as columns in the base frame, (3, 3), for the flange's rotation there."""
-        turned: Matrix = flange.dot(self.tip[:3, :3]) if self.of_tool else self.wobj[:3, :3]
+        turned: Matrix = flange.dot(self._turn) if self.of_tool else self._turn
         return turned
 
     def seen(self, wrench: Sequence[float], flange: Matrix) -> list[float]:
@@ -63,7 +65,7 @@ class ForceAxes:
         if self.of_tool:
             (a, b, c), (d, e, f), (g, h, i) = self._axes
         else:
-            (a, b, c), (d, e, f), (g, h, i) = flange.T.dot(self.wobj[:3, :3]).tolist()
+            (a, b, c), (d, e, f), (g, h, i) = flange.T.dot(self._turn).tolist()
         # The axes are columns. Plain floats take a fifth of an array's time.
         return [
             fx * a + fy * d + fz * g,
@@ -152,4 +154,6 @@ class ForceSensor:
 
 
 def _less(left: Sequence[float], right: Sequence[float]) -> list[float]:
-    return [a - b for a, b in zip(left, right, strict=True)]
+    a, b, c, d, e, f = left
+    u, v, w, x, y, z = right
+    return [a - u, b - v, c - w, d - x, e - y, f - z]
