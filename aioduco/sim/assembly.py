@@ -135,7 +135,7 @@ class SimulatorAssembly:
             cycle=cycle,
             effort=arm.effort,
             speed=speed,
-            sense=SensorNoise(settings.seed) if settings.real_readings else lambda wrench: wrench,
+            sense=SensorNoise(settings.seed) if settings.real_readings else None,
             encode=_encoders(settings),
             on_network=on_network,
         )
@@ -230,11 +230,13 @@ def _drives(settings: SimulatorSettings) -> dict[str, Any]:
     return found
 
 
-def _encoders(settings: SimulatorSettings) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _encoders(
+    settings: SimulatorSettings,
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
     """Noise of the measured joints, if the profile has it."""
     profile = settings.profile
     if profile is None or not profile.has("noise"):
-        return lambda joints: joints
+        return None
     size = np.array(profile.six("noise", "joint", 0.0))
     random = np.random.default_rng(settings.seed)
     return lambda joints: joints + size * random.standard_normal(6)

@@ -104,8 +104,9 @@ class SimulationRuntime(PlantChanges):
         cycle: duration of one controller cycle [s].
         effort: largest torques of the joints, for their temperatures [N m].
         speed: simulated seconds per real second; inf for as fast as possible.
-        sense: gives the force sensor's signal for the force and torque on it [N, N m].
-        encode: gives the measured joints for those of the arm [rad].
+        sense: gives the force sensor's signal for the force and torque on it [N, N m]; None if it
+            measures them exactly.
+        encode: gives the measured joints for those of the arm [rad], likewise.
         on_network: called on the thread when the controller's network goes down (False: the
             controller restarts, None: it was shut down) and when it comes back (True).
     """
@@ -118,8 +119,8 @@ class SimulationRuntime(PlantChanges):
         cycle: float = 0.001,
         effort: Sequence[float] = _NO_EFFORT_LIMIT,
         speed: float = 1.0,
-        sense: Callable[[Vector], Vector] = lambda wrench: wrench,
-        encode: Callable[[Vector], Vector] = lambda joints: joints,
+        sense: Callable[[Vector], Vector] | None = None,
+        encode: Callable[[Vector], Vector] | None = None,
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
@@ -167,9 +168,10 @@ class SimulationRuntime(PlantChanges):
         self._busy: bool = False
         self._braked: bool | None = None
         at = plant.reading()
+        wrench = at.wrench if sense is None else sense(at.wrench)
         self._drive = DriveCommand(JointSetPoint.at_rest(at.q), brake=True)
         self._snapshot = SimulationSnapshot(
-            SensedState(0.0, 0.0, at.q, at.qd, sense(at.wrench), at.external_torque),
+            SensedState(0.0, 0.0, at.q, at.qd, wrench, at.external_torque),
             at,
             at.qdd,
             self._drive.setpoint,
@@ -593,7 +595,7 @@ class SimulationRuntime(PlantChanges):
         controller = self._controller
         reading = self._plant.reading()
         qdd, external = reading.qdd, reading.external_torque
-        wrench = self._sense(reading.wrench)
+        wrench = reading.wrench if self._sense is None else self._sense(reading.wrench)
         followed = self._drive.setpoint  # the set-point that moved the arm to where it is now
         with self._lock:
             if controller.unplanned is not None:
@@ -603,9 +605,8 @@ class SimulationRuntime(PlantChanges):
             at = self._count * self.cycle
             if at - self._warm_at >= _WARMING:
                 self._warm(at, reading.torque)
-            sensed = SensedState(
-                at, now, self._encode(reading.q), reading.qd, wrench, external, self._touched
-            )
+            q = reading.q if self._encode is None else self._encode(reading.q)
+            sensed = SensedState(at, now, q, reading.qd, wrench, external, self._touched)
             simulated = controller.simulated
             self._change = object()
             self._drive = controller.tick(sensed)

@@ -128,8 +128,9 @@ class MotionQueue:
         self._following: tuple[int, Following] | None = None
         self._behind: deque[tuple[int, Plan | Following]] = deque()
         self.in_background: bool = False  # whether another thread plans motions, not `append`
-        self._unplanned: deque[tuple[int, Plan]] = deque()  # these are before `_behind`
-        self._planning: Planning | None = None  # the first of `_unplanned`
+        #: ids and plans of the motions that are not planned yet; they are before `_behind`
+        self.unplanned: deque[tuple[int, Plan]] = deque()
+        self._planning: Planning | None = None  # the first of `unplanned`
         self.failures: list[str] = []
         self.faults: list[str] = []
 
@@ -216,7 +217,7 @@ class MotionQueue:
 
     def _append(self, id_: int, plan: Plan) -> None:
         if self.in_background:
-            self._unplanned.append((id_, plan))
+            self.unplanned.append((id_, plan))
             return
 
         def checked(start: Vector) -> Segment:
@@ -243,24 +244,19 @@ class MotionQueue:
         return 0.0 if self._follower is not None else self._mover.time_left
 
     @property
-    def unplanned(self) -> int | None:
-        """Id of the last motion that is not planned yet; None if there is none."""
-        return self._unplanned[-1][0] if self._unplanned else None
-
-    @property
     def planning(self) -> Planning | None:
         """The motion that is being planned; None if there is none, or if it was dropped."""
         return self._planning
 
     def awaits_plan(self, id_: int) -> bool:
         """Whether a motion still waits for its plan."""
-        return any(waiting[0] == id_ for waiting in self._unplanned)
+        return any(waiting[0] == id_ for waiting in self.unplanned)
 
     def next_plan(self) -> Planning | None:
         """Begin to plan the next motion, and give it; None if there is none."""
-        if not self._unplanned:
+        if not self.unplanned:
             return None
-        id_, plan = self._unplanned[0]
+        id_, plan = self.unplanned[0]
         self._planning = Planning(id_, self._mover.draft(id_, plan))
         return self._planning
 
@@ -273,7 +269,7 @@ class MotionQueue:
             self._fail(planning.id, came)
             self._at_standstill()
         elif self._mover.take(came):  # else its inputs have changed: it is planned again
-            self._unplanned.popleft()
+            self.unplanned.popleft()
             if came.segment.radius > 0.0:
                 self.blending[planning.id] = None
 
@@ -546,14 +542,14 @@ class MotionQueue:
         self._finish_waiting()
 
     def _drop_plans(self) -> None:
-        self._unplanned.clear()
+        self.unplanned.clear()
         self._planning = None
 
     def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
         del self._queue[id_]
         self.blending.pop(id_, None)
-        if self._unplanned and self.awaits_plan(id_):
-            self._unplanned = deque(each for each in self._unplanned if each[0] != id_)
+        if self.unplanned and self.awaits_plan(id_):
+            self.unplanned = deque(each for each in self.unplanned if each[0] != id_)
             if self._planning is not None and self._planning.id == id_:
                 self._planning = None
         if self._triggers:

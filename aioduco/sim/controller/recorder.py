@@ -33,15 +33,15 @@ class _Recording:
 
 
 class Recorder:
-    """Records at most one track at a time."""
+    """Records at most one track at a time.
+
+    Attributes:
+        active: whether a track is being recorded.
+    """
 
     def __init__(self) -> None:
         self._recording: _Recording | None = None
-
-    @property
-    def active(self) -> bool:
-        """Whether a track is being recorded."""
-        return self._recording is not None
+        self.active: bool = False
 
     def start(
         self,
@@ -62,10 +62,12 @@ class Recorder:
         """
         assert self._recording is None
         self._recording = _Recording(track, mode, interval, pose, on_finished)
+        self.active = True
 
     def stop(self) -> None:
         """End the recording, if there is one."""
         recording, self._recording = self._recording, None
+        self.active = False
         if recording is not None:
             recording.on_finished(recording.track)
 

@@ -127,6 +127,9 @@ class Controller:
         mover: makes a mover that stands at the given joints [rad].
         q: the arm's joints at the start [rad]. Shape (6,).
         force: reaction of the arm to forces.
+
+    Attributes:
+        sensed: measurements of the arm in this cycle; of the simulated arm while there is one.
     """
 
     def __init__(self, mover: Callable[[Vector], Mover], q: Vector, force: ForceControl) -> None:
@@ -150,11 +153,11 @@ class Controller:
         self._power = PowerControl(self.tasks)
         self._motion = MotionQueue(self.tasks, mover, q)
         self._execution = ProgramExecution(self.tasks)
-        self._sensed = SensedState(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
-        self._real = self._sensed
+        self.sensed: SensedState = SensedState(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
+        self._real = self.sensed
         self._simulation: _Simulation | None = None
         self._leaving: list[int] = []  # tasks that end once readers see the real arm again
-        self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
+        self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self.sensed)
         self._safety = SafetyController()
         self._deferred = DeferredMotions(self.tasks)
         self._admission = Admission(
@@ -211,11 +214,6 @@ class Controller:
     def setpoint(self) -> JointSetPoint:
         """The latest set-point of the motions."""
         return self._motion.setpoint
-
-    @property
-    def sensed(self) -> SensedState:
-        """Measurements of the arm in this cycle; of the simulated arm while there is one."""
-        return self._sensed
 
     @property
     def simulated(self) -> JointSetPoint | None:
@@ -429,7 +427,7 @@ class Controller:
             return self.reject("simulation", TaskState.ILLEGAL, reason)
         if on:
             self._simulation = _Simulation(
-                JointSetPoint.at_rest(self._sensed.q),
+                JointSetPoint.at_rest(self.sensed.q),
                 self.force.sensor.bare,
                 dict(self.external_axes.positions),
             )
@@ -473,7 +471,8 @@ class Controller:
     @property
     def unplanned(self) -> int | None:
         """Id of the last motion that is not planned yet; None if there is none."""
-        return self._motion.unplanned
+        unplanned = self._motion.unplanned
+        return unplanned[-1][0] if unplanned else None
 
     @property
     def planning(self) -> Planning | None:
@@ -535,7 +534,7 @@ class Controller:
         known = touched and f" (simulator: {touched})"
         self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞{known}")
         if not self.force.active:  # which has moved the set-points away from the motions'
-            self._motion.yield_to(self._sensed.q)
+            self._motion.yield_to(self.sensed.q)
 
     def reset_collision(self) -> None:
         """Clear the warning; the safety stop remains."""
@@ -568,7 +567,7 @@ class Controller:
         """Run one cycle of the real or simulated arm; idle parts are not called."""
         motion, force, power, time = self._motion, self.force, self._power, sensed.time
         control = force.control
-        self._sensed = force.sensed = sensed
+        self.sensed = force.sensed = sensed
         self._execution.watch(time, motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
@@ -643,7 +642,7 @@ class Controller:
             return
         self.external_axes.positions.update(self._simulation.axes)
         self._simulation = None
-        self._sensed = self.force.sensed = self._real
+        self.sensed = self.force.sensed = self._real
         self._motion.reset(self._real.q)
         self.collisions.reset()
 
@@ -663,7 +662,7 @@ class Controller:
 
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:
-            self._motion.reset(self._sensed.q)
+            self._motion.reset(self.sensed.q)
         if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
             self.force.powered()
         if now in _POWERED and before not in _POWERED:
@@ -678,7 +677,7 @@ class Controller:
 
     def _cut(self, message: str) -> None:
         self._deferred.end(TaskState.ERROR, message)
-        self._motion.cut(message, self._sensed.q)
+        self._motion.cut(message, self.sensed.q)
         self._execution.end(TaskState.ERROR, message)
         self._execution.at_standstill(_IDLE)
         self._power.cut(message)
