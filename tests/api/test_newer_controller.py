@@ -134,6 +134,8 @@ def moves(robot: aioduco.Robot) -> dict[str, Any]:
         ("", ()),
         ("V4.0.1", tuple(newer.SCHEMES)),
         ("2026.04.14", tuple(newer.SCHEMES)),
+        ("D1 beta", tuple(newer.SCHEMES)),
+        ("older, it says", ()),
         ("V4.3.0", ("move_circle_eaxis",)),
     ],
 )

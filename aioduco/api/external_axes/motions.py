@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["AxisMotions"]
 
-#: the first version of which neither manual 3.8 nor, up to 4.3, the newer one says anything
-_AFTER_3_8 = (3, 9)
 #: on the wire of 3.8 alone: no manual has it
 _NOT_IN_4_3 = ("move_circle_eaxis",)
 #: what is known, for a version between the manuals, and for a function that manual 4.3 lacks
@@ -40,8 +38,10 @@ class AxisMotions(Section):
 
     Controllers of manual 4.3 take the scheme, its target and its speed in lists, one of each for
     every scheme that moves. They are sent so, with one, to controllers whose version is 4.3 or
-    later. How a version between 3.8 and 4.3 takes them is not known, nor `move_circle_eaxis` in
-    4.3: there the motion is refused with `LayoutUnknown`, before anything is sent.
+    later, and by their names up to 3.8 and where the version has no number, as of old controllers.
+    How any other version takes them is not known, nor `move_circle_eaxis` in 4.3: there the motion
+    is refused with `LayoutUnknown`, before anything is sent. What is sent in the other form is
+    passed over: the arm would move, and its external axes would not.
 
     The manual contradicts itself about `def_acc` here. By its name, and by section 1.3.5, the
     controller chooses the acceleration if it is true; the text of section 1.3.14 says the opposite.
@@ -396,6 +396,6 @@ def _as_taken(call: WireCall[int], version: ControllerVersion) -> WireCall[int]:
     manual = version.manual
     if manual == "4.3" and call.name not in _NOT_IN_4_3:
         return newer.in_lists(call)
-    if manual == "4.3" or (manual is None and version.at_least(*_AFTER_3_8)):
+    if manual == "4.3" or (manual is None and version.known):
         raise LayoutUnknown(call.name, version.text, _KNOWN[manual == "4.3"])
     return call
