@@ -24,7 +24,7 @@ from aioduco.sim import Simulator
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 from _common import machine, scheduling, write_results
-from streaming_bare import BareLoop
+from _streaming import BareLoop
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
 FAR = [0.3, 0.1, 1.45, 0.1, -1.5, 0.3]
