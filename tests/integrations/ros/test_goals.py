@@ -12,7 +12,7 @@ import anyio
 import anyio.lowlevel
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco.errors import (
@@ -373,3 +373,101 @@ def test_no_goal_kills_the_server_and_what_is_followed_keeps_the_limits(
         at = np.linspace(0.0, trajectory.duration, 500)
         assert np.abs(curve.velocity(at)).max() <= given_["v"] * 1.05
         assert np.abs(curve.at(at)).max() <= 2 * math.pi + 0.1
+
+
+# -- any order of what clients ask -------------------------------------------------------------
+
+
+class BriefMotion:
+    """A motion of some steps of the event loop, which takes some more to come to rest."""
+
+    def __init__(self, steps: int) -> None:
+        self._steps = steps
+
+    async def follow_joint_trajectory(self, trajectory: Any, *, feedback: Any, **_: Any) -> None:
+        here = np.array(START)
+        feedback(Progress(0.0, here, here, np.zeros(6)))
+        try:
+            await steps(self._steps)
+        finally:
+            with anyio.CancelScope(shield=True):
+                await steps(8)
+
+
+async def steps(number: int) -> None:
+    for _ in range(number):
+        await anyio.lowlevel.checkpoint()
+
+
+FROM_START = goal(points=[GoalPoint(START), GoalPoint(way(0.1), time=1.0)])
+KINDS = [goal(), FROM_START, goal(points=[GoalPoint(way(1.0), time=1.0)]), goal(points=())]
+KINDS += [goal(points=[GoalPoint(way(1.0, 1.5)), GoalPoint(START, time=3.0)])]
+ASKED = st.one_of(
+    st.tuples(st.just("submit"), st.integers(0, len(KINDS) - 1)),
+    st.tuples(st.sampled_from(["cancel", "leave"]), st.integers(0, 3)),
+    st.tuples(st.sampled_from(["pause", "resume", "stop", "all"]), st.just(0)),
+    st.tuples(st.just("scale"), st.integers(1, 10)),
+    st.tuples(st.just("wait"), st.integers(0, 30)),
+)
+
+
+@example(
+    asked=[("submit", 0), ("wait", 30), ("pause", 0), ("resume", 0), ("pause", 0)],
+    length=200,
+    shut_down=False,
+)
+@given(asked=st.lists(ASKED, max_size=12), length=st.integers(0, 200), shut_down=st.booleans())
+def test_in_any_order_each_goal_has_one_result_and_each_pause_an_answer(
+    asked: list[tuple[str, int]], length: int, shut_down: bool
+) -> None:
+    robot: Any = FakeRobot()
+    robot.motion = BriefMotion(length)
+    clients: list[Client] = []
+    answered: list[bool] = []
+
+    async def serve() -> int:
+        server = TrajectoryServer(robot, PROFILE, RULES, wall=lambda: NOW)
+        pauses = 0
+
+        async def pause() -> None:
+            answered.append(await server.pause())
+
+        async with anyio.create_task_group() as pausing, anyio.create_task_group() as tasks:
+            tasks.start_soon(server.run)
+            for what, number in asked:
+                if what == "submit":
+                    clients.append(Client(KINDS[number]))
+                    server.submit(clients[-1])
+                elif what in ("cancel", "leave") and number < len(clients):
+                    if what == "cancel":
+                        server.cancel(clients[number])
+                    clients[number].here = what == "cancel"
+                elif what == "pause":
+                    pausing.start_soon(pause)
+                    pauses += 1
+                    await steps(1)  # it begins
+                elif what == "resume":
+                    server.resume()
+                elif what == "stop":
+                    server.stopped()
+                elif what == "all":
+                    server.cancel_all("over")
+                elif what == "scale":
+                    server.scale(number / 10)
+                else:
+                    await steps(number)
+            while not shut_down and not all(client.done for client in clients):
+                server.resume()
+                await anyio.lowlevel.checkpoint()
+            tasks.cancel_scope.cancel()
+        return pauses
+
+    async def watched() -> int:
+        with anyio.fail_after(60.0):
+            return await serve()
+
+    assert anyio.run(watched) == len(answered)
+    for client in clients:
+        assert client.told[-1:] != ["accepted"]
+        assert [word for word in client.told if word != "accepted"] == client.told[-1:]
+        assert client.told.count("accepted") <= 1
