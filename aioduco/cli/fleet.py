@@ -96,11 +96,15 @@ def stop(
     not known that all of them stand.
     """
     settings = _settings(file)
-    from aioduco.integrations.fleet import FleetClient  # noqa: PLC0415 - quick help
+    from aioduco.errors import ConnectError, StopUnconfirmed  # noqa: PLC0415 - quick help
+    from aioduco.integrations.fleet import FleetClient  # noqa: PLC0415
 
     async def ask() -> FleetStop:
-        async with FleetClient(settings) as client:
-            return await client.stop(arm or None, timeout)
+        try:
+            async with FleetClient(settings) as client:
+                return await client.stop(arm or None, timeout)
+        except ConnectError as error:
+            raise StopUnconfirmed(f"no stop was sent: {error}. Press the emergency stop") from error
 
     with ended_by_errors():
         done = anyio.run(ask)

@@ -94,7 +94,7 @@ class FleetClient(Uncopied):
 
         Raises:
             MissingExtra: the extra `fleet` is not installed.
-            ConnectError: Zenoh's configuration is wrong.
+            ConnectError: no router answers, or Zenoh's configuration is wrong.
         """
         await self._link.__aenter__()
         try:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import re
 from typing import TYPE_CHECKING, Any, Final
 
 import anyio
@@ -32,6 +33,11 @@ _RETRY: Final = {
     "period_max_ms": 1000,
     "period_increase_factor": 2,
 }
+#: time for a peer to answer as a session opens [ms]. Zenoh's own 10 s would hold up whoever opens a
+#: session, or closes one, while another computer does not answer
+_OPEN: Final = 2000
+#: where Zenoh's errors go on with places in its own source
+_PLACE: Final = re.compile(r"\s+at /.*", re.DOTALL)
 
 
 class FleetLink:
@@ -54,7 +60,8 @@ class FleetLink:
 
         Raises:
             MissingExtra: the extra `fleet` is not installed.
-            ConnectError: an address cannot be listened on, or Zenoh's configuration is wrong.
+            ConnectError: an address cannot be listened on, no router answers, or Zenoh's
+                configuration is wrong.
         """
         try:
             import zenoh  # noqa: PLC0415 - of the extra
@@ -66,7 +73,7 @@ class FleetLink:
             config = self._config(zenoh)
             self._session = await anyio.to_thread.run_sync(zenoh.open, config)
         except (zenoh.ZError, OSError, ValueError) as error:
-            raise ConnectError(where or "Zenoh", 0, str(error)) from error
+            raise ConnectError(where or "Zenoh", 0, _PLACE.sub("", str(error))) from error
         try:
             await self._portal.__aenter__()
         except BaseException:
@@ -95,7 +102,7 @@ class FleetLink:
         config = zenoh.Config.from_file(settings.zenoh) if settings.zenoh else zenoh.Config()
         # A client connects to all gateways in its settings, as gateways do with each other.
         connect = [*settings.connect, *(() if self._listens else settings.listen)]
-        values = {
+        values: dict[str, Any] = {
             # A session without `listen` connects to a router, which also forwards its messages.
             "mode": "peer" if settings.listen else "client",
             "listen/endpoints": list(settings.listen) if self._listens else [],
@@ -104,6 +111,8 @@ class FleetLink:
             "scouting/multicast/enabled": settings.discover,
             "scouting/gossip/enabled": True,
         }
+        if not settings.zenoh:
+            values["transport/unicast/open_timeout"] = _OPEN
         for name, value in values.items():
             config.insert_json5(name, json.dumps(value))
         return config

@@ -16,8 +16,11 @@ import anyio
 import pytest
 import zenoh
 from ports import free_port
+from typer.testing import CliRunner
 
 import aioduco
+from aioduco.cli.app import app
+from aioduco.cli.exit_codes import STOP_UNCONFIRMED
 from aioduco.integrations.fleet import (
     ArmSettings,
     FleetClient,
@@ -320,3 +323,25 @@ def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> N
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
         assert done.returncode == 2
         assert "0.1 to 100" in done.stderr
+
+
+def test_a_stop_without_a_router_was_not_sent(tmp_path: Path) -> None:
+    file = tmp_path / "fleet.toml"
+    file.write_text(f'[fleet]\nname = "plant"\nlisten = []\nconnect = ["{free_endpoint()}"]\n')
+    done = CliRunner().invoke(app, ["fleet", "stop", str(file)])
+    assert done.exit_code == STOP_UNCONFIRMED
+    assert "no stop was sent" in done.output
+    assert "emergency stop" in done.output
+    assert ".rs:" not in done.output
+
+
+@pytest.mark.parametrize("own", [False, True])
+async def test_a_computer_that_does_not_answer_holds_up_no_session_for_long(
+    tmp_path: Path, own: bool
+) -> None:
+    """Unless a file of Zenoh's own says so."""
+    file = tmp_path / "zenoh.json5"
+    file.write_text("{transport: {unicast: {open_timeout: 7000}}}")
+    link = FleetLink(FleetSettings("plant", zenoh=str(file) if own else ""), listens=False)
+    found = link._config(zenoh).get_json("transport/unicast/open_timeout")
+    assert int(found) == (7000 if own else 2000)
