@@ -575,3 +575,44 @@ def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:
     described = run("call", "move1", "--describe").stdout
     assert described.startswith("robot.motion.movel(pose: PoseLike, v: float")
     assert "移动" in described or "运动" in described
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["stop", ""],
+        ["status", "left", "--cell", ""],
+        ["record", "--output="],
+        ["panel", "--bind", ""],
+        ["init", ""],
+        ["plot", "run.mcap", ""],
+        ["", "status"],
+    ],
+    ids=" ".join,
+)
+def test_an_empty_argument_is_refused_before_anything_is_done(
+    words: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A variable of a script that is not set must not stand for a default."""
+    monkeypatch.setattr("sys.argv", ["aioduco", *words])
+    monkeypatch.setattr("aioduco.cli.app.app", lambda: pytest.fail("it went on"))
+    with pytest.raises(SystemExit) as ended:
+        aioduco.cli.main()
+    assert ended.value.code == 2
+    assert "is a variable empty?" in capsys.readouterr().err
+
+
+def test_a_text_that_a_call_passes_on_may_be_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    went_on = []
+    monkeypatch.setattr("sys.argv", ["aioduco", "call", "get_tcp_pose_coord", "", ""])
+    monkeypatch.setattr("aioduco.cli.app.app", lambda: went_on.append(1))
+    aioduco.cli.main()
+    assert went_on
+
+
+def test_a_figure_that_is_no_file_is_refused(tmp_path: Path) -> None:
+    assert CliRunner().invoke(app, ["plot", "."]).exit_code == 2
+    missing = CliRunner().invoke(app, ["plot", str(tmp_path / "x.json")])
+    assert missing.exit_code == 1
+    assert "No such file or directory" in missing.output
+    assert "FileNotFoundError" not in missing.output

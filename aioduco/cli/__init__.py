@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING, Final
 
 from aioduco.cli import output
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 __all__ = ["main"]
+
+#: commands that pass texts on, which may be empty
+_FREE: Final = ("call", "sim-do")
 
 
 def main() -> None:
     """Run the command line."""
     output.guard_streams()
+    _refuse_empty(sys.argv[1:])
     if sys.argv[1:2] == ["stop"]:
         from aioduco.cli import stopping  # noqa: PLC0415 - for this command alone
 
@@ -26,3 +34,15 @@ def main() -> None:
             raise SystemExit(needs) from None
         raise
     app()
+
+
+def _refuse_empty(words: Sequence[str]) -> None:
+    """End if an argument is empty: a variable that is not set must not stand for a default."""
+    if words[:1] and words[0] in _FREE:
+        return
+    for number, word in enumerate(words, 1):
+        if not word or (word.startswith("--") and word.endswith("=")):
+            before = words[number - 2] if number > 1 else "aioduco"
+            where = word or f"the one after {before}"
+            output.say(f"an argument is empty, {where}: is a variable empty?", error=True)
+            raise SystemExit(2)

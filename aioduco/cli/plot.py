@@ -31,6 +31,8 @@ def plot(
 
     aioduco plot run.mcap run.html --over last-week.mcap
     """
+    if not figures.name:
+        raise typer.BadParameter(f"{figures} is no file", param_hint="FIGURES")
     if figures.suffix == ".mcap":
         _recording(figures, picture or figures.with_suffix(".png"), over)
         return
@@ -42,7 +44,8 @@ def plot(
         found = json.loads(read_text(figures))
         draw(found, target)
     except (OSError, ValueError, LookupError, RecursionError, TypeError) as error:
-        say(f"{figures} cannot be drawn: {error!r}", error=True)
+        why = error.strerror if isinstance(error, OSError) else repr(error)
+        say(f"{figures} cannot be drawn: {why}", error=True)
         raise typer.Exit(1) from None
     say(f"written to {target}")
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.errors import ParameterError
 from aioduco.models.host_port import host_port
+from aioduco.models.ranges import LISTEN_HOST
 from aioduco.models.rules import Integer
 from aioduco.recording.recorder import RobotObserver
 from aioduco.recording.writer import PublicationWriter
@@ -41,8 +41,7 @@ class Publication(RobotObserver):
 
     def __init__(self, supervisor: Supervisor, port: int, host: str, forces: bool) -> None:
         port = Integer(0, 65535, source="this package")("port", port)
-        if not isinstance(host, str) or not host:
-            raise ParameterError("host", host, 'an address of this computer, such as "127.0.0.1"')
+        LISTEN_HOST("host", host)
         self._server = PublicationWriter(host, port)
         super().__init__(supervisor, self._server, forces)
 

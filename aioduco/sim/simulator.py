@@ -18,7 +18,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.host_port import host_port
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.ranges import WAIT
+from aioduco.models.ranges import LISTEN_HOST, WAIT
 from aioduco.models.rules import Number
 from aioduco.models.words import one_of
 from aioduco.sim import trial
@@ -170,6 +170,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
         one_of("generation", generation, GENERATIONS)
+        LISTEN_HOST("host", host)
         known = None if profile is None else ArmProfile.of(profile)
         if known is not None:
             named = model if isinstance(model, str) or model is None else model.name

@@ -15,8 +15,10 @@ from aioduco.descriptions import ArmDescription, ToolDescription, moveit
 from aioduco.devices.cameras import BoardSize, SimulatedCamera, calibrate_hand_eye
 from aioduco.devices.grippers import Robotiq
 from aioduco.envelope import Zone
+from aioduco.integrations.panel import Panel
 from aioduco.planning import MotionLimits, PointCloud
 from aioduco.recording import read
+from aioduco.recording.tap import Tap
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, mounting_of
 
@@ -31,7 +33,7 @@ NO_NUMBERS: list[Any] = [
     *(1j, object(), b"1"),
 ]
 NO_LISTS: list[Any] = [3, math.nan, HUGE, "tool", b"tool", {}, object(), [[1.0]], ["a"] * 3]
-NO_FILES: list[Any] = [3, math.nan, True, "", b"run.mcap", [], "a\0b", "\ud800", object()]
+NO_FILES: list[Any] = [3, math.nan, True, "", b"run.mcap", [], "a\0b", "\ud800", ".", "/", object()]
 
 
 class _NoArm:
@@ -63,6 +65,13 @@ LISTS: dict[str, Callable[[Any], object]] = {
         _modbus(), counts=x
     ),
 }
+#: what listens, by the name of its address; an empty one would be every address of the computer
+LISTENERS: dict[str, Callable[[Any], object]] = {
+    "bind": lambda x: Panel("192.0.2.1", bind=x),
+    "host": lambda x: Simulator(host=x),
+    "host of a publication": lambda x: aioduco.connect("192.0.2.1").publish(host=x),
+    "listen": lambda x: Tap("192.0.2.1", listen=(x, 0)),
+}
 FILES: dict[str, Callable[[Any], object]] = {
     "record": lambda x: aioduco.connect("192.0.2.1", record=x),
     "path": read,
@@ -85,6 +94,13 @@ def test_what_is_no_list_is_refused_by_name(name: str) -> None:
     for value in NO_LISTS:
         with pytest.raises(ParameterError, match=name):
             LISTS[name](value)
+
+
+@pytest.mark.parametrize("name", LISTENERS)
+def test_an_empty_address_to_listen_on_is_refused(name: str) -> None:
+    for value in ("", None, 3, "x" * 300):
+        with pytest.raises(ParameterError, match=name.partition(" ")[0]):
+            LISTENERS[name](value)
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -64,6 +64,7 @@ from aioduco.integrations.panel.twin_view import TWIN_RATE, TwinView, parted_tex
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.host_port import host_port
+from aioduco.models.ranges import LISTEN_HOST
 from aioduco.models.rules import Number
 from aioduco.recording.playback.player import arm_named
 
@@ -190,7 +191,7 @@ class Panel(Uncopied):
         self._hold_limit = hold_limit
         self._lease = ControlLease(self.token, hold_limit=hold_limit, page_limit=page_limit)
         self._server = PageServer(
-            bind, listen, self._hello, self._take, self._left,
+            LISTEN_HOST("bind", bind), listen, self._hello, self._take, self._left,
             self._stop_for_all, self._show_picture,
         )  # fmt: skip
         self._twin_limits = twin

@@ -260,7 +260,7 @@ class FileName(Rule):
         """Check `value` and return it as a path."""
         try:
             text = os.fspath(value)
-            if isinstance(text, str) and text and b"\0" not in os.fsencode(text):
+            if isinstance(text, str) and b"\0" not in os.fsencode(text) and Path(text).name:
                 return Path(text)
         except (TypeError, UnicodeEncodeError):  # no path; half of a surrogate pair
             pass

@@ -58,6 +58,8 @@ class Tap(Uncopied):
     ) -> None:
         if not isinstance(host, str) or not is_host(host):
             raise ParameterError("host", host, HOST_RULE)
+        if not isinstance(listen[0], str) or not is_host(listen[0]):
+            raise ParameterError("listen", listen, f"{HOST_RULE}, and a port")
         self._controller = (host, port)
         self._listen = listen
         self._linked: LinkedProcess | None = None
