@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 __all__ = ["one_of"]
 
+#: words of which all are listed as a person would say them
+_MANY = 7
+
 
 def one_of(name: str, value: object, known: Iterable[str], *, besides: str = "") -> str:
     """Check that an argument is one of a few words, and return it.
@@ -28,7 +31,12 @@ def one_of(name: str, value: object, known: Iterable[str], *, besides: str = "")
     words = list(known)
     if isinstance(value, str) and value in words:
         return str(value)
-    listed = [*(f'"{word}"' for word in words), *([besides] if besides else [])]
     near = did_you_mean(value, words) if isinstance(value, str) else ""
-    expected = " or ".join(filter(None, (", ".join(listed[:-1]), listed[-1])))
-    raise ParameterError(name, value, expected + near)
+    raise ParameterError(name, value, _listed(words, besides) + near)
+
+
+def _listed(words: list[str], besides: str) -> str:
+    if len(words) > _MANY:
+        return f"one of {', '.join(words)}" + (f", or {besides}" if besides else "")
+    known = [*(f'"{word}"' for word in words), *([besides] if besides else [])]
+    return " or ".join(filter(None, (", ".join(known[:-1]), known[-1])))

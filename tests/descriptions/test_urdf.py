@@ -230,7 +230,7 @@ def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
 def test_what_is_wrong_is_said(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match="one of gcr3_618"):
         urdf("ur5e")
-    with pytest.raises(ParameterError, match="floor, wall, ceiling, or a pose"):
+    with pytest.raises(ParameterError, match='"floor", "wall", "ceiling" or a pose'):
         ArmDescription("gcr5_910", mounting="roof")  # type: ignore[arg-type]  # what is tested
     with pytest.raises(ParameterError, match="prefix"):
         ArmDescription("gcr5_910", prefix="my arm/")

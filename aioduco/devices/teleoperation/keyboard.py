@@ -30,8 +30,8 @@ class Keyboard:
     """Converts the keys of a terminal to readings.
 
     Args:
-        first: seconds for which a key counts as held after it came once, up to 2.
-        repeating: seconds for which a repeated key counts as held, up to 2.
+        first: seconds for which a key counts as held after it came once, up to 60.
+        repeating: seconds for which a repeated key counts as held, up to 60.
 
     Raises:
         ParameterError: a time is out of range.

@@ -9,7 +9,7 @@ from aioduco.models.rules import Number
 __all__ = ["HELD", "STANDING", "WIDTH", "Axes", "Reading", "deadband"]
 
 #: times without a sign of the device for which it counts as held
-HELD = Number(0.0, 2.0, "s", open_low=True, source="this package")
+HELD = Number(0.0, 60.0, "s", open_low=True, source="this package")
 #: share of a deflection within which it counts as at rest
 WIDTH = Number(0.0, 0.9, source="this package")
 

@@ -30,7 +30,7 @@ class SpaceMouse:
     Args:
         width: share of the cap's travel within which it counts as at rest.
         button: number of the button that must be held, from 0; None: no button.
-        quiet: seconds without a report after which a deflected cap counts as released, up to 2.
+        quiet: seconds without a report after which a deflected cap counts as released, up to 60.
 
     Raises:
         ParameterError: a number is out of range.

@@ -29,7 +29,7 @@ def test_a_seed_makes_the_same_variation_whatever_else_is_varied() -> None:
 
 
 def test_what_cannot_be_varied_is_refused() -> None:
-    with pytest.raises(ParameterError, match="one of start, latency"):
+    with pytest.raises(ParameterError, match='"start", "latency"'):
         Variation.of(("colour",), 0)
 
 
