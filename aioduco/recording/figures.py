@@ -47,6 +47,8 @@ _SHOWN: Final = (
     ("torque", "N·m", 1.0, "/wrench", "torque", _XYZ),
     ("lateness of the stream, p99", "ms", 1e3, "/streams", "lateness.p99", ("p99",)),
 )
+#: step in which a recording has the joints' angles [rad]: less is no distance
+_STEP: Final = 2.0**-17
 #: marks that are named in a picture, at most, and how near they may be, as parts of its length
 _NAMED: Final = 16
 _NEAR: Final = 0.025
@@ -112,7 +114,8 @@ def _values(run: RecordedRun, topic: str, field: str) -> tuple[NDArray[Any], NDA
             return times, nothing
         wanted = run.arrays("/joint_setpoints")
         count = min(len(times), len(wanted["time"]))
-        return times[:count], arrays["position"][:count] - wanted["position"][:count]
+        behind = arrays["position"][:count] - wanted["position"][:count]
+        return times[:count], np.where(np.abs(behind) < 1.5 * _STEP, 0.0, behind)
     if field not in arrays and f"{field}.x" in arrays:
         return times, np.column_stack([arrays[f"{field}.{axis}"] for axis in _XYZ]).astype(float)
     values = arrays.get(field, nothing)

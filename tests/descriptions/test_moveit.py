@@ -115,7 +115,7 @@ def test_pipelines_are_named_as_the_release_of_ros_has_them() -> None:
     assert humble["planning_plugin"] == jazzy["planning_plugins"][0] == "ompl_interface/OMPLPlanner"
     assert isinstance(humble["request_adapters"], str)
     assert isinstance(jazzy["request_adapters"], list)
-    with pytest.raises(ParameterError, match="noetic, humble, jazzy"):
+    with pytest.raises(ParameterError, match='"noetic", "humble" or "jazzy"'):
         moveit("gcr5_910", distro="kinetic")  # type: ignore[arg-type]  # what is tested
 
 

@@ -21,6 +21,7 @@ import aioduco
 import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.recording import RecordedMessage, read
+from aioduco.recording.channels import ANGLE
 from aioduco.recording.container import DATA_END, MAGIC
 from aioduco.recording.figures import draw_page, draw_png, drawn, panels
 from aioduco.sim import Simulator
@@ -143,6 +144,19 @@ def test_a_panel_of_zeros_is_left_out_unless_there_is_no_other() -> None:
     assert [panel.title for panel in panels(Plain())] == ["joint angles"]  # type: ignore[arg-type]
     only: Any = Strange("no motion")
     assert [panel.title for panel in panels(only)] == ["joint angles"]
+
+
+@pytest.mark.parametrize(("steps", "shown"), [(1, False), (3, True)])
+def test_a_distance_of_one_step_of_a_recording_is_none(steps: int, shown: bool) -> None:
+    class Followed(Plain):
+        topics: ClassVar = {"/joint_states": 2, "/joint_setpoints": 2}
+
+        def arrays(self, topic: str) -> dict[str, Any]:
+            behind = steps / ANGLE if topic == "/joint_states" else 0.0
+            return {"time": np.array([0.0, 1.0]), "position": np.full((2, 6), 1.0 - behind)}
+
+    titles = [panel.title for panel in panels(Followed())]  # type: ignore[arg-type]
+    assert ("behind the set-points" in titles) is shown
 
 
 @pytest.mark.slow

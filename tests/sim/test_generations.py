@@ -137,7 +137,7 @@ def test_installation_of_a_wall() -> None:
 
 
 def test_an_unknown_generation() -> None:
-    with pytest.raises(ParameterError, match="first, oldest, older"):
+    with pytest.raises(ParameterError, match='"first", "oldest", "older"'):
         Simulator(generation="5.0")  # type: ignore[arg-type]
 
 
