@@ -321,4 +321,5 @@ class BackgroundTasks:
                 self._on_foreign_cancel()
         elif (error := task.exception()) is not None:
             self._crashed(error)
-            _log.error("%s failed", task.get_name(), exc_info=error)
+            if isinstance(error, Exception):  # a signal's handler may raise anywhere: Ctrl-C
+                _log.error("%s failed", task.get_name(), exc_info=error)

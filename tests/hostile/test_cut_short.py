@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
+from aioduco._process.reporting import reporter
 from aioduco.supervision.concurrency import BackgroundTasks
 
 
@@ -26,3 +29,29 @@ async def test_work_that_never_began_is_over() -> None:
     await over.wait()
     assert not began
     assert not len(background)
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(ValueError("a defect"), ["work failed"]), (KeyboardInterrupt(), [])]
+)
+def test_an_interrupt_in_the_midst_of_work_is_no_failure_of_it(
+    error: BaseException, said: list[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    """A signal's handler raises where the loop happens to be: the command says so by itself."""
+    ended: list[BaseException] = []
+
+    async def work() -> None:
+        raise error
+
+    async def program() -> None:
+        background = BackgroundTasks(ended.append)
+        background.start(work(), "work")
+        await background.ended()
+
+    try:
+        asyncio.run(program())
+    except KeyboardInterrupt:
+        assert not said
+    assert ended == [error]
+    assert reporter.flush()
+    assert [record.getMessage() for record in caplog.records] == said
