@@ -31,6 +31,8 @@ def bound(covariance: Array, freedoms: int) -> float:
         freedoms: degrees of freedom with which it was estimated, at least 6.
     """
     variances = np.linalg.eigvalsh(covariance)
+    if not variances.sum() > 0.0:
+        return 0.0  # readings without any error, as of a simulator without a load
     # The squared distance is spread as if it came from so many numbers of the same variance.
     count = variances.sum() ** 2 / (variances**2).sum()
     one, three = (

@@ -15,6 +15,7 @@ from aioduco.errors import CalibrationError, ParameterError
 from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
+from aioduco.models.rules import Number, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +29,7 @@ __all__ = ["MeasuredLoad", "identify_load_by_forces", "identify_load_by_torques"
 
 _MIN_POSES = 6
 _DOWN = (0.0, 0.0, -GRAVITY)
+_GRAVITY = Vector(Number(unit="m/s²", source="this package"), length=3, source="this package")
 _MIN_TURN = 0.2  # smallest root mean square of gravity's turn in the flange's frame [rad]
 #: smallest root mean square of how far the torques of 1 kg, and of 1 kg at 0.1 m, differ between
 #: poses [N m]
@@ -215,8 +217,8 @@ def _crossing(vectors: Array) -> Array:
 
 
 def _acceleration(gravity: VectorLike) -> Array:
-    down = np.asarray(gravity, dtype=np.float64)
-    if down.shape != (3,) or not 1.0 < float(np.linalg.norm(down)) < 100.0:
+    down = np.array(_GRAVITY("gravity", gravity))
+    if not 1.0 < float(np.linalg.norm(down)) < 100.0:
         raise ParameterError("gravity", gravity, "three numbers [m/s²], such as (0, 0, -9.81)")
     return down
 
@@ -232,7 +234,7 @@ def _rows(name: str, given: Any, count: int) -> Array:
     expected = f"six finite numbers for each of {count} poses"
     try:
         found = np.array([[*each] for each in given], dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ParameterError(name, type(given).__name__, expected) from error
     if found.shape != (count, 6) or not np.isfinite(found).all():
         raise ParameterError(name, f"an array of shape {found.shape}", expected)

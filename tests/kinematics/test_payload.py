@@ -171,3 +171,22 @@ async def test_a_load_hidden_on_a_simulated_arm_is_found_by_both_sensors() -> No
     ):
         assert abs(found.load.mass / hidden.mass - 1.0) < 0.02
         assert np.linalg.norm(np.subtract(found.load, hidden)[1:]) < 0.01
+
+
+def test_readings_without_any_error_and_without_a_load_say_so() -> None:
+    """As of a simulator: nothing is divided by zero."""
+    for offset in (0.0, 1.0):
+        read = np.full((8, 6), offset)
+        with pytest.raises(CalibrationError, match="show no load"):
+            identify_load_by_forces(GCR5.fkine(POSES), read)
+        with pytest.raises(CalibrationError, match="show no load"):
+            identify_load_by_torques(GCR5, POSES, read)
+
+
+@pytest.mark.parametrize("wrong", ["down", None, [1.0], [10**400, 0, 0], [np.nan, 0, 0]])
+def test_what_is_no_gravity_and_no_reading_is_refused_by_name(wrong: Any) -> None:
+    frames, read = GCR5.fkine(POSES), wrenches(Load(1.0, 0.0, 0.0, 0.1))
+    with pytest.raises(ParameterError, match="gravity"):
+        identify_load_by_forces(frames, read, gravity=wrong)
+    with pytest.raises(ParameterError, match="wrenches"):
+        identify_load_by_forces(frames, [[10**400] * 6] * 8)
