@@ -59,6 +59,7 @@ __all__ = [
     "duco_preflight",
     "duco_proxy",
     "duco_robot",
+    "duco_robot_options",
     "duco_simulator",
     "duco_simulator_options",
     "duco_sync_robot",
@@ -168,6 +169,21 @@ def duco_simulator_options() -> Mapping[str, Any]:
     return {"speed": float("inf")}
 
 
+@pytest.fixture
+def duco_robot_options() -> Mapping[str, Any]:
+    """Arguments of `aioduco.connect` for robots of simulated arms: override them to test a time.
+
+        @pytest.fixture
+        def duco_robot_options():
+            return {"heartbeat": 1.0}
+
+    Returns:
+        The arguments. By default times are long in which a busy computer beats the heart and gets
+        an answer, so that it fails no test. How long the event loop may be blocked is as always.
+    """
+    return {"heartbeat": 20.0, "call_timeout": 10.0}
+
+
 def _marked(request: pytest.FixtureRequest, name: str) -> Any:
     """Return the argument of a marker of the test; None without such a marker."""
     marker = request.node.get_closest_marker(name)
@@ -239,7 +255,9 @@ class _Line:
             config.getoption("duco_host_speed") if address is not None else None
         )
         self._folder = self._made_folder()
-        self.options: dict[str, Any] = {} if self.clock is None else {"clock": self.clock}
+        self.options: dict[str, Any] = {}
+        if self.clock is not None:
+            self.options |= {"clock": self.clock, **request.getfixturevalue("duco_robot_options")}
         if importlib.util.find_spec("foxglove") is not None:
             from aioduco.testing.artefacts import RECORDING  # noqa: PLC0415 - as above
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from aioduco import Robot
+    from aioduco.supervision.settings import RobotSettings
     from aioduco.sync import Robot as SyncRobot
 
 HOME = [0.2, 0.1, 1.4, 0.0, -1.5, 0.0]
@@ -58,6 +59,29 @@ class TestAnotherArm:
     def test_can_be_asked_for(self, duco_simulator: Simulator) -> None:
         assert duco_simulator.arm.name == "gcr20_1100"
         assert duco_simulator.speed == 7.0
+
+
+class TestTimesOfRobots:
+    """A busy computer fails no test of a user; a test of such a time sets it."""
+
+    @pytest.fixture
+    def duco_robot_options(self, request: pytest.FixtureRequest) -> Any:
+        if request.node.name == "test_can_be_set":
+            return {"heartbeat": 1.5}
+        return request.getfixturevalue("duco_robot_options")
+
+    def test_can_be_set(self, duco_sync_robot: SyncRobot) -> None:
+        assert settings_of(duco_sync_robot).heartbeat == 1.5
+
+    @pytest.mark.slow
+    def test_are_long(self, duco_sync_robot: SyncRobot) -> None:
+        found = settings_of(duco_sync_robot)
+        assert (found.heartbeat, found.call_timeout) == (20.0, 10.0)
+
+
+def settings_of(robot: SyncRobot) -> RobotSettings:
+    found: RobotSettings = robot._made._supervisor.settings
+    return found
 
 
 SCOPE = ["-o", "asyncio_default_fixture_loop_scope=function"]
