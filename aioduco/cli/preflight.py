@@ -130,7 +130,7 @@ def preflight(
     if html is not None:
         from aioduco.testing.preflight.html import page  # noqa: PLC0415 - it needs an extra
 
-        html.write_text(page(report), encoding="utf-8")
+        html.write_text(page(report), encoding="utf-8", errors="replace")
         console.print(f"page: {html}", highlight=False)
     raise typer.Exit(0 if report.ok else FOUND)
 

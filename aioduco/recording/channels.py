@@ -341,8 +341,9 @@ class MessageChannels:
         """Write a log line."""
         stamp, time_ns = self._times(at)
         kind = next(kind for least, kind in _LEVELS if level >= least)
+        said, name, file = map(_written, (message, name, file))
         self._set.log.log(
-            Log(timestamp=stamp, level=kind, message=message, name=name, file=file, line=line),
+            Log(timestamp=stamp, level=kind, message=said, name=name, file=file, line=line),
             log_time=time_ns,
         )
         self.messages += 1
@@ -400,7 +401,7 @@ class MessageChannels:
 
     def _json(self, topic: str, at: float, values: dict[str, Any]) -> None:
         text = json.dumps(values, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
-        self._set.json[topic].log(text, log_time=self._times(at)[1])
+        self._set.json[topic].log(_written(text), log_time=self._times(at)[1])
         self.messages += 1
 
 
@@ -532,6 +533,11 @@ class ServerChannels(MessageChannels):
         """Close the connections of the watchers, and stop listening."""
         self._server.stop()
         self.release()
+
+
+def _written(text: str) -> str:
+    """A text as UTF-8 has it: halves of surrogate pairs, as in names of files, become "?"."""
+    return text if text.isascii() else text.encode("utf-8", "replace").decode()
 
 
 def _message_format() -> tuple[str, list[Any]]:

@@ -8,6 +8,7 @@ import random
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -139,6 +140,26 @@ async def test_states_events_and_log_lines_are_recorded(
     states = data(run, "/state")
     assert [states[0]["emergency_stop"], states[-1]["emergency_stop"]] == [False, True]
     assert states[0]["robot"] == "ENABLE"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "text", ["lone \ud800", "/parts/t\udce9l", "\x1b[2J", "a\0b", "超限 \u2028"]
+)
+async def test_no_text_of_a_program_ends_a_recording(
+    robot: aioduco.Robot, tmp_path: Path, text: str
+) -> None:
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        recording.handler.emit(logging.LogRecord(text, 30, text, 1, text, (), None))
+        await eventually_async(lambda: recording.statistics().written > 3)
+        robot.events.tell(aioduco.events.ConnectionGone(time.monotonic(), text))
+        before = recording.statistics().written
+        await eventually_async(lambda: recording.statistics().written > before)
+    assert recording.error is None
+    run = read(recording.path)
+    assert run.complete
+    assert data(run, "/log")[0]["message"] == text.encode("utf-8", "replace").decode()
+    assert data(run, "/events")
 
 
 @pytest.mark.slow
