@@ -127,6 +127,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # gateways use robots as a program does
     "integrations.fleet": {
         "models",
+        "models.similar",
         "_process.copying",
         "errors",
         "_process.reporting",

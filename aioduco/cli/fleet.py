@@ -14,6 +14,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors
 from aioduco.cli.output import say
+from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
     from aioduco.integrations.fleet import FleetSettings, FleetStop, FleetView
@@ -168,7 +169,8 @@ def _tell(done: FleetStop) -> None:
         say(f"{name:16} not proven: {said}", error=True)
     for name in done.missing:
         say(f"{name:16} missing: it is not known whether its arms stand", error=True)
+    known = [arm.name for report in done.reports for arm in report.arms]
     for name in done.unknown:
-        say(f"no gateway has an arm {name}", error=True)
+        say(f"no gateway has an arm {name}{did_you_mean(name, known)}", error=True)
     if not done.reports and not done.missing:
         say("no gateway was found: nothing was stopped", error=True)

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.models.enums import OperationMode
+from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,7 +43,8 @@ class Console:
         name, *words = line.split() or ["help"]
         command = COMMANDS.get(name)
         if command is None:
-            return f"error: there is no command {name!r}; there are {', '.join(COMMANDS)}"
+            near = did_you_mean(name, COMMANDS)
+            return f"error: there is no command {name!r}; there are {', '.join(COMMANDS)}{near}"
         try:
             said = command.run(self._simulator, words)
         except _Misuse as exc:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from aioduco.errors import ParameterError
 from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import parse_toml, read_text, rewrite
 
 if TYPE_CHECKING:
@@ -203,7 +204,8 @@ class _Reader:
         for key in data:
             if key not in ("model", "sources", "single_precision", *RANGES):
                 known = ", ".join(("model", "sources", "single_precision", *RANGES))
-                raise self._error("", key, key, f"one of {known}")
+                near = did_you_mean(key, ("model", "sources", "single_precision", *RANGES))
+                raise self._error("", key, key, f"one of {known}{near}")
         model = data.get("model")
         if not isinstance(model, str):
             raise self._error("", "model", model, "the name of the arm's model")
@@ -224,7 +226,8 @@ class _Reader:
                 raise self._error("", section, table, "a table")
             for name, found in table.items():
                 if name not in names:
-                    raise self._error(section, name, name, f"one of {', '.join(names)}")
+                    known = f"one of {', '.join(names)}{did_you_mean(name, names)}"
+                    raise self._error(section, name, name, known)
                 low, high, unit = names[name]
                 centre = _nominal(nominal, name) if section == "geometry" else 0.0
                 span = (low + centre, high + centre, unit)

@@ -119,6 +119,7 @@ def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
     ("line", "said"),
     [
         ("jump", "there is no command 'jump'; there are input, output"),
+        ("inptu 3 on", "did you mean 'input'?"),
         ("input 3", "on or off?; usage: input [tool] NUM on|off"),
         ("input three on", "which signal?"),
         ("input 17 on", "there is no signal 17"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import DucoError
+from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml
 
 if TYPE_CHECKING:
@@ -162,6 +163,7 @@ def _only(where: str, table: dict[str, Any], known: set[str]) -> None:
     if unknown := sorted(set(table) - known):
         raise FleetFileError(
             f"{where} has no {', '.join(unknown)}; there are {', '.join(sorted(known))}"
+            f"{did_you_mean(unknown[0], known)}"
         )
 
 

@@ -141,7 +141,7 @@ def test_a_report_says_how_old_it_is() -> None:
     [
         ({}, "lacks name"),
         ({"fleet": {"name": "a/b"}}, "letters, digits"),
-        ({"fleet": {"name": "f", "lisen": []}}, "has no lisen"),
+        ({"fleet": {"name": "f", "lisen": []}}, "has no lisen; .*: did you mean 'listen'"),
         ({"fleet": {"name": "f", "listen": "tcp/1"}}, "list of strings"),
         ({"fleet": {"name": "f", "connect": [1]}}, "list of strings"),
         ({"fleet": {"name": "f", "rate": 0}}, "0.1 to 100"),

@@ -61,6 +61,8 @@ def test_a_file_is_read_and_written_alike(tmp_path: Path) -> None:
         ("theta3 = 0.002", 'theta3 = "much"', 7, "a finite number"),
         ("enable = 0.7", "enable = -1", 10, "from 0 to 60 s"),
         ("[times]", "[time]", 9, "one of model, sources"),
+        ("[times]", "[time]", 9, ": did you mean 'times'?"),
+        ("enable =", "enabel =", 10, ": did you mean 'enable'?"),
         ("enable = 0.7", "enable = true", 10, "a finite number"),
         ("enable = 0.7", "enable =", 10, "line 10"),
     ],
