@@ -22,6 +22,7 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import (
     DucoError,
     FeedOverflow,
+    ParameterError,
     RobotStateError,
     StaleState,
 )
@@ -355,11 +356,13 @@ class StateFeed(Uncopied):
             timeout: seconds for which to wait; None for no limit.
 
         Raises:
-            ParameterError: the time is not above 0.
+            ParameterError: the time is not above 0, or the predicate is no function.
             TimeoutError: no such sample came in time.
         """
         if timeout is not None:
             timeout = SECONDS("timeout", timeout)
+        if not callable(predicate):
+            raise ParameterError("predicate", predicate, "a function of a sample")
         seen, newest = 0, None
         with anyio.move_on_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:

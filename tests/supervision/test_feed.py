@@ -8,7 +8,7 @@ import re
 import sys
 import time
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
@@ -176,6 +176,12 @@ async def test_subscribers_do_not_hold_each_other_up(robot: aioduco.Robot) -> No
         assert (await anext(slow)).sequence == (await anext(medium)).sequence + 1
         assert robot.feed.statistics().dropped == 17
     assert robot.feed.statistics().subscribers == 0
+
+
+@pytest.mark.parametrize("wrong", [3, None, "moving", [True]])
+async def test_what_is_no_predicate_is_refused(robot: aioduco.Robot, wrong: Any) -> None:
+    with pytest.raises(aioduco.ParameterError, match="predicate"):
+        await robot.wait_for(wrong, timeout=1.0)
 
 
 async def test_wait_for(bench: Bench, robot: aioduco.Robot) -> None:

@@ -138,7 +138,8 @@ class Speed(StreamMaker):
 
 
 def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> Drive:
-    milliseconds = ranges.RUN_TIME("dead_man", dead_man)
-    if dead_man < 2 / feeding.rate:
+    seconds = ranges.TIMEOUT("dead_man", dead_man)
+    if seconds < 2 / feeding.rate:
         raise ParameterError("dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more")
+    milliseconds = ranges.RUN_TIME("dead_man", seconds)
     return Drive(kind="call", function=function, arguments=[a, milliseconds, False])
