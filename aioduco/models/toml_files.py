@@ -30,13 +30,17 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is not UTF-8, or larger than 64 MiB.
+        ValueError: it is not UTF-8, or larger than 64 MiB; the message has the line of the first.
     """
     with Path(path).open("rb") as file:
         data = file.read(_LARGEST + 1)  # a device has no end
     if len(data) > _LARGEST:
         raise ValueError(f"it is larger than {_LARGEST >> 20} MiB")
-    return data.decode("utf-8-sig")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise ValueError(f"line {line} is not UTF-8: save it as UTF-8") from error
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -177,11 +177,14 @@ async def test_all_robots_of_a_cell_are_connected_and_move_within_its_limits() -
         ('frame = "table"', 'frame = "tabel"', 28, "did you mean 'table'"),
         ("joints = [0, 0, 1.5,", "jonits = [0, 0, 1.5,", 31, "did you mean 'joints'"),
         ("pose = [0.5, 0,", "pose = [0.5,", 35, "six"),
+        ('frame = "table"', 'frame = ["table"]', 28, "there are table"),
         ("padding = 0.01", "padding = 4", 38, "0.1 m"),
         ('kind = "box"', 'kind = "bocks"', 40, "there are box"),
         ("size = [0.3, 0.6", "size = [0.3", 43, "size"),
         ("normal = [0, 0, 1]", "normal = [0, 0, 0]", 48, "not all 0"),
         ('robot = "left"', 'robot = "lfet"', 49, "did you mean 'left'"),
+        ('robot = "left"', 'robot = ["left"]', 49, "there are left"),
+        ('kind = "plane"', 'kind = ["plane"]', 46, "one of"),
         ("most = 0.5", "moost = 0.5", 52, "did you mean 'most'"),
         ("speed_deg_s = 20", "speed_deg = 20", 55, "did you mean 'speed_deg_s'"),
         ("[1, 2, 3, 4, 5, 6]", "[1, 2, 3, 4, 5]", 57, "six angles"),
@@ -208,6 +211,9 @@ def test_files_are_those_beside_the_cell(tmp_path: Path) -> None:
         Cell(text, tmp_path / "elsewhere" / "cell.toml")
     with pytest.raises(CellFileError, match="cannot be read"):
         Cell.load(tmp_path / "none.toml")
+    path.write_bytes(b'arm = "gcr5_910"\n# \xe4\n')
+    with pytest.raises(CellFileError, match=r"cell\.toml .*line 2 is not UTF-8"):
+        Cell.load(path)
 
 
 def test_a_mesh_stands_in_the_planners_scene_and_in_the_simulator(tmp_path: Path) -> None:

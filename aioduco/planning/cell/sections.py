@@ -312,8 +312,11 @@ def points(value: Any, known: Mapping[str, Pose]) -> dict[str, CellPoint]:
         frame = found.pop("frame", "")
         if frame and (not isinstance(frame, str) or frame not in known):
             wrong((*place, "frame"), f"frame {unknown(str(frame), known)}")
-        with at(*place):
+        try:
             point = point_of(name, found)
+        except ParameterError as error:
+            field = found if len(found) == 1 else ()
+            wrong((*place, *field), f"is {error.value!r}, but must be {error.expected}")
         if frame and not isinstance(point, Pose):
             wrong((*place, "frame"), "joints have no frame: leave it out, or give a pose")
         made[name] = CellPoint(point, frame)
