@@ -44,6 +44,12 @@ SECRETS = {
     "drive 20230517001 was reset": "20230517001",
     "host factory-arm-7 is up": "factory-arm-7",
     "the serial is D5-0042": "D5-0042",
+    "at 10.9.8.7_7003": "10.9.8.7",
+    "cannot read C:\\Users\\Max Schmid\\run.mcap": "Schmid",
+    "eyJhbGciOiJI.eyJzdWIiOi.dozjgN": "eyJzdWIiOi",
+    "S/N 2023-1234": "2023-1234",
+    "pass: tulip": "tulip",
+    "host factory-arm-7.plant.example is up": "plant.example",
 }
 #: what the project needs to see
 KEPT = (

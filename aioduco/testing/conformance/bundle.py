@@ -44,14 +44,19 @@ _SERIAL: Final = "<serial number>"
 _KEY_BLOCK = re.compile(r"-----BEGIN [^-]+-----.*?(?:-----END [^-]+-----|\Z)", re.DOTALL)
 _NAMED = re.compile(
     r"(?i)\b(bearer\s+|(?:[\w-]*(?:token|passw\w*|passphrase|secret|credential\w*|api[_-]?key|"
-    r"authorization|cookie)|key|pwd|user(?:name)?|login|account)[\"']?\s*[=:]\s*)"
+    r"authorization|cookie)|key|pwd|pass|user(?:name)?|login|account)[\"']?\s*[=:]\s*)"
     r"(?:bearer\s+)?(\"[^\"]*\"|'[^']*'|[^\s,;]+)"
 )
 _IN_URL = re.compile(r"(?<=://)[^\s/@]+@")
 _MAIL = re.compile(r"[\w.+-]+@[\w-]+(?:\.[\w-]+)*")
-_HOME = re.compile(r"(?i)((?:/home/|/users/|[a-z]:\\+users\\+))[^\s/\\\"']+")
+_HOME = re.compile(r"(?i)((?:/home/|/users/))[^\s/\\\"']+")
+_WINDOWS_HOME = re.compile(r"(?i)([a-z]:\\+users\\+)[^/\\\"'\r\n]+")  # names with blanks, too
+_WEB_TOKEN = re.compile(r"\beyJ[\w-]+(?:\.[\w-]*){1,4}")
+_NUMBERED = re.compile(
+    r"(?i)\b((?:s/?n|serial(?:[ _-]?(?:number|no\.?))?)[\s:=#\"']+)(?=[\w-]*\d)[\w-]+"
+)
 _MAC = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")
-_IPV4 = re.compile(r"(?<![\w.])(?:\d{1,3}\.){3}\d{1,3}(?![\w.]*\d)")
+_IPV4 = re.compile(r"(?<![A-Za-z\d.])(?:\d{1,3}\.){3}\d{1,3}(?!\.?\d)")
 _IPV6 = re.compile(r"(?<![\w:])[0-9A-Fa-f:]*:[0-9A-Fa-f:]*:[0-9A-Fa-f:.]*(?![\w:])")
 _WORD = re.compile(r"(?<![\w.])[A-Za-z0-9][A-Za-z0-9_+/=-]{6,}(?![\w]|\.\d)")
 _DIGITS = re.compile(r"(?<![\w.])\d{8,}(?![\w.]*\d)")
@@ -68,7 +73,11 @@ class Redaction:
     def __init__(self, known: Iterable[tuple[str, str]] = (), *, ids: bool = False) -> None:
         longest_first = sorted(known, key=lambda pair: -len(pair[0]))
         self._known = [
-            (re.compile(rf"(?<!\w){re.escape(word)}(?!\w)", re.IGNORECASE), instead)
+            # with the domain behind the name of a computer
+            (
+                re.compile(rf"(?<!\w){re.escape(word)}(?:\.[a-z][\w-]*)*(?!\w)", re.IGNORECASE),
+                instead,
+            )
             for word, instead in longest_first
             if len(word) > 1
         ]
@@ -80,13 +89,17 @@ class Redaction:
         for pattern, instead in self._known:
             text = pattern.sub(instead, text)
         text = _KEY_BLOCK.sub("<key>", text)
+        text = _WEB_TOKEN.sub("<secret>", text)
         text = _NAMED.sub(r"\1<secret>", text)
         text = _IN_URL.sub("<user>@", text)
         text = _MAIL.sub("<mail>", text)
         text = _HOME.sub(r"\1<user>", text)
+        text = _WINDOWS_HOME.sub(r"\1<user>", text)
         text = _MAC.sub("<mac>", text)
         text = _IPV4.sub("<address>", text)
         text = _IPV6.sub(_address, text)
+        if not self._ids:
+            text = _NUMBERED.sub(rf"\1{_SERIAL}", text)
         text = _WORD.sub(self._word, text)
         return text if self._ids else _DIGITS.sub(_SERIAL, text)
 
