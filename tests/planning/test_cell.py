@@ -184,7 +184,7 @@ async def test_all_robots_of_a_cell_are_connected_and_move_within_its_limits() -
         ("normal = [0, 0, 1]", "normal = [0, 0, 0]", 48, "not all 0"),
         ('robot = "left"', 'robot = "lfet"', 49, "did you mean 'left'"),
         ('robot = "left"', 'robot = ["left"]', 49, "there are left"),
-        ('kind = "plane"', 'kind = ["plane"]', 46, "one of"),
+        ('kind = "plane"', 'kind = ["plane"]', 46, "tool_speed"),
         ("most = 0.5", "moost = 0.5", 52, "did you mean 'most'"),
         ("speed_deg_s = 20", "speed_deg = 20", 55, "did you mean 'speed_deg_s'"),
         ("[1, 2, 3, 4, 5, 6]", "[1, 2, 3, 4, 5]", 57, "six angles"),
