@@ -5,10 +5,11 @@
     python benchmarks/calibration.py --kept FOLDER         only estimate, from kept recordings
 
 Each arm is a simulator in a process of its own with a random profile: geometry, lag and gain of the
-drives, noise, updates of readings, times of power, load, friction, precision. `aioduco check
---motions` moves and records it in real time, with fewer poses than by default; then the recording
-alone gives a profile, which is compared with the hidden one. A busy machine slows simulated time
-down, so that recorded times are not those of the profile: times are tried in made-up time, too.
+drives, noise, updates of readings, times of power, corners that blend, the heartbeat's slack, load,
+friction, precision. `aioduco check --motions` moves and records it in real time, with fewer poses
+than by default; then the recording alone gives a profile, which is compared with the hidden one. A
+busy machine slows simulated time down, so that recorded times are not those of the profile: times
+are tried in made-up time, too.
 """
 
 from __future__ import annotations
@@ -77,9 +78,14 @@ def hidden(seed: int) -> ArmProfile:
     times = {"power_on": (0.3, 1.5), "enable": (0.2, 1.0), "disable": (0.1, 0.4)}
     times["power_off"] = (0.1, 0.5)
     centre = {"x": (-0.05, 0.05), "y": (-0.05, 0.05), "z": (0.02, 0.1)}
+    blends = {f"{kind}_reach": (0.5, 1.2) for kind in ("joint", "line")}
+    blends |= {f"{kind}_share": (0.3, 0.9) for kind in ("joint", "line")}
+    after = np.random.default_rng((seed, 1))  # those below were there before
     return ArmProfile(
         MODEL,
         {
+            "blends": {name: exact(after.uniform(*span)) for name, span in blends.items()},
+            "heartbeat": {"slack": exact(after.uniform(0.0, 1.5))},
             "geometry": geometry,
             "drives": drives,
             "noise": six("joint", 1e-5, 5e-5),
@@ -211,7 +217,7 @@ def unit(section: str, name: str) -> str:
     """Name of a kind of values, which are judged together."""
     if section == "geometry":
         return "lengths [m]" if name[:-1] in ("a", "d") else "angles [rad]"
-    return f"{section} {name.rstrip('123456')}"
+    return f"{section} {name.rstrip('123456').removeprefix('joint_').removeprefix('line_')}"
 
 
 def compare(pairs: list[tuple[ArmProfile, Calibration]]) -> dict[str, Any]:

@@ -19,6 +19,8 @@ from aioduco.cli.status import look
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aioduco.cli.measuring import Extent
+
 __all__ = ["check"]
 
 
@@ -52,6 +54,13 @@ def check(
     power: Annotated[
         bool,
         typer.Option(help="With --motions: also disable, enable, power off and on, five times."),
+    ] = True,
+    lapse: Annotated[
+        bool,
+        typer.Option(
+            help="With --motions: also end the heartbeat in a slow motion, twice, so that the "
+            "controller stops the arm."
+        ),
     ] = True,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the arm moves.")] = False,
     output: Annotated[
@@ -102,7 +111,13 @@ def check(
     if target.endswith(".toml") or Path(target).is_file():
         _points(Path(target), model, start, tool, wobj)
     elif motions is not None:
-        _motions(robot_at(target, port, cell), motions, reach, power=power, yes=yes)
+        from aioduco.cli import extras  # noqa: PLC0415 - for this option alone
+
+        extras.need("record")
+        from aioduco.cli.measuring import Extent  # noqa: PLC0415
+
+        extent = Extent(reach=reach, changes=5 if power else 0, lapses=2 if lapse else 0)
+        _motions(robot_at(target, port, cell), motions, extent, yes=yes)
     else:
         address = robot_at(target, port, cell)
         _controller(address, move=move, yes=yes, output=output, bundle=bundle, ids=ids)
@@ -151,22 +166,29 @@ def _controller(
         raise typer.Exit(1)
 
 
-def _motions(address: RobotAddress, path: Path, reach: float, *, power: bool, yes: bool) -> None:
+def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) -> None:
     import anyio  # noqa: PLC0415 - for this option alone
 
-    from aioduco.cli import extras  # noqa: PLC0415
-    from aioduco.cli.measuring import Extent, measure  # noqa: PLC0415
+    from aioduco.cli.measuring import measure  # noqa: PLC0415
 
-    extras.need("record")
-    extent = Extent(reach=reach, changes=5 if power else 0)
+    reach = extent.reach
     brakes = (
-        "" if not power else " Then its brakes close and its power goes off and on, five times."
+        f" Then its brakes close and its power goes off and on, {extent.changes} times."
+        if extent.changes
+        else ""
+    )
+    lapses = (
+        " At the end the heartbeat ends in a slow turn of the last joint, "
+        f"{extent.lapses} times: the controller stops the arm."
+        if extent.lapses
+        else ""
     )
     what = (
         f"For some {extent.minutes:.0f} minutes the arm at {address} will move around where it is: "
         f"every joint turns by up to {math.degrees(reach):.0f} degrees either way, those of the "
-        f"wrist by up to {math.degrees(1.5 * reach):.0f}.{brakes} It must be enabled, its elbow "
-        f"bent, and with nothing within that space.\n{SAFE}"
+        f"wrist by up to {math.degrees(1.5 * reach):.0f}, and the tool moves up and aside by "
+        f"{1000 * extent.line:.0f} mm.{brakes}{lapses} It must be enabled, its elbow bent, and "
+        f"with nothing within that space.\n{SAFE}"
     )
     ask(what, "Move it?", yes=yes)
     with ended_by_errors("interrupted: the arm was stopped"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -9,13 +10,15 @@ import anyio
 import numpy as np
 
 import aioduco
-from aioduco.errors import RobotStateError
+from aioduco._wire.rpc import calls
+from aioduco.errors import Refused, RobotStateError, TaskError, TaskStopped
 from aioduco.models.enums import RobotState
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
+    from aioduco.models.pose import Pose
     from aioduco.robot import Robot
 
 __all__ = ["Extent", "measure"]
@@ -32,6 +35,18 @@ _READS: Final = 4
 #: speeds at which each joint turns there and back [rad/s], and their acceleration [rad/s²]
 _SPEEDS: Final = (0.15, 0.45, 0.8)
 _HARD: Final = 5.0
+#: blend radii, as shares of the reach [m/rad]; length of the lines, too
+_RADII: Final = (0.04, 0.055, 0.07)
+_LINE: Final = 0.2
+#: acceleration of motions that blend [rad/s², m/s²]: low, so that it limits them at the corners
+_GENTLE: Final = 1.0
+#: speeds of them, squared, as shares of the reach: each line has a part of constant speed
+_JOINT_PACE, _LINE_PACE = 0.45, 0.1
+#: time that the one beat announces, the motion that it stops at most, and the time before in which
+#: no other heartbeat is expected any more [s]
+_ANNOUNCED: Final = 0.5
+_LAPSE: Final = 8.0
+_FORGOTTEN: Final = 3.0
 #: what the joints may turn at most, as a share of the reach: first the large ones of the arm
 _SHARES: Final = np.array([1.0, 0.6, 0.6, 1.0, 1.2, 1.5])
 
@@ -45,18 +60,28 @@ class Extent:
         poses: configurations at which joints and poses are read.
         rounds: times that each joint turns there and back at each speed.
         changes: times that the arm is disabled and enabled, powered off and on; 0 for never.
+        lapses: times that the heartbeat ends in a slow motion; 0 for never.
     """
 
     reach: float = 0.5
     poses: int = 40
     rounds: int = 2
     changes: int = 5
+    lapses: int = 2
 
     @property
     def minutes(self) -> float:
         """Duration on an arm of usual speed [min]."""
         way = sum(2 * self.rounds * (self.reach * 0.6 / v + 0.3) for v in _SPEEDS) * 6
-        return (self.poses * (_STILL + 2.0) + way + self.changes * 5.0 + 10.0) / 60.0
+        corners = len(_RADII) * 16.0
+        lapses = self.lapses * (_FORGOTTEN + 5.0)
+        seconds = self.poses * (_STILL + 2.0) + way + corners + self.changes * 5.0 + lapses + 10.0
+        return seconds / 60.0
+
+    @property
+    def line(self) -> float:
+        """How far the tip moves up and aside, besides [m]."""
+        return _LINE * self.reach
 
 
 async def measure(
@@ -74,15 +99,21 @@ async def measure(
     Raises:
         DucoError: the arm is not enabled, or a motion failed; the arm was stopped.
     """
-    async with aioduco.connect(host, port, record=path, state_rate=_RATE) as robot:
-        states = await robot.state.get_robot_state()
-        if states.robot is not RobotState.ENABLE:
-            raise RobotStateError("the arm is not enabled: `aioduco bring-up` enables it")
-        start = np.array(await robot.state.get_actual_joints_position())
-        await _poses(robot, start, extent, progress)
-        await _turns(robot, start, extent, progress)
-        await _updates(robot, start, extent, progress)
-        await _changes(robot, extent, progress)
+    # The robot that moves has no heartbeat, so that it can end in a motion while all is recorded.
+    # Until then, another one beats in the same program: without the one, the other ends, too.
+    moving = aioduco.connect(host, port, record=path, state_rate=_RATE, heartbeat=None)
+    async with moving as robot:
+        async with aioduco.connect(host, port):
+            states = await robot.state.get_robot_state()
+            if states.robot is not RobotState.ENABLE:
+                raise RobotStateError("the arm is not enabled: `aioduco bring-up` enables it")
+            start = np.array(await robot.state.get_actual_joints_position())
+            await _poses(robot, start, extent, progress)
+            await _turns(robot, start, extent, progress)
+            await _updates(robot, start, extent, progress)
+            await _corners(robot, start, extent, progress)
+            await _changes(robot, extent, progress)
+        await _lapses(robot, start, extent, progress)
 
 
 async def _poses(
@@ -145,6 +176,77 @@ async def _updates(
         goal = start + side * extent.reach
         motion = robot.motion.movej2(goal.tolist(), v=0.08, a=1.0)
         await _during(motion, robot.state.get_actual_joints_position, 0.0)
+
+
+async def _corners(
+    robot: Robot, start: np.ndarray, extent: Extent, progress: Callable[[str], object]
+) -> None:
+    """Blend joint moves and lines, both ways round, with several radii."""
+    progress("corners of joint motions")
+    motion, reach = robot.motion, extent.reach
+    pace = (math.sqrt(_JOINT_PACE * reach), _GENTLE)
+    turned = [start, *(start + 0.6 * reach * np.eye(6)[way] for way in (0, 2))]
+    far = turned[1] + turned[2] - start
+    for radius in _RADII:
+        for corner, end in ((turned[1], far), (turned[2], start)):
+            await motion.run(
+                motion.movej2(corner.tolist(), *pace, r=radius * reach),
+                motion.movej2(end.tolist(), *pace),
+            )
+            await anyio.sleep(_STILL)
+    progress("corners of lines")
+    pace = (math.sqrt(_LINE_PACE * reach), _GENTLE)
+    tip = await robot.state.get_tcp_pose()
+    up, aside = tip.shifted(z=extent.line), _aside(tip, extent.line)
+    both = aside.shifted(z=extent.line)
+    try:
+        for radius in _RADII:
+            for corner, end in ((up, both), (aside, tip)):
+                await motion.run(
+                    motion.movel(corner, *pace, r=radius * reach), motion.movel(end, *pace)
+                )
+                await anyio.sleep(_STILL)
+    except (Refused, TaskError) as error:
+        progress(f"corners of lines are left out: {error}")
+    await motion.movej2(start.tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
+
+
+def _aside(tip: Pose, way: float) -> Pose:
+    """The tip, moved horizontally and across the direction to the arm's base."""
+    away = math.hypot(tip.x, tip.y) or 1.0
+    return tip.shifted(x=-way * tip.y / away, y=way * tip.x / away)
+
+
+async def _lapses(
+    robot: Robot, start: np.ndarray, extent: Extent, progress: Callable[[str], object]
+) -> None:
+    """Send one beat and none after it, while the last joint turns slowly: the controller stops it.
+
+    If it does not, the motion ends by itself at its target.
+    """
+    way = 1.4 * extent.reach * np.eye(6)[5]
+    for i in range(extent.lapses):
+        progress(f"a heartbeat that ends, {i + 1} of {extent.lapses}")
+        await robot.motion.movej2((start - way).tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
+        await anyio.sleep(_FORGOTTEN)
+        goal = (start + way).tolist()
+        task = await robot.motion.movej2(goal, v=2.0 * way[5] / _LAPSE, a=_BETWEEN[1]).start()
+        await anyio.sleep(_STILL)
+        await robot._supervisor.rpc.send(calls.rpc_heartbeat(round(1000 * _ANNOUNCED)))
+        try:
+            await task
+        except TaskStopped:
+            await anyio.sleep(_STILL)
+        else:
+            progress("the controller did not stop the arm")
+        states = await robot.state.get_robot_state()
+        if states.robot is not RobotState.ENABLE:
+            raise RobotStateError(
+                f"after the heartbeat ended the arm is {states.robot.name}: `aioduco recover` "
+                "brings it back; what was recorded is kept"
+            )
+    if extent.lapses:
+        await robot.motion.movej2(start.tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
 
 
 async def _changes(robot: Robot, extent: Extent, progress: Callable[[str], object]) -> None:

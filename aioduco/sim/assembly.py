@@ -21,6 +21,7 @@ from aioduco.sim.handlers.generations import NewerHandlers, OlderHandlers
 from aioduco.sim.handlers.single_precision import in_single_precision
 from aioduco.sim.physics.drives import TrailingDrives
 from aioduco.sim.physics.world import World
+from aioduco.sim.planner.blending import CornerLaw, Corners
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server import Server
@@ -242,11 +243,28 @@ def _encoders(
     return lambda joints: joints + size * random.standard_normal(6)
 
 
+def _corners(settings: SimulatorSettings) -> Corners:
+    """How corners are cut, by the profile if it has that."""
+    profile, usual = settings.profile, CornerLaw()
+    if profile is None:
+        return Corners()
+    joint, line = (
+        CornerLaw(
+            *(
+                profile.value("blends", f"{kind}_{name}", getattr(usual, name))
+                for name in CornerLaw._fields
+            )
+        )
+        for kind in Corners._fields
+    )
+    return Corners(joint, line)
+
+
 def _controller(settings: SimulatorSettings) -> Controller:
-    arm, cycle = settings.arm, settings.cycle
+    arm, cycle, corners = settings.arm, settings.cycle, _corners(settings)
 
     def mover(q: NDArray[np.float64]) -> Mover:
-        return Mover(arm, q, cycle, settling=settling)
+        return Mover(arm, q, cycle, settling=settling, corners=corners)
 
     def settling() -> float:
         return settings.vibration_time if controller.optimization.vibration else 0.0

@@ -58,6 +58,10 @@ RANGES: Final[dict[str, dict[str, tuple[float, float, str]]]] = {
     "readings": {"period": (0.0, 0.5, "s")},
     "times": dict.fromkeys(("power_on", "enable", "disable", "power_off"), (0.0, 60.0, "s")),
     "heartbeat": {"slack": (0.0, 10.0, "s")},
+    "blends": {
+        **dict.fromkeys(("joint_reach", "line_reach"), (0.1, 2.0, "of the radius")),
+        **dict.fromkeys(("joint_share", "line_share"), (0.05, 1.0, "of the acceleration")),
+    },
     "load": {"mass": (0.0, 50.0, "kg"), **dict.fromkeys("xyz", (-1.0, 1.0, "m"))},
     "friction": {**_six("dry", 0.0, 100.0, "N m"), **_six("viscous", 0.0, 200.0, "N m s/rad")},
 }

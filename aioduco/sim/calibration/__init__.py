@@ -5,8 +5,8 @@
     found.profile.save("arm.toml")
     Simulator(profile="arm.toml")
 
-`evidence` reads recordings into arrays; `geometry`, `drives`, `times`, `heartbeat` and `torques`
-estimate, each a section of the profile, without files; `calibrate` puts them together.
+`evidence` reads recordings into arrays; `geometry`, `drives`, `times`, `heartbeat`, `torques` and
+`blends` estimate, each a section of the profile, without files; `calibrate` puts them together.
 """
 
 from __future__ import annotations

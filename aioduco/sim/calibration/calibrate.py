@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 
 from aioduco.errors import CalibrationError, MissingExtra, ParameterError
 from aioduco.kinematics import models
+from aioduco.sim.calibration.blends import estimate_blends
 from aioduco.sim.calibration.drives import estimate_drives, estimate_noise
 from aioduco.sim.calibration.evidence import read_evidence
-from aioduco.sim.calibration.findings import Findings
 from aioduco.sim.calibration.geometry import estimate_geometry
 from aioduco.sim.calibration.heartbeat import estimate_slack
 from aioduco.sim.calibration.times import estimate_period, estimate_times, single_precision
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.sim.calibration.evidence import Evidence
+    from aioduco.sim.calibration.findings import Findings
 
 __all__ = ["Calibration", "calibrate", "profile_of"]
 
@@ -116,10 +117,7 @@ def _findings(runs: Sequence[Evidence], model: str) -> list[Findings]:
         estimate_slack(runs),
         estimate_load(arm, runs),
         estimate_friction(runs),
-        Findings.none(
-            "blends",
-            "blends: how corners are cut is not estimated yet",
-        ),
+        estimate_blends(arm, runs),
     ]
 
 

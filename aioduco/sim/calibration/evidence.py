@@ -25,7 +25,16 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.recording.run import RecordedRun
 
-__all__ = ["Evidence", "Motions", "Poses", "Reads", "StateRead", "TimedCall", "read_evidence"]
+__all__ = [
+    "Corner",
+    "Evidence",
+    "Motions",
+    "Poses",
+    "Reads",
+    "StateRead",
+    "TimedCall",
+    "read_evidence",
+]
 
 #: joints read before and after a pose may differ by this, else the arm moved [rad]
 _SAME: Final = 2e-4
@@ -35,6 +44,7 @@ _TOGETHER: Final = 0.5
 _STOPS: Final = 5e-3
 _JOINTS, _TORQUE = "get_actual_joints_position", "get_actual_joints_torque"
 _FLANGE, _TIP, _OFFSET = "get_flange_pose", "get_tcp_pose", "get_tcp_offset"
+_MOVES: Final = {"movej2": "joint", "movel": "line"}
 _POWER: Final = ("power_on", "enable", "disable", "power_off")
 
 
@@ -100,6 +110,28 @@ class StateRead(NamedTuple):
     state: RobotState
 
 
+class Corner(NamedTuple):
+    """Two joint moves or two lines in a row, of one speed, the first with a blend radius.
+
+    Attributes:
+        kind: "joint" or "line".
+        begin, end: when the first was sent, and the motion after the second [s].
+        place: target of the first: joints [rad], or the tip in the base frame [m].
+        after: target of the second.
+        radius: the blend radius [m].
+        speed, acceleration: of both [rad/s, rad/s²], or [m/s, m/s²].
+    """
+
+    kind: str
+    begin: float
+    end: float
+    place: Array
+    after: Array
+    radius: float
+    speed: float
+    acceleration: float
+
+
 @dataclass(frozen=True)
 class Evidence:
     """What one recording says.
@@ -110,6 +142,8 @@ class Evidence:
         poses, motions, joints, torques: see the classes; empty if the recording has none.
         calls, states: calls that change the robot's state, and the states that were read.
         beats: heartbeats, with the time that each announced [s].
+        corners: motions that may have blended.
+        tool: tip of the tool in the flange's frame, if it was one throughout. Shape (4, 4).
     """
 
     name: str
@@ -121,6 +155,8 @@ class Evidence:
     calls: tuple[TimedCall, ...]
     states: tuple[StateRead, ...]
     beats: tuple[tuple[TimedCall, float], ...] = ()
+    corners: tuple[Corner, ...] = ()
+    tool: Array | None = None
 
 
 class _Call(NamedTuple):
@@ -156,6 +192,8 @@ def read_evidence(path: str | os.PathLike[str]) -> Evidence:
         tuple(TimedCall(c.function, c.begin, c.end) for c in calls if c.function in _POWER),
         tuple(_states(run, calls, motions.time)),
         tuple(_beats(calls)),
+        tuple(_corners(calls)),
+        _tool(calls),
     )
 
 
@@ -181,6 +219,43 @@ def _beats(calls: Sequence[_Call]) -> Iterator[tuple[TimedCall, float]]:
                 yield TimedCall(call.function, call.begin, call.end), milliseconds / 1000.0
 
 
+def _tool(calls: Sequence[_Call]) -> Array | None:
+    offsets = [v for c in calls if c.function == _OFFSET and (v := _six(c.result)) is not None]
+    if not offsets or any(np.abs(each - offsets[0]).max() > 1e-9 for each in offsets):
+        return None
+    return Pose.of(offsets[0]).matrix
+
+
+def _corners(calls: Sequence[_Call]) -> Iterator[Corner]:
+    moves = [call for call in calls if call.function in _MOVES]
+    after = [*(call.begin for call in moves[2:]), float("inf")]
+    for first, second, end in zip(moves, moves[1:], after, strict=False):
+        one, two = _move(first), _move(second)
+        if one is None or two is None or first.function != second.function:
+            continue
+        (place, v, a, r), (target, *pace) = one, two
+        if r > 0.0 and [v, a] == pace[:2]:
+            yield Corner(_MOVES[first.function], first.begin, end, place, target, r, v, a)
+
+
+def _move(call: _Call) -> tuple[Array, float, float, float] | None:
+    """Target, speed, acceleration and blend radius of a motion."""
+    try:
+        target, v, a, r, *others = call.arguments
+        found, numbers = _six(target), (float(v), float(a), float(r))
+    except (TypeError, ValueError):
+        return None
+    # A line may name a tool and a work object; the last argument lets the controller choose `a`.
+    if (
+        found is None
+        or not others
+        or others[-1] is True
+        or any(others[1:3] if len(others) > 3 else ())
+    ):
+        return None
+    return (found if call.function == "movej2" else found[:3], *numbers)
+
+
 def _six(value: Any) -> Array | None:
     try:
         numbers = np.array(value, dtype=float)
@@ -203,15 +278,15 @@ def _reads(calls: Sequence[_Call], function: str) -> Reads:
 
 def _poses(calls: Sequence[_Call]) -> Poses:
     joints = _reads(calls, _JOINTS)
-    offsets = [v for c in calls if c.function == _OFFSET and (v := _six(c.result)) is not None]
     # The flange if it was read; else the tip with its offset, if that was one throughout.
     flange = _reads(calls, _FLANGE)
-    told, back, tip = flange, np.eye(4), False
+    told, tip = flange, False
+    back: Array = np.eye(4)
     if not len(flange.begin):
-        told = _reads(calls, _TIP)
-        tip = not offsets or any(np.abs(each - offsets[0]).max() > 1e-9 for each in offsets)
-        if not tip:
-            back = Pose.of(offsets[0]).inverse().matrix
+        told, tool = _reads(calls, _TIP), _tool(calls)
+        tip = tool is None
+        if tool is not None:
+            back = np.asarray(np.linalg.inv(tool), dtype=np.float64)
     qs, poses = [], []
     for begin, end, value in zip(*told, strict=True):
         before = np.flatnonzero(joints.end <= begin)

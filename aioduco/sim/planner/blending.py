@@ -30,12 +30,35 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.timing import PathLimits
 
 
-__all__ = ["Blend", "Entry", "alone", "blend", "joined", "keeps"]
+__all__ = ["Blend", "CornerLaw", "Corners", "Entry", "alone", "blend", "joined", "keeps"]
 
 _PIECES = 24
 _LEAST = 1e-6  # radius below which there is no blend [m]
 _SEARCH = 129  # samples of the search for the blend radius
-_SHARE = 0.8  # share of the acceleration for the bend; the rest changes the speed along it
+
+
+class CornerLaw(NamedTuple):
+    """How a corner is cut.
+
+    Attributes:
+        reach: distance at which the tool leaves its path before the corner, as a share of the
+            blend radius.
+        share: share of the acceleration that the bend takes; the rest changes the speed along it.
+    """
+
+    reach: float = 1.0
+    share: float = 0.8
+
+
+class Corners(NamedTuple):
+    """How corners are cut after joint moves, and after motions on a curve of the tool."""
+
+    joint: CornerLaw = CornerLaw()
+    line: CornerLaw = CornerLaw()
+
+    def after(self, segment: Segment) -> CornerLaw:
+        """The law for the corner at the end of a motion."""
+        return self.joint if segment.curve is None else self.line
 
 
 class Blend(NamedTuple):
@@ -58,7 +81,7 @@ class Blend(NamedTuple):
     axes: Path | None = None
 
 
-def blend(first: Segment, second: Segment) -> Blend | None:
+def blend(first: Segment, second: Segment, corners: Corners = Corners()) -> Blend | None:  # noqa: B008 - a value
     """Blend one motion into the next, within the radius of the first.
 
     While the first motion decelerates to its end, the second accelerates from its start, and both
@@ -68,6 +91,7 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     Args:
         first: a motion with a blend radius.
         second: the motion that begins where the first ends.
+        corners: how corners are cut.
 
     Returns:
         The blend; None if none is possible, for instance between motions with different external
@@ -78,9 +102,11 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     one, two = first.axes, second.axes
     if (one and one.numbers) != (two and two.numbers):
         return None
-    left = _reach(first, backwards=True)
+    law = corners.after(first)
+    radius = law.reach * first.radius
+    left = _reach(first, radius, backwards=True)
     yield_now()
-    enter = _reach(second, backwards=False, radius=first.radius)
+    enter = _reach(second, radius, backwards=False)
     yield_now()
     if left is None or enter is None:
         return None
@@ -107,18 +133,18 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
         yield_now()
-        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE)
+        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=law.share)
     else:
         # Between a joint move and a line only the joints have a common limit.
         moves = [segment for segment in (first, second) if segment.curve is None]
         rate = min((segment.a for segment in moves), default=math.inf)
         common = speed if len(moves) == 2 else math.inf
-        limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE)
+        limits = joint_limits(first.arm, nodes, joints, common, rate, share=law.share)
     axes = None
     if one is not None and two is not None:
         axes = blended(one, two, corner.leave, enter)
         for move in (one, two):
-            limits = limits.stricter(move.limits(axes, nodes, _SHARE))
+            limits = limits.stricter(move.limits(axes, nodes, law.share))
     return Blend(corner.leave, enter, path, limits, enter / left, axes)
 
 
@@ -177,9 +203,8 @@ class _Corner:
         return both
 
 
-def _reach(segment: Segment, *, backwards: bool, radius: float | None = None) -> float | None:
-    """Give the distance along a motion, from one end, at which the tool is one radius away."""
-    radius = segment.radius if radius is None else radius
+def _reach(segment: Segment, radius: float, *, backwards: bool) -> float | None:
+    """Give the distance along a motion, from one end, at which the tool is a radius away."""
     along = np.linspace(0.0, 0.5 * segment.length, _SEARCH)
     points = segment.tcp(segment.length - along if backwards else along)[:, :3, 3]
     yield_now()
@@ -238,17 +263,22 @@ def alone(key: int, segment: Segment) -> Entry:
     return _with_exits((entry,))[0]
 
 
-def joined(queue: tuple[Entry, ...], new: Entry) -> tuple[Entry, ...] | None:
+def joined(
+    queue: tuple[Entry, ...],
+    new: Entry,
+    corners: Corners = Corners(),  # noqa: B008 - a value
+) -> tuple[Entry, ...] | None:
     """Blend the last motion of a queue into a new one.
 
     Args:
         queue: the queue, the running motion first.
         new: the new motion, alone.
+        corners: how corners are cut.
 
     Returns:
         The new queue; None if the last motion stops at its end.
     """
-    corner = blend(queue[-1].segment, new.segment) if queue else None
+    corner = blend(queue[-1].segment, new.segment, corners) if queue else None
     if corner is None:
         return None
     left = _leave(queue[-1], corner)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.planner.blending import Entry, alone, joined, keeps
+from aioduco.sim.planner.blending import Corners, Entry, alone, joined, keeps
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, carry
 from aioduco.sim.planner.slices import yield_now
@@ -118,6 +118,7 @@ class Draft(NamedTuple):
         axes: positions at which those leave external axes, by number.
         rest: data of motions that have ended, to be freed in slices: for long motions this takes
             long.
+        corners: how corners are cut.
     """
 
     key: int
@@ -126,6 +127,7 @@ class Draft(NamedTuple):
     queue: tuple[Entry, ...]
     axes: dict[int, float]
     rest: list[object]
+    corners: Corners = Corners()
 
     def work(self) -> Drafted:
         """Plan the motion, its blend with the one before it included.
@@ -148,7 +150,7 @@ class Draft(NamedTuple):
         if segment.path is not None and pieces + len(segment.path.bounds) > _MOST:
             raise PlanError("limits", "the motions that wait are too long to be known at once")
         new = alone(self.key, segment)
-        return Drafted(self, segment, new, joined(self.queue, new))
+        return Drafted(self, segment, new, joined(self.queue, new, self.corners))
 
 
 class MoverTick(NamedTuple):
@@ -166,6 +168,7 @@ class Mover:
         q: joints at the start [rad]. Shape (6,).
         cycle: time between two ticks [s].
         settling: gives the time for which a motion stands at its end before it is finished [s].
+        corners: how corners are cut where motions blend.
     """
 
     def __init__(
@@ -175,8 +178,10 @@ class Mover:
         cycle: float = 0.001,
         *,
         settling: Callable[[], float] = lambda: 0.0,
+        corners: Corners = Corners(),  # noqa: B008 - a value
     ) -> None:
         self._arm = arm
+        self._corners = corners
         self._cycle = cycle
         self._settling = settling
         self._stood = 0.0  # time for which the active motion has stood at its end
@@ -278,7 +283,7 @@ class Mover:
             raise PlanError("parameter", "the arm is stopping")
         rest, self._rest = self._rest, []
         axes = {**self._axes, **self._left_by_queue()}
-        return Draft(key, plan, self._end, self._queue, axes, rest)
+        return Draft(key, plan, self._end, self._queue, axes, rest, self._corners)
 
     def take(self, drafted: Drafted) -> bool:
         """Put a drafted motion at the end of the queue.

@@ -17,6 +17,7 @@ from aioduco.cli.measuring import Extent
 from aioduco.errors import CalibrationError, ParameterError, RecordingError
 from aioduco.sim import ArmProfile, Simulator
 from aioduco.sim.calibration import calibrate, profile_of
+from aioduco.sim.calibration.evidence import read_evidence
 
 from .made import MODEL, READY, configurations, empty, exact, hidden_geometry, poses_of
 
@@ -39,7 +40,7 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
     with Simulator(profile=truth, joints=READY, speed=6) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
             await robot.bring_up()
-        extent = Extent(reach=0.5, poses=16, rounds=3, changes=1)
+        extent = Extent(reach=0.5, poses=16, rounds=3, changes=1, lapses=0)
         await measuring.measure(sim.host, sim.port, path, extent, told.append)
         assert sim.joints == pytest.approx(READY, abs=1e-3)
     assert told[0] == "poses: 16 configurations"
@@ -57,6 +58,37 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
         assert abs(found.values["drives"][name].value - value) < 1e-3, name
 
 
+@pytest.mark.timeout(300)
+async def test_corners_and_a_heartbeat_that_ends_are_recorded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hidden = {"joint_reach": 0.8, "joint_share": 0.5, "line_reach": 0.9, "line_share": 0.6}
+    slack = exact(0.6)  # of this computer's time, as are the heartbeats
+    truth = ArmProfile(
+        MODEL,
+        {"blends": {n: exact(v) for n, v in hidden.items()}, "heartbeat": {"slack": slack}},
+    )
+    monkeypatch.setattr(measuring, "_STILL", 0.1)
+    monkeypatch.setattr(measuring, "_FORGOTTEN", 1.8)
+    path, told = tmp_path / "run.mcap", list[str]()
+    with Simulator(profile=truth, joints=READY, speed=4) as sim:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+        extent = Extent(poses=0, rounds=0, changes=0, lapses=1)
+        await measuring.measure(sim.host, sim.port, path, extent, told.append)
+        assert sim.joints == pytest.approx(READY, abs=1e-3)
+    assert "corners of lines" in told
+    assert told[-1] == "a heartbeat that ends, 1 of 1"  # and the arm stopped
+    run = read_evidence(path)
+    assert [each.kind for each in run.corners] == ["joint"] * 6 + ["line"] * 6
+    assert [announced for _, announced in run.beats] == [0.5]
+    # A busy computer stops the arm later, and reads fewer samples than the estimates need.
+    found = calibrate(path).profile.values
+    assert all(each.high >= slack.value for each in found.get("heartbeat", {}).values())
+    for name, (_, low, high) in found.get("blends", {}).items():
+        assert low <= hidden[name] <= high, name
+
+
 async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
     with Simulator(joints=READY) as sim:
         with pytest.raises(aioduco.RobotStateError, match="not enabled"):
@@ -71,7 +103,10 @@ def test_the_motions_are_asked_for(tmp_path: Path) -> None:
         words = ["check", f"{sim.host}:{sim.port}", "--motions", str(tmp_path / "run.mcap")]
         outcome = CliRunner().invoke(app, words, input="n\n")
     assert outcome.exit_code == 3
-    assert "every joint turns by up to 29 degrees" in " ".join(outcome.output.split())
+    told = " ".join(outcome.output.split())
+    assert "every joint turns by up to 29 degrees" in told
+    assert "up and aside by 100 mm" in told
+    assert "the heartbeat ends in a slow turn of the last joint, 2 times" in told
     assert not (tmp_path / "run.mcap").exists()
 
 

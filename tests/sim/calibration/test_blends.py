@@ -1,0 +1,142 @@
+"""How corners are cut, from set-points of motions that blend."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from aioduco.kinematics import arm
+from aioduco.sim.calibration.blends import estimate_blends
+from aioduco.sim.calibration.evidence import Corner, Evidence, Motions
+from aioduco.sim.planner.blending import CornerLaw, Corners
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.segments import Segment, joint_move, line_move
+
+from .made import MODEL, READY, SPEED_STEP, STEP, empty
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.models.rotation import Array
+
+ARM = arm(MODEL)
+RADII = (0.02, 0.027, 0.035)
+JOINT_PACE, LINE_PACE = (0.47, 1.0), (0.22, 1.0)
+
+
+def set_points(kind: str, places: tuple[Array, Array], radius: float, law: CornerLaw) -> Array:
+    """Set-points and their speeds of two motions, every 8 ms. Shape (n, 2, 6)."""
+    mover = Mover(ARM, READY, 1e-3, corners=Corners(law, law))
+    for number, (place, r) in enumerate(zip(places, (radius, 0.0), strict=True)):
+
+        def plan(q: Array, to: Array = place, r: float = r) -> Segment:
+            if kind == "joint":
+                return joint_move(ARM, q, to, *JOINT_PACE, r)
+            return line_move(ARM, q, to, *LINE_PACE, r)
+
+        mover.append(number, plan)
+    rows = [(READY, np.zeros(6))] * 16
+    while mover.moving:
+        told = mover.tick().setpoint
+        rows.append((told.q, told.qd))
+    return np.array(rows)[::8]
+
+
+def cut(
+    kind: str, law: CornerLaw, radii: Sequence[float] = RADII, *, blended: bool = True
+) -> Evidence:
+    """Two corners with each radius, the other way round the second time."""
+    rows, corners, now = [], [], 0.0
+    for radius in radii:
+        for ways in ((0, 2), (2, 0)) if kind == "joint" else ((2, 1), (1, 2)):
+            if kind == "joint":
+                first = READY + 0.3 * np.eye(6)[ways[0]]
+                places = first, first + 0.3 * np.eye(6)[ways[1]]
+                where = places
+            else:
+                first, second = ARM.fkine(READY), ARM.fkine(READY)
+                first[ways[0], 3] += 0.1
+                second[list(ways), 3] += 0.1
+                places, where = (first, second), (first[:3, 3], second[:3, 3])
+            pace = JOINT_PACE if kind == "joint" else LINE_PACE
+            found = set_points(kind, places, radius if blended else 0.0, law)
+            rows.append(found)
+            end = now + 0.008 * len(found)
+            corners.append(Corner(kind, now - 1e-4, end - 1e-4, *where, radius, *pace))
+            now = end
+    together = np.concatenate(rows)
+    wanted = np.round(together[:, 0] / STEP) * STEP
+    speed = np.round(together[:, 1] / SPEED_STEP) * SPEED_STEP
+    time = 0.008 * np.arange(len(wanted), dtype=np.float64)
+    motions = Motions(time, wanted, speed, wanted, speed)
+    return replace(empty(), motions=motions, corners=tuple(corners), tool=np.eye(4))
+
+
+@pytest.mark.parametrize("kind", ["joint", "line"])
+@pytest.mark.parametrize("law", [CornerLaw(), CornerLaw(0.6, 0.4), CornerLaw(1.1, 0.9)])
+def test_reach_and_share_are_found_within_their_intervals(kind: str, law: CornerLaw) -> None:
+    found = estimate_blends(ARM, [cut(kind, law)])
+    for name in law._fields:
+        value, low, high = found.values[f"{kind}_{name}"]
+        assert value == pytest.approx(getattr(law, name), rel=0.01)
+        assert low <= getattr(law, name) <= high
+    other = {"joint": "line", "line": "joint"}[kind]
+    (said,) = found.missing
+    assert said.startswith(f"blends, {other}: 0 corners were recorded, and 0 of them cut")
+    assert "6 corners" in found.notes[0]
+
+
+def test_corners_at_which_the_arm_stopped_are_not_counted() -> None:
+    found = estimate_blends(ARM, [cut("joint", CornerLaw(), blended=False)])
+    assert found.values == {}
+    assert "6 corners were recorded, and 0 of them cut" in found.missing[0]
+
+
+def test_one_radius_does_not_show_that_a_reach_is_a_share_of_it() -> None:
+    found = estimate_blends(ARM, [cut("joint", CornerLaw(), (0.03, 0.03))])
+    assert found.values == {}
+    assert "of two radii" in found.missing[0]
+
+
+def test_a_share_is_not_claimed_where_the_speed_was_the_limit() -> None:
+    run = cut("joint", CornerLaw())
+    quick = tuple(each._replace(speed=0.1) for each in run.corners)
+    found = estimate_blends(ARM, [replace(run, corners=quick)])
+    assert found.values.keys() == {"joint_reach"}
+    assert "the speed was the limit, or not reached, in 6 of 6 corners" in found.missing[0]
+
+
+def test_corners_of_another_shape_are_left_out() -> None:
+    run = cut("joint", CornerLaw())
+    wanted = run.motions.wanted.copy()
+    for corner in run.corners:  # a path that is nearer to the first line than to the second
+        during = (run.motions.time > corner.begin) & (run.motions.time < corner.end)
+        way = wanted[during] - corner.place
+        both = (np.abs(way[:, [0, 2]]) > 1e-6).all(axis=1)
+        way[both] *= 1.0 + 0.3 * np.sin(6.0 * np.arange(both.sum()) / both.sum())[:, None]
+        wanted[during] = corner.place + way
+    found = estimate_blends(ARM, [replace(run, motions=run.motions._replace(wanted=wanted))])
+    assert found.values == {}
+    assert "in another way than the simulator" in found.missing[0]
+
+
+def test_what_a_profile_cannot_have_is_not_claimed() -> None:
+    run = cut("joint", CornerLaw())
+    wide = tuple(each._replace(radius=each.radius / 3.0) for each in run.corners)
+    found = estimate_blends(ARM, [replace(run, corners=wide)])
+    assert found.values == {}
+    assert "which the simulator does not play" in found.missing[0]
+
+
+def test_a_turn_about_the_tip_has_no_radius() -> None:
+    run = cut("joint", CornerLaw())
+    about = tuple(each._replace(after=each.place + 0.3 * np.eye(6)[5]) for each in run.corners)
+    assert estimate_blends(ARM, [replace(run, corners=about)]).values == {}
+
+
+def test_corners_of_an_unknown_tool_are_not_counted() -> None:
+    found = estimate_blends(ARM, [replace(cut("line", CornerLaw()), tool=None)])
+    assert found.values == {}
