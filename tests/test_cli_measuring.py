@@ -200,3 +200,32 @@ def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:
     )
     answer = CliRunner().invoke(app, ["payload", "127.0.0.1:1", "--poses", str(file), "--yes"])
     assert (answer.exit_code, "cannot connect to 127.0.0.1:1" in answer.stderr) == (1, True)
+
+
+def test_poses_behind_a_table_are_not_gone_to(arm: Simulator, tmp_path: Path) -> None:
+    below = np.degrees(np.add(HOME, (0.0, 1.2, 0.2, 0.0, 0.0, 0.0))).tolist()
+    file = tmp_path / "cell.toml"
+    file.write_text(
+        f'[robots.left]\nhost = "{arm.host}"\nport = {arm.port}\nmodel = "gcr5_910"\n'
+        '[[scene.thing]]\nkind = "box"\nname = "bench"\nat = [0.7, 0.1, 0.1]\n'
+        "size = [0.6, 1.2, 0.2]\n"
+        f'[[waypoint]]\nname = "low"\njoints_deg = {below}\n'
+    )
+    before = arm.joints
+    words = ("payload", "left", "--cell", str(file), "--poses", str(file))
+    ended = invoke(*words, confirm="y\n")
+    told = " ".join(ended.stderr.split())
+    assert ended.exit_code == 1, ended.output
+    assert "checked against the scene of the cell" in told
+    assert re.search(r"on the way from where the arm stands to low, .*bench.*: nothing moved", told)
+    assert "without --poses" in told
+    assert np.allclose(arm.joints, before)
+
+
+def test_poses_without_a_cell_are_said_to_be_unknown(arm: Simulator, tmp_path: Path) -> None:
+    file = WaypointFile.new()
+    file.add("p", HOME)
+    file.save(tmp_path / "around.toml")
+    ended = invoke("payload", at(arm), "--poses", str(tmp_path / "around.toml"), confirm="n\n")
+    assert ended.exit_code == 3
+    assert "not known without --cell" in " ".join(ended.stderr.split())

@@ -20,6 +20,7 @@ from aioduco.cli.sessions import control_session
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from aioduco import Cell
     from aioduco.kinematics import Arm, MeasuredLoad
     from aioduco.models.load import Load
     from aioduco.models.pose import Joints
@@ -35,6 +36,9 @@ _READINGS, _EVERY = 50, 0.02
 _REST = 0.5
 #: speed and acceleration between the poses of a file [rad/s, rad/s²]
 _SPEED, _ACCELERATION = 0.3, 0.5
+
+#: step between two places of a way that are checked [rad]
+_CHECKED = 0.02
 
 _Numbers = tuple[float, float, float, float]
 
@@ -100,6 +104,9 @@ def payload(
     Eight poses or more are read, at rest: turn the wrist to several sides and bend the elbow, by 30
     degrees or more. Let go of the arm before each reading. Stop other programs, and tare nothing.
 
+    With --poses the arm moves to them by itself, all joints together. In a cell, the ways are
+    checked against its scene first, and its limits are kept; otherwise see that they are free.
+
     aioduco payload 192.168.1.10 --tool grip
 
     aioduco payload left --poses around.toml --sensor force --held
@@ -111,17 +118,31 @@ def payload(
         raise typer.BadParameter("--tool and --held write the result in two ways: give one of them")
     address = robot_at(host, port, cell)
     known_arm = None if model is None else arm_named(model)
-    file = None if poses is None else _file(poses)
+    kept, file = (None, None) if poses is None else _file(poses)
+    if cell is not None:
+        kept = load_cell(cell)
     if file is None:
         what = (
             f"The arm at {address} will give way to a hand. With a load that its controller does "
             "not know of, it sinks or rises by itself. Hold it."
         )
     else:
-        what = f"The arm at {address} will move to {len(file.waypoints)} poses, at 17 °/s.\n{SAFE}"
+        around = (
+            "The ways are checked against the scene of the cell"
+            if kept is not None
+            else "What stands around it is not known without --cell: see that the ways are free"
+        )
+        what = (
+            f"The arm at {address} will turn all joints together to {len(file.waypoints)} poses, "
+            f"in their order, at 17 °/s. {around}.\n{SAFE}"
+        )
     ask(what, "Begin?", yes=yes)
     # A person may take any time: hand guiding must not stop because no call is made.
     with control_session(address, hold_limit=None) as robot:
+        if kept is not None and file is not None:
+            name = address.name if address.name in kept.robots else None
+            robot.envelope = robot.envelope or kept.envelope(name)
+            _check_ways(kept, name, robot.state.get_actual_joints_position(), file)
         robot.bring_up()
         arm = known_arm or _arm(robot)
         joints, read = [], []
@@ -142,11 +163,39 @@ def payload(
             say("nothing was written to the controller: --tool and --held do that", error=True)
 
 
-def _file(path: Path) -> WaypointFile:
+def _file(path: Path) -> tuple[Cell | None, WaypointFile]:
+    """Waypoints of a file, and the cell if it is one."""
     from aioduco.recording.playback import WaypointFile  # noqa: PLC0415 - quick help
 
     with ended_by_errors():
-        return load_cell(path).waypoints if is_cell(path) else WaypointFile.read(path)
+        if is_cell(path):
+            kept = load_cell(path)
+            return kept, kept.waypoints
+        return None, WaypointFile.read(path)
+
+
+def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile) -> None:
+    """End the command if a joint motion to one of the poses meets something in the cell."""
+    import numpy as np  # noqa: PLC0415 - quick help
+
+    from aioduco.cli import extras  # noqa: PLC0415
+
+    extras.need("plan")
+    scene = cell.scene(name)
+    before, where = np.array(start), "where the arm stands"
+    for number, waypoint in enumerate(file.waypoints, 1):
+        after, there = np.array(waypoint.joints), waypoint.name or f"pose {number}"
+        steps = max(2, int(np.abs(after - before).max() / _CHECKED) + 1)
+        for q in np.linspace(before, after, steps):
+            if scene.collides(q):
+                say(
+                    f"on the way from {where} to {there}, {scene.clearance(q)}: nothing moved. "
+                    "`aioduco teach` stores other poses, or ones in between; without --poses the "
+                    "arm is guided by hand",
+                    error=True,
+                )
+                raise typer.Exit(FAILED)
+        before, where = after, there
 
 
 def _arm(robot: Robot) -> Arm:
