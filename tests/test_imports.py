@@ -94,6 +94,7 @@ def test_dir_lists_every_public_name_before_it_is_loaded() -> None:
     assert run(code) == "set() True"
 
 
+@pytest.mark.slow
 def test_a_star_brings_every_public_name() -> None:
     code = "import aioduco\nfrom aioduco import *\nprint(set(aioduco.__all__) - set(globals()))"
     assert run(code) == "set()"

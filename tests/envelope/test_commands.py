@@ -234,7 +234,7 @@ HAMMERED = [
 ]
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", HAMMERED)
 async def test_a_loop_of_motions_does_not_creep(
     robot: aioduco.Robot, seen: Seen, kind: str
@@ -588,6 +588,7 @@ async def test_a_force_that_grows_stops_the_arm_again(robot: aioduco.Robot, sim:
 # -- the watch while it stops the arm ----------------------------------------------------------
 
 
+@pytest.mark.slow
 async def test_an_arm_that_moves_again_while_a_stop_is_confirmed_is_stopped_again(
     robot: aioduco.Robot, sim: Simulator, seen: Seen, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -208,6 +208,7 @@ def test_what_is_no_action_is_refused_and_does_nothing(made: Callable[..., Any])
             gymnasium.make("aioduco/Reach-v0", **wrong)
 
 
+@pytest.mark.slow
 def test_no_target_leaves_the_space_of_the_task(made: Callable[..., Any]) -> None:
     for actions in ("cartesian", "joints"):
         env = made("aioduco/Reach-v0", actions=actions)

@@ -142,6 +142,7 @@ async def test_it_has_the_channels_of_a_recording(robot: aioduco.Robot, tmp_path
     await robot.wait_for(lambda sample: sample.read_forces is None)
 
 
+@pytest.mark.slow
 async def test_a_watcher_that_reads_nothing_holds_up_nobody(robot: aioduco.Robot) -> None:
     publication = await robot.publish(0, forces=False).start()
     with socket.create_connection(("127.0.0.1", publication.port)) as deaf:

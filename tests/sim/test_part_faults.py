@@ -153,6 +153,7 @@ def test_two_stuck_parts_come_together(cell: Cell) -> None:
         parts.weld_of("part", "part")
 
 
+@pytest.mark.slow
 def test_a_heavier_part_weighs_more(cell: Cell) -> None:
     cell.world.parts.set_mass("part", 2.3)
     cell.run(0.1)

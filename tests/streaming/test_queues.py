@@ -141,6 +141,7 @@ async def test_the_queue_is_never_filled_beyond_its_depth(
     assert max(depths) <= 30
 
 
+@pytest.mark.slow
 async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
     controller: Controller, queue: Cycles
 ) -> None:

@@ -72,7 +72,7 @@ def test_the_motion_is_followed_one_interval_later(way: str) -> None:
     assert max(errors) <= 0.05 * 0.6
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("way", UPSAMPLING)
 @given(targets=st.lists(st.tuples(*[st.floats(-1, 1)] * 6), min_size=1, max_size=8))
 @settings(deadline=None)

@@ -405,6 +405,7 @@ def test_a_plan_with_the_same_seed_does_the_same(proxy: FaultProxy) -> None:
     assert set(first) == {None, *menu}
 
 
+@pytest.mark.slow
 def test_serves_many_connections_at_once(proxy: FaultProxy, server: EchoServer) -> None:
     wrong = []
 

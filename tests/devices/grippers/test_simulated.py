@@ -211,6 +211,7 @@ async def test_a_cup_that_finds_nothing() -> None:
                 await wrong
 
 
+@pytest.mark.slow
 def test_for_programs_that_wait() -> None:
     with (
         Simulator(speed=math.inf, gripper="dh_ag95") as sim,

@@ -41,6 +41,7 @@ def test_samples_at_any_rate_and_times_will_do() -> None:
         assert abs(found.values[f"lag{joint + 1}"].value - lag[joint]) < 1e-3
 
 
+@pytest.mark.slow
 def test_a_drive_without_lag_has_no_gain() -> None:
     random = np.random.default_rng(6)
     motions = turns(random, np.zeros(6), np.full(6, 200.0), np.full(6, 3e-5))

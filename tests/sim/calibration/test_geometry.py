@@ -56,6 +56,7 @@ def test_its_intervals_hold_with_noise() -> None:
     assert np.mean(inside) >= 0.9  # by chance fewer of 88 in 1 of 50 cases
 
 
+@pytest.mark.slow
 def test_how_d2_is_divided_among_parallel_joints_does_not_mislead() -> None:
     random = np.random.default_rng(3)
     truth = hidden_geometry(random).arm

@@ -110,6 +110,7 @@ def test_the_motions_are_asked_for(tmp_path: Path) -> None:
     assert not (tmp_path / "run.mcap").exists()
 
 
+@pytest.mark.slow
 async def test_a_recording_that_shows_nothing_of_the_arm_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     with Simulator(joints=READY) as sim:

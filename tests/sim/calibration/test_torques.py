@@ -78,6 +78,7 @@ def test_a_bare_flange_is_said_to_carry_nothing() -> None:
     assert "no load" in found.missing[0]
 
 
+@pytest.mark.slow
 def test_links_of_other_masses_leave_the_load_out() -> None:
     random = np.random.default_rng(5)
     run = torqued(random, (np.zeros(6), np.zeros(6)), (2.0, CENTRE))

@@ -214,6 +214,7 @@ def test_a_short_disturbance_is_nothing() -> None:
     assert said(monitor(), work(arm, movej2(*THERE), movej2(*READY))) == []
 
 
+@pytest.mark.slow
 def test_a_divergence_is_said_once() -> None:
     arm = PerfectArm()
     arm.torques = pushed((0.0, 8.0, 0.0))

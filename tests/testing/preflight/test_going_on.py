@@ -48,9 +48,9 @@ async def main():
     async with aioduco.connect("192.168.1.10") as robot:
         await robot.bring_up()
         await robot.motion.movel({FAR})
-        await robot.motion.movej2(HOME, v=1.0, a=1.0)
-        await robot.motion.movej_pose2((0.0, -4.0, 0.3, 3.14, 0.0, 0.0), v=1.0, a=1.0)
-        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        await robot.motion.movej2(HOME, v=3.0, a=6.0)
+        await robot.motion.movej_pose2((0.0, -4.0, 0.3, 3.14, 0.0, 0.0), v=3.0, a=6.0)
+        await robot.motion.movej2(HOME, v=3.0, a=6.0)
         here = aioduco.Pose.of(await robot.state.get_tcp_pose())
         await robot.motion.run(
             robot.motion.movel(here.shifted(z=0.05), v=0.5, a=2.0, r=0.01),
@@ -132,6 +132,7 @@ raise SystemExit(states[0])
 """
 
 
+@pytest.mark.slow
 def test_a_vendors_program_gets_the_state_of_the_motion(tmp_path: Path) -> None:
     report = tried(tmp_path, VENDOR)
     assert (8, "unreachable") in lines_of(report)
