@@ -285,7 +285,7 @@ def _guard_refused(error: BaseException) -> str:
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """`-n auto`: more than the processors, since most tests wait for an arm or an answer.
 
-    Each process collects all tests, so the quick run takes fewer of them.
+    Each process loads most of the package, so the quick run takes fewer of them.
     """
     return quick.processors() + (4 if config.getoption("thorough") else 2)
 

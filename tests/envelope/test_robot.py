@@ -179,6 +179,7 @@ async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> 
     assert len(outcomes) == 2
 
 
+@pytest.mark.slow
 async def test_a_blocking_call_is_checked_as_the_motion_is(
     robot: aioduco.Robot, seen: Seen
 ) -> None:

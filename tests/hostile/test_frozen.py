@@ -113,6 +113,7 @@ def bodies(*kinds: dict[str, str]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("body", every.values(), ids=every)
 
 
+@pytest.mark.slow
 @bodies(ROBOT)
 def test_a_frozen_program_that_calls_freeze_support_has_guard_and_lanes(
     bench: Bench, tmp_path: Path, body: str

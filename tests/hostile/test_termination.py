@@ -82,6 +82,7 @@ async def test_a_guard_that_is_told_to_end_stops_the_arm_and_goes_on(
     await eventually_async(lambda: not running(pid), timeout=30.0)
 
 
+@pytest.mark.slow
 async def test_a_guard_that_is_told_to_end_stops_nobody_elses_arm(bench: Bench) -> None:
     bench.motion_time = 600.0
     async with (

@@ -60,6 +60,7 @@ def test_an_uneven_set_states_its_uncertainty_too() -> None:
     assert 0.92 < held / 400 < 0.99
 
 
+@pytest.mark.slow
 def test_the_axes_are_found_within_what_is_stated() -> None:
     turns, held = touching(), np.zeros(2)
     for seed in range(200):

@@ -72,6 +72,7 @@ def cell() -> Cell:
     return Cell()
 
 
+@pytest.mark.slow
 def test_where_a_part_is(cell: Cell) -> None:
     before = cell.height("part")
     cell.run(0.2)

@@ -203,6 +203,7 @@ def test_an_answer_leaves_at_once_and_whole(server: Server) -> None:
     assert server.connections <= 1
 
 
+@pytest.mark.slow
 def test_500_idle_connections_stay_and_are_served(server: Server) -> None:
     clients = [RawClient(server.port) for _ in range(500)]
     try:

@@ -233,6 +233,7 @@ async def test_a_thread_worker_ends_with_its_face_gone(controller: Controller) -
     assert controller.names()[-1] == "stop"
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(30)
 async def test_sending_with_one_set_point_ahead_lets_the_event_loop_run(
     controller: Controller,

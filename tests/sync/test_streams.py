@@ -174,6 +174,7 @@ def test_its_worker_has_a_process_of_its_own_and_its_options_are_those_of_the_aw
         raise AssertionError("entered")
 
 
+@pytest.mark.slow
 def test_points_of_a_track_set_outputs(robot: Robot, sim: Simulator) -> None:
     op = Op.at_start(output(3))
     with robot.track.stream(

@@ -60,6 +60,7 @@ FLOODS = {
 }
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", FLOODS)
 async def test_a_flood_is_cut_off_and_another_page_stops_the_arm(bench: Bench, kind: str) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
@@ -115,6 +116,7 @@ def masked(text: bytes) -> bytes:
     return b"\x81" + length + bytes(4) + text
 
 
+@pytest.mark.slow
 async def test_connections_that_ask_nothing_make_room(bench: Bench) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, contextlib.AsyncExitStack() as st:
         silent = []

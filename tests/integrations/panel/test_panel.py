@@ -92,6 +92,7 @@ async def page_of(panel: Panel, **options: Any) -> AsyncIterator[Page]:
         group.cancel_scope.cancel()
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("verb", ["bring_up", "recover"])
 async def test_after_a_collision_a_page_is_told_to_tare_again(bench: Bench, verb: str) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:

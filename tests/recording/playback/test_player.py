@@ -353,6 +353,7 @@ def test_a_file_of_limits_that_is_wrong_says_where(tmp_path: Path, text: str, sa
         read_envelope(path, arm="gcr5_910")
 
 
+@pytest.mark.slow
 def test_record_says_at_its_end_whether_a_file_can_be_played(tmp_path: Path) -> None:
     whole = write(tmp_path / "whole.mcap")
     assert playable(whole, 1000) == "it can be played: 1.60 s of motion"

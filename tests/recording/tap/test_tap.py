@@ -143,6 +143,7 @@ def test_who_does_not_read_what_it_tells_holds_up_nothing(listener: socket.socke
         assert any("passed unseen" in text for text in texts)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("who", ["client", "controller"])
 def test_a_reset_of_one_side_is_one_of_the_other(listener: socket.socket, who: str) -> None:
     with told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
@@ -190,6 +191,7 @@ def test_a_relay_that_is_killed_ends_what_is_told(listener: socket.socket) -> No
         found.join()
 
 
+@pytest.mark.slow
 def test_an_address_that_is_taken_is_said(listener: socket.socket) -> None:
     with (
         pytest.raises(ConnectError, match="in use"),

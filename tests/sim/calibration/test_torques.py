@@ -32,6 +32,7 @@ def test_friction_is_found_without_any_mass(seed: int) -> None:
             assert estimate.low <= truth[joint] <= estimate.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", [0.0, 0.01, 0.05])
 @pytest.mark.parametrize("rounds", [1, 2])
 def test_intervals_hold_whether_errors_are_of_motions_or_of_reads(rounds: int, own: float) -> None:

@@ -113,6 +113,7 @@ def test_no_slice_is_longer_the_longer_the_path(
     assert mover.keys == (1,)
 
 
+@pytest.mark.slow
 def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     mover = Mover(FIVE, HOME, CYCLE)
     end = shifted(HOME, 0.0, -0.05, 0.0)

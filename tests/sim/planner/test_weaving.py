@@ -126,6 +126,7 @@ def test_the_frequency_is_that_asked_for_but_for_whole_swings() -> None:
         assert (crossings + 1) / 2 == round(LENGTH / 0.05 * frequency)
 
 
+@pytest.mark.slow
 def test_dwells_beside_the_path_while_it_goes_on() -> None:
     weave = Weave(WeaveShape.TRIANGLE, WeavePlane.TOOL_XY, 2.0, 0.003, 0.2, 0.3)
     segment = woven(weave, v=0.02)

@@ -245,6 +245,7 @@ def test_the_number_of_a_port_alone_leads_nowhere() -> None:
         assert not _answers(shared, client, "127.0.0.1", shared.getsockname()[1]), "of others too"
 
 
+@pytest.mark.slow
 @pytest.mark.linux("audit hooks see all connections")
 def test_a_datagram_socket_opens_no_stream_to_the_same_number(tmp_path: Path) -> None:
     hits: list[object] = []
