@@ -208,7 +208,7 @@ def _own_files(config: pytest.Config) -> list[Path]:
     if not given or not _all_files(config):
         return []
     number, processes = int(given["workerid"].removeprefix("gw")), given["workercount"]
-    return sorted(Path(__file__).parent.rglob("test_*.py"))[number % processes :: processes]
+    return quick.part(sorted(Path(__file__).parent.rglob("test_*.py")), number, processes)
 
 
 def _is_divided(config: pytest.Config) -> bool:

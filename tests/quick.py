@@ -131,6 +131,17 @@ def spread(cases: Sequence[T], number: int) -> list[T]:
     return [cases[round(n * (len(cases) - 1) / (number - 1))] for n in range(number)]
 
 
+def part(files: Sequence[T], process: int, processes: int) -> Sequence[T]:
+    """What one of several processes takes of some files: each is taken once.
+
+    Args:
+        files: all of them.
+        process: its number; one that takes the place of another has a higher one than all.
+        processes: how many there are.
+    """
+    return files[process % processes :: processes]
+
+
 def _cases_of(item: pytest.Item) -> int:
     if item.get_closest_marker("slow") is not None:
         return 0

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from quick import CASES, divided, examples, slow_first, spread, spread_cases
+from quick import CASES, divided, examples, part, slow_first, spread, spread_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -102,6 +102,13 @@ def test_a_table_gives_no_more_cases_than_are_taken(ids: Any) -> None:
     metafunc.parametrize("name", iter(range(8)), ids=ids)
     named = ids if ids is None or callable(ids) else ["a", "e", "h"]
     assert made == [("name", [0, 4, 7], {"ids": named})]
+
+
+@pytest.mark.parametrize(("files", "processes"), [(10, 4), (8, 2), (3, 5), (7, 1)])
+def test_each_file_is_collected_by_one_process(files: int, processes: int) -> None:
+    parts = [part(range(files), process, processes) for process in range(processes)]
+    assert sorted(number for each in parts for number in each) == list(range(files))
+    assert part(range(files), processes, processes) == parts[0]
 
 
 def test_properties_are_tried_with_all_or_a_few_of_their_examples(thorough: bool) -> None:
