@@ -36,7 +36,7 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
 from ports import give_each_once  # noqa: E402 - see above
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import Generator, Sequence
 
 # The tests start hundreds of programs. Where Python is told to keep no bytecode, each of them would
 # compile all that it imports.
@@ -202,7 +202,7 @@ def _all_files(config: pytest.Config) -> bool:
     return [Path(__file__).parent] == [config.rootpath / each for each in config.args]
 
 
-def _own_files(config: pytest.Config) -> list[Path]:
+def _own_files(config: pytest.Config) -> Sequence[Path]:
     """Every n-th of the files of tests, where n processes run all of them."""
     given: dict[str, Any] = getattr(config, "workerinput", {})
     if not given or not _all_files(config):
