@@ -188,7 +188,7 @@ class Section(Uncopied, ManualNames):
             TaskError: it ended otherwise than by itself: one of the subclasses.
         """
         supervisor, command = self._supervisor, motion.command
-        motion.hand_over()
+        motion.mark_used()
         held = command.continuous
         if held is not None and (held.time is None or held.timed_by_program):
             raise ParameterError(

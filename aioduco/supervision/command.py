@@ -77,7 +77,7 @@ class MotionCommand(Uncopied):
         """Whether it depends on the tool's pose when it is sent, so that it is not sent ahead."""
         return self.command.aim is not None
 
-    def hand_over(self) -> None:
+    def mark_used(self) -> None:
         """Mark this motion as used, so that it does not warn that it was never used."""
         self._used = True
 
@@ -101,7 +101,7 @@ class MotionCommand(Uncopied):
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self.hand_over()
+        self.mark_used()
         if deadline is not None:
             deadline = SECONDS("deadline", deadline)
         if on_cancel is not None:
@@ -121,7 +121,7 @@ class MotionCommand(Uncopied):
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
         # Here and not in the coroutine: a coroutine that is never awaited gives its own warning.
-        self.hand_over()
+        self.mark_used()
         return self._run().__await__()
 
     async def _run(self) -> Outcome:
@@ -134,7 +134,7 @@ class MotionCommand(Uncopied):
     async def __aenter__(self) -> Task:
         if self._open is not None:
             raise RuntimeError(f"{self!r} is tied to a block already: make another one like it")
-        self.hand_over()
+        self.mark_used()
         self._open = await self._dispatcher.launch(self.command)
         return self._open
 
@@ -185,7 +185,7 @@ def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
                 raise MotionCarriedOut(f"motions[{number}]", one, meant)
         for one in listed:
             if isinstance(one, MotionCommand):
-                one.hand_over()  # the error replaces the warning
+                one.mark_used()  # the error replaces the warning
         hint = ""
         if listed and all(isinstance(one, kind) for one in listed):
             hint = " by itself, not a list of them: write run(first, second) or run(*motions)"

@@ -78,7 +78,7 @@ class MotionPath(Uncopied):
         """
         if not isinstance(motion, MotionCommand):
             raise ParameterError("motion", motion, "a motion")
-        motion.hand_over()
+        motion.mark_used()
         permit = self._permit
         if permit is None or self._closed:
             raise RobotStateError(

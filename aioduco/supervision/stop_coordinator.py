@@ -67,7 +67,7 @@ _OVERTAKEN_EVERY = 0.05
 _ACKNOWLEDGED = 0.25
 #: seconds within which an arm that its controller stops has come to rest
 _BRAKED = 1.0
-#: seconds for the lane of a stream to stop sending: longer than it waits for an answer
+#: seconds for the worker of a stream to stop sending: longer than it waits for an answer
 _SILENCE = 2.0
 #: the same in a thread that is blocked meanwhile, and seconds between two checks
 _SILENCE_NOW, _QUIET_EVERY = 0.1, 0.001

@@ -181,7 +181,7 @@ class MotionCommand(Blocking):
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self._made.hand_over()  # no warning of an unused motion: a failure raises an error
+        self._made.mark_used()  # no warning of an unused motion: a failure raises an error
         return self._runner.call(self._run())
 
     async def _run(self) -> Outcome:
@@ -202,7 +202,7 @@ class MotionCommand(Blocking):
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self._made.hand_over()
+        self._made.mark_used()
         work = self._made.start(deadline=deadline, on_cancel=on_cancel)
         with trial.started():
             return Task(self._runner, self._runner.call(work, undo=_on_wait_cancelled))

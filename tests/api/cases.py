@@ -126,7 +126,7 @@ def refusal(case: Case, **changed: Any) -> BaseException | None:
     except Exception as exc:
         return exc
     if isinstance(made, MotionCommand):
-        made.hand_over()
+        made.mark_used()
         return None
     try:
         made.send(None)

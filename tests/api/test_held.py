@@ -203,16 +203,16 @@ async def test_velocities_have_an_end_unless_none_is_asked_for(
     robot: aioduco.Robot, desk: Desk
 ) -> None:
     for motion in (robot.motion.speedj(TURN, a=1.0), robot.motion.speedl(DOWN, a=1.0)):
-        motion.hand_over()
+        motion.mark_used()
         assert motion.command.args[2] == 1000
         assert motion.command.continuous is not None
         assert motion.command.continuous.limit == 3.0
     jog = robot.motion.move_jog(UP)
-    jog.hand_over()
+    jog.mark_used()
     assert jog.command.continuous is not None
     assert jog.command.continuous.time == 1.0
     endless = robot.motion.speedl(DOWN, a=1.0, time=None)
-    endless.hand_over()
+    endless.mark_used()
     assert endless.command.args[2] == -1
     assert endless.command.continuous is not None
     assert endless.command.continuous.limit is None

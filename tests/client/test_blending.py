@@ -179,7 +179,7 @@ async def test_a_path_sends_nothing_after_a_failure(
 
     async def along() -> None:
         first, second, third = motions(robot, [0.02, 0.02, 0.0])
-        second.hand_over()
+        second.mark_used()
         async with robot.motion.path() as path:
             task = await path.add(first)
             if noticed:
@@ -237,7 +237,7 @@ async def test_a_block_that_is_cancelled_stops_the_arm(robot: aioduco.Robot, ben
     bench.motion_time = 30.0
     legs = motions(robot, [0.02, 0.02, 0.0])
     for leg in legs:
-        leg.hand_over()
+        leg.mark_used()
     async with cancelled_once(bench.moving) as scope, robot.motion.path() as path:
         for leg in legs:
             await path.add(leg)

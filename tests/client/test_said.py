@@ -103,7 +103,7 @@ async def test_the_representation_of_a_motion_leaves_out_what_is_empty(
         ),
     ):
         assert repr(motion).startswith(said)
-        motion.hand_over()
+        motion.mark_used()
 
 
 async def test_what_was_waited_for_and_what_was_seen(robot: aioduco.Robot, bench: Bench) -> None:
@@ -144,19 +144,19 @@ async def test_a_speed_in_percent_that_reads_like_rad_per_second(
 ) -> None:
     for speed in (1.0, 0.5, 3.9):
         with pytest.warns(UnitWarning, match="not rad/s: movej2") as caught:
-            robot.motion.movej(HOME, v=speed, a=50).hand_over()
+            robot.motion.movej(HOME, v=speed, a=50).mark_used()
         assert caught[0].filename == __file__
     with pytest.warns(UnitWarning, match="v=1.0 is 1 %"):
-        robot.motion.movej_pose(POSE, v=1.0, a=50).hand_over()
+        robot.motion.movej_pose(POSE, v=1.0, a=50).mark_used()
     for sure in (1, 3, 4.0, 50.0):
-        robot.motion.movej(HOME, v=sure, a=1.0).hand_over()
+        robot.motion.movej(HOME, v=sure, a=1.0).mark_used()
 
 
 def test_it_is_shown_once_and_names_the_line_in_sync_too(waiting: aioduco.sync.Robot) -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
         for _ in range(3):
-            waiting.motion.movej.prepare(HOME, v=1.0, a=50).awaitable.hand_over()
+            waiting.motion.movej.prepare(HOME, v=1.0, a=50).awaitable.mark_used()
     assert [(one.category, one.filename) for one in caught] == [(UnitWarning, __file__)]
 
 
@@ -172,7 +172,7 @@ async def test_millimetres_are_refused(robot: aioduco.Robot, bench: Bench) -> No
     ):
         with pytest.raises(ParameterError, match=r"m \(millimetres\?\); nothing was sent"):
             refused()
-    motion.movel([FARTHEST, 0, 0.4, 3.14, 0, 0], v=0.2, a=0.5, r=LONGEST_ARM).hand_over()
+    motion.movel([FARTHEST, 0, 0.4, 3.14, 0, 0], v=0.2, a=0.5, r=LONGEST_ARM).mark_used()
     assert bench.commands == []
 
 

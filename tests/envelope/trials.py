@@ -287,7 +287,7 @@ class Trials:
                 motion = robot.motion.movec(via, end, v=1.0, a=5.0)
                 segment = arc_move(ARM, q, flange[0], flange[1], 1.0, 5.0, tool=TOOL.matrix)
         except PlanError:
-            motion.hand_over()
+            motion.mark_used()
             self.counts[f"{kind} impossible"] += 1
             return
         assert segment.path is not None

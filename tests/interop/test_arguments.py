@@ -106,7 +106,7 @@ async def test_a_function_of_a_section(case: Case, generated: Generated) -> None
     exchange = sent_and_answered(case, generated)
     made = case.method(robot_on(exchange))(**case.args)
     if isinstance(made, MotionCommand):
-        made.hand_over()
+        made.mark_used()
         assert made.command.args == case.wire
         await exchange(case.name, made.command.args)
         return

@@ -118,7 +118,7 @@ def test_a_reading_at_the_limit_is_taken_everywhere_and_the_limit_is_sent() -> N
             aioduco.Pose(0.4, 0.1, 0.3, 3.1, 0.0, 0.0), v=0.2, a=0.5, q_near=at_limit
         ),
     ):
-        call.hand_over()
+        call.mark_used()
     assert kinematics.check([at_limit], arm="gcr5_910", near=near).ok
     assert ARMS[0].within_limits(at_limit)
     profile = ArmProfile.of("gcr5_910")

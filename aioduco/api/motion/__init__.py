@@ -122,7 +122,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """
         check_motions(motions, MotionCommand, "Leave out the `await` of motions that are to be run")
         for motion in motions:
-            motion.hand_over()
+            motion.mark_used()
         async with self.path(ahead=ahead) as path:
             for motion in motions:
                 await path.add(motion)

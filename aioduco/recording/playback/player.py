@@ -309,7 +309,7 @@ async def run_waypoints(
     motions: list[MotionCommand] = []
     for waypoint in waypoints.waypoints:
         motions.append(await _motion(robot, waypoint, speed))
-        motions[-1].hand_over()  # if it is not sent, the error that prevents it is report enough
+        motions[-1].mark_used()  # if it is not sent, the error that prevents it is report enough
     ahead: list[MotionCommand] = []
     with robot.permit("run_waypoints"):  # a stop during a dwell ends them all
         for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
