@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from aioduco.sim.planner import timing, tracing
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import Path
 from aioduco.sim.planner.segments import joint_move, line_move, spiral_move, spline_move
-from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, slices, yielding
+from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, in_turn, slices, yielding
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.weaving import Weave
 
@@ -166,6 +167,33 @@ def test_slices_are_whole_and_each_has_its_turn() -> None:
     assert list(slices(0)) == []
     list(slices(1))
     assert len(turns) == 3
+
+
+def test_each_value_has_its_turn_and_a_dropped_plan_takes_no_further_one() -> None:
+    left, seen = iter(range(2)), list[int]()
+
+    def yield_hook() -> None:
+        if next(left, None) is None:
+            raise PlanDropped
+
+    def doubled(value: int) -> int:
+        seen.append(value)
+        return 2 * value
+
+    with pytest.raises(PlanDropped), yielding(yield_hook):
+        in_turn(doubled, range(5))
+    assert seen == [0, 1, 2]
+    assert in_turn(doubled, range(3)) == [0, 2, 4]
+
+
+def test_the_numbers_of_a_path_are_a_few_objects_however_long_it_is() -> None:
+    """A list of a hundred thousand numbers is freed, and visited by the collector, at one go."""
+    entry = Mover(FIVE, HOME, CYCLE).draft(1, partial(woven, swings=20)).work().alone
+    assert entry.path is not None
+    assert entry.limits is not None
+    blocks = (entry.path.bounds, *entry.limits[:6], entry.back)
+    assert {type(each) for each in blocks} == {array}
+    assert min(map(len, blocks)) > 500
 
 
 # -- laws ------------------------------------------------------------------------------------------
