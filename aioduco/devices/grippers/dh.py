@@ -49,6 +49,7 @@ class DhGripper(ModbusGripper):
     """
 
     usual_model: ClassVar[str] = "dh_ag95"
+    make: ClassVar[str] = "dh_"
     usual_unit: ClassVar[int] = 1
 
     def __init__(
@@ -142,5 +143,6 @@ class DhGripper(ModbusGripper):
 
 
 def _hundredths(value: float, limits: tuple[float, float], register: tuple[int, int]) -> int:
-    part = (value - limits[0]) / (limits[1] - limits[0])
+    low, high = limits
+    part = (value - low) / (high - low) if high > low else 1.0  # else it cannot be set
     return round(register[0] + part * (register[1] - register[0]))

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, ClassVar
 
 from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers.gripper import PolledGripper
-from aioduco.models.gripper_models import gripper_model
+from aioduco.errors import ParameterError
+from aioduco.models.gripper_models import GRIPPERS, GripperModel, gripper_model
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     from typing import Self
 
-    from aioduco.models.gripper_models import GripperModel
     from aioduco.robot import Robot
 
 __all__ = ["ModbusGripper"]
@@ -21,7 +23,7 @@ class ModbusGripper(PolledGripper):
     """A gripper that is a device on Modbus RTU; a base class for drivers.
 
     A driver sets `usual_model` to the name of its usual model, and `usual_unit` to the factory
-    setting of its device number.
+    setting of its device number; `make` is what the names of its models begin with.
 
     Args:
         modbus: the device.
@@ -36,6 +38,7 @@ class ModbusGripper(PolledGripper):
 
     usual_model: ClassVar[str]
     usual_unit: ClassVar[int]
+    make: ClassVar[str] = ""
 
     def __init__(
         self,
@@ -47,7 +50,13 @@ class ModbusGripper(PolledGripper):
         max_age: float = 1.0,
     ) -> None:
         wanted = self.usual_model if model is None else model
-        known = gripper_model(wanted) if isinstance(wanted, str) else wanted
+        if isinstance(wanted, str):
+            names = [name for name in GRIPPERS if name.startswith(self.make)]
+            known = gripper_model(one_of("model", wanted, names, besides="a GripperModel"))
+        else:
+            known = wanted
+        if not isinstance(known, GripperModel) or not 0.0 < known.stroke < math.inf:
+            raise ParameterError("model", known, "a GripperModel with a stroke")
         super().__init__(known, poll=poll, timeout=timeout, max_age=max_age)
         self._modbus = modbus
 

@@ -60,6 +60,7 @@ class Robotiq(ModbusGripper):
     """
 
     usual_model: ClassVar[str] = "robotiq_2f85"
+    make: ClassVar[str] = "robotiq_"
     usual_unit: ClassVar[int] = 9
 
     def __init__(
@@ -177,4 +178,4 @@ class Robotiq(ModbusGripper):
 
 def _byte(value: float, limits: tuple[float, float]) -> int:
     low, high = limits
-    return round(255 * (value - low) / (high - low))
+    return round(255 * (value - low) / (high - low)) if high > low else 255

@@ -10,7 +10,7 @@ from typing import Any
 import anyio
 import pytest
 
-from aioduco import errors
+from aioduco import ParameterError, errors
 from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers import GRIPPERS, DhGripper, PolledGripper, Robotiq
 from aioduco.testing import eventually_async
@@ -278,3 +278,26 @@ async def test_a_driver_of_ones_own_is_short_and_works() -> None:
         assert state.holding
         await gripper.halt()
     assert peer.written == [(0, [0, 50, 20]), (2, [1])]
+
+
+@pytest.mark.parametrize("make", [robotiq, dh])
+async def test_a_force_that_cannot_be_set_is_the_largest(make: Any) -> None:
+    """A model of your own may have one force, and one speed."""
+    fixed = make()[0].model._replace(force=(50.0, 50.0), speed=(0.05, 0.05))
+    gripper, peer = make(model=fixed)
+    async with gripper:
+        await gripper.activate()
+        await gripper.close()
+    largest = {0x0101: 100, 0x0104: 100} if make is dh else {0x03EA: 0xFFFF}
+    assert {address: peer.registers[address] for address in largest} == largest
+
+
+@pytest.mark.parametrize(
+    "model", ["parallel", "vacuum", "robotiq_2f58", 3, math.nan, ["dh_pge"], GRIPPERS["vacuum"]]
+)
+def test_a_model_of_another_make_is_refused(model: Any) -> None:
+    for kind, own in ((Robotiq, "robotiq_2f85"), (DhGripper, "dh_ag95")):
+        port = Port(Peer(1).write, Peer(1).read)
+        with pytest.raises(ParameterError, match="model is"):
+            kind(ModbusRtu(port, 1), model)
+        assert kind(ModbusRtu(port, 1), own).model.name == own
