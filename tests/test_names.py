@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[1] / "aioduco"
 SAME_AGAIN = {
     "sync": "the blocking face of api, robot, tasks and feeds: the same classes without await",
     "_wire/rpc.py": "the structs of the IDL by its own names; `models` has them for programs",
+    "_wire/newer.py": "those that the newer manual adds, likewise",
 }
 
 #: folders whose modules are called as the manual's sections are, each folder in parallel to `api`

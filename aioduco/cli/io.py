@@ -49,7 +49,7 @@ class Level(enum.StrEnum):
     OFF = "off"
 
 
-class Quantity(enum.StrEnum):
+class OutputQuantity(enum.StrEnum):
     """Quantity of an analogue output."""
 
     VOLTAGE = "voltage"
@@ -118,7 +118,7 @@ def set_output(
 
 @io.command("set-analog")
 def set_analog(
-    quantity: Annotated[Quantity, typer.Argument(help="voltage [V] or current [mA].")],
+    quantity: Annotated[OutputQuantity, typer.Argument(help="voltage [V] or current [mA].")],
     number: Annotated[int, typer.Argument(min=1, max=4, help="Number of the channel.")],
     value: Annotated[float, typer.Argument(help="0 to 10 V, or 4 to 20 mA.")],
     host: HostOption = None,
@@ -133,7 +133,7 @@ def set_analog(
     Exit codes: as of `aioduco io set`.
     """
     address = robot_at(host, port, cell)
-    voltage = quantity is Quantity.VOLTAGE
+    voltage = quantity is OutputQuantity.VOLTAGE
     text = f"{quantity.value} output {number} at {address} goes to {value:g} "
     ask(text + ("V." if voltage else "mA."), "Set it?", yes=yes)
 

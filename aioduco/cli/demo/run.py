@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.cli.demo.session import Found
+    from aioduco.cli.demo.session import FoundArm
     from aioduco.cli.demo.stage import Look
     from aioduco.kinematics import Arm
     from aioduco.models.controller_clock import Clock
@@ -146,7 +146,7 @@ def _ask(host: str, port: int, model: str, plan: Choreography, console: SafeCons
     ask(_warning(host_port(host, port), model, plan, found), "Move the arm?", yes=False)
 
 
-def _warning(controller: str, model: str, plan: Choreography, found: Found) -> str:
+def _warning(controller: str, model: str, plan: Choreography, found: FoundArm) -> str:
     """The warning before the arm moves."""
     now, start = found.status.joints.array, plan.start.array
     far = np.rad2deg(np.abs(start - now))

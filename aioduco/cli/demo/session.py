@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.robot import Robot
 
-__all__ = ["SAMPLES", "Found", "look", "perform"]
+__all__ = ["SAMPLES", "FoundArm", "look", "perform"]
 
 SAMPLES = 100.0  # samples of the arm per second
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundArm:
     """State of the controller and the arm before any motion is sent.
 
     Attributes:
@@ -46,7 +46,7 @@ class Found:
     arm: str
 
 
-async def look(host: str, port: int) -> Found:
+async def look(host: str, port: int) -> FoundArm:
     """Read the states of a controller and its arm, and disconnect. Nothing else is sent.
 
     Raises:
@@ -58,7 +58,9 @@ async def look(host: str, port: int) -> Found:
             arm = f"{told.series} {told.model}".strip()
         except ControllerError:  # older software lacks the function
             arm = ""
-        return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus(), arm)
+        return FoundArm(
+            await robot.state.get_robot_state(), await robot.state.getRobotStatus(), arm
+        )
 
 
 async def perform(

@@ -23,8 +23,8 @@ from aioduco.integrations.ros.arm_readings import (
 from aioduco.integrations.ros.arm_services import ArmServices
 from aioduco.integrations.ros.freedrive import Freedrive
 from aioduco.integrations.ros.joint_commands import JointCommands
-from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
-from aioduco.integrations.ros.trajectory_server import Progress, Through, TrajectoryServer
+from aioduco.integrations.ros.trajectory_goals import GoalRules, NamedLimits
+from aioduco.integrations.ros.trajectory_server import GoalProgress, Through, TrajectoryServer
 from aioduco.integrations.ros.twist_commands import TwistCommands
 from aioduco.models.rules import Number, stored
 from aioduco.models.words import one_of
@@ -105,9 +105,9 @@ class NodeSettings:
         return self.frame or self.prefix + "base_link"
 
     @property
-    def profile(self) -> ArmProfile:
+    def profile(self) -> NamedLimits:
         """Names and limits of the arm."""
-        return ArmProfile.of(
+        return NamedLimits.of(
             self.model,
             self.prefix,
             joint_names=self.joint_names,
@@ -144,7 +144,7 @@ class StateSink(Protocol):
     def tool(self, fields: dict[str, Any]) -> None:
         """Take the data of the tool in use, once a second, as fields of ToolData."""
 
-    def progress(self, place: Progress, factor: float) -> None:
+    def progress(self, place: GoalProgress, factor: float) -> None:
         """Take where the arm is and is to be, at the rate of feedback.
 
         Args:
@@ -266,7 +266,7 @@ class ArmNode:
             place = self.goals.progress
             if place is None and self._position:
                 here = np.array(self._position)
-                place = Progress(0.0, here, here, np.zeros_like(here))
+                place = GoalProgress(0.0, here, here, np.zeros_like(here))
             if place is not None:
                 sink.progress(place, self.goals.factor)
             number = max(number + 1, math.ceil((anyio.current_time() - start) / period))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco import Robot, WorkerOptions
-    from aioduco.integrations.ros.trajectory_goals import ArmProfile
+    from aioduco.integrations.ros.trajectory_goals import NamedLimits
 
 __all__ = ["JointCommands", "check_command"]
 
@@ -39,7 +39,7 @@ _FASTER = 2.0  # factor of their speed at which these are followed then
 
 
 def check_command(
-    names: Sequence[str], positions: Sequence[float], profile: ArmProfile
+    names: Sequence[str], positions: Sequence[float], profile: NamedLimits
 ) -> tuple[float, ...]:
     """A command in the arm's order of joints.
 
@@ -92,7 +92,7 @@ class JointCommands:
     def __init__(
         self,
         robot: Robot,
-        profile: ArmProfile,
+        profile: NamedLimits,
         *,
         busy: Callable[[], bool],
         rate: float,

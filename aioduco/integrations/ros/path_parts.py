@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.integrations.ros.trajectory_goals import ArmProfile
+    from aioduco.integrations.ros.trajectory_goals import NamedLimits
 
 __all__ = ["PathPart", "nearest_time", "path_from_motion", "rest_of_path", "whole_path"]
 
@@ -60,7 +60,7 @@ def whole_path(trajectory: JointTrajectory, factor: float) -> PathPart:
 
 
 def rest_of_path(
-    path: Any, actual: Sequence[float], *, begin: float, factor: float, profile: ArmProfile
+    path: Any, actual: Sequence[float], *, begin: float, factor: float, profile: NamedLimits
 ) -> PathPart:
     """What remains of a path, from an arm at rest that need not be on it.
 
@@ -112,7 +112,7 @@ def path_from_motion(
     *,
     begin: float,
     factor: float,
-    profile: ArmProfile,
+    profile: NamedLimits,
 ) -> PathPart | None:
     """What remains of a path, from an arm that moves and need not be on it.
 

@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "ArmProfile",
     "CheckedGoal",
     "ErrorCode",
     "GoalEnded",
     "GoalPoint",
     "GoalRefused",
     "GoalRules",
+    "NamedLimits",
     "NamedTolerance",
     "TrajectoryGoal",
     "check_goal",
@@ -148,7 +148,7 @@ class TrajectoryGoal:
 
 
 @dataclass(frozen=True, slots=True)
-class ArmProfile:
+class NamedLimits:
     """Names and limits of a node's arm.
 
     Attributes:
@@ -174,7 +174,7 @@ class ArmProfile:
         joint_names: Sequence[str] = (),
         velocity: float | None = None,
         acceleration: float = 10.0,
-    ) -> ArmProfile:
+    ) -> NamedLimits:
         """Make the profile of an arm's model.
 
         Args:
@@ -259,7 +259,7 @@ class CheckedGoal:
 
 
 def check_goal(
-    goal: TrajectoryGoal, profile: ArmProfile, rules: GoalRules, now: float
+    goal: TrajectoryGoal, profile: NamedLimits, rules: GoalRules, now: float
 ) -> CheckedGoal:
     """Check everything in a goal that can be checked without the arm.
 
@@ -311,7 +311,7 @@ def check_goal(
 
 
 def check_start(
-    checked: CheckedGoal, actual: Sequence[float], profile: ArmProfile, rules: GoalRules
+    checked: CheckedGoal, actual: Sequence[float], profile: NamedLimits, rules: GoalRules
 ) -> None:
     """Check that the trajectory begins at the arm's position, or leads from there slowly enough.
 
@@ -427,7 +427,7 @@ def _check_stamp(stamp: float, rules: GoalRules, now: float) -> None:
 
 
 def _tolerance(
-    kind: str, given: Sequence[NamedTolerance], profile: ArmProfile, default: float
+    kind: str, given: Sequence[NamedTolerance], profile: NamedLimits, default: float
 ) -> tuple[float, ...]:
     found = dict.fromkeys(profile.joint_names, default or _ANYWHERE)
     for one in given:
@@ -450,7 +450,7 @@ def _tolerance(
 
 
 def _speed_tolerance(
-    given: Sequence[NamedTolerance], profile: ArmProfile
+    given: Sequence[NamedTolerance], profile: NamedLimits
 ) -> tuple[float, ...] | None:
     """Tolerances of the joints' speeds, of a list that `_tolerance` has checked; None for none."""
     found = dict.fromkeys(profile.joint_names, math.inf)
@@ -466,7 +466,7 @@ def _goal_time(given: float, rules: GoalRules) -> float:
     return given or rules.goal_time
 
 
-def _check_positions(positions: NDArray[np.float64], profile: ArmProfile) -> None:
+def _check_positions(positions: NDArray[np.float64], profile: NamedLimits) -> None:
     over = outside(positions, profile.lower, profile.upper)
     if over.any():
         point, joint = np.argwhere(over)[0]
@@ -478,7 +478,7 @@ def _check_positions(positions: NDArray[np.float64], profile: ArmProfile) -> Non
 
 
 def _check_curve(
-    trajectory: JointTrajectory, actual: NDArray[np.float64], profile: ArmProfile
+    trajectory: JointTrajectory, actual: NDArray[np.float64], profile: NamedLimits
 ) -> None:
     """Check that the curve through the points keeps the limits of speed and position."""
     shares = np.linspace(0.0, 1.0, _LOOKS, endpoint=False)

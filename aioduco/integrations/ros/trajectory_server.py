@@ -49,13 +49,13 @@ if TYPE_CHECKING:
 
     from aioduco import JointTrajectory, Robot, SwitchPlace, Tolerances, WorkerOptions
     from aioduco.integrations.ros.trajectory_goals import (
-        ArmProfile,
         CheckedGoal,
         GoalRules,
+        NamedLimits,
         TrajectoryGoal,
     )
 
-__all__ = ["GoalHandle", "PathFeedback", "Progress", "Through", "TrajectoryServer"]
+__all__ = ["GoalHandle", "GoalProgress", "PathFeedback", "Through", "TrajectoryServer"]
 
 Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 """How set-points reach the controller."""
@@ -91,7 +91,7 @@ class PathFeedback(Protocol):
         ...
 
 
-class Progress(NamedTuple):
+class GoalProgress(NamedTuple):
     """Place of the arm on the path of its goal: a `PathFeedback`.
 
     Attributes:
@@ -174,7 +174,7 @@ class TrajectoryServer:
     def __init__(
         self,
         robot: Robot,
-        profile: ArmProfile,
+        profile: NamedLimits,
         rules: GoalRules,
         *,
         wall: Callable[[], float],
@@ -208,7 +208,7 @@ class TrajectoryServer:
         self._resumed = anyio.Event()
         #: when the arm has to be at its goal at the latest, on the event loop's clock [s]
         self._due = math.inf
-        self._progress: Progress | None = None
+        self._progress: GoalProgress | None = None
         self._path: Any = None
         self._rising = False  # whether the arm gains the path's speed from rest
         #: positions of the arm on its way, with the time of each
@@ -242,7 +242,7 @@ class TrajectoryServer:
         self._changed.set()
 
     @property
-    def progress(self) -> Progress | None:
+    def progress(self) -> GoalProgress | None:
         """Where the arm is on the path of the running goal; None without one."""
         return self._progress
 
@@ -534,7 +534,7 @@ class TrajectoryServer:
             now = anyio.current_time()
             assert self._followed is not None
             time = self._followed.path_time(found.time)
-            place = Progress(time, found.desired, found.actual, found.error)
+            place = GoalProgress(time, found.desired, found.actual, found.error)
             self._progress = place
             self._recent.append((now, found.actual))
             if now >= due:

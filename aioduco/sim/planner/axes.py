@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.sim.planner.limits import SHARE, axes_limits
+from aioduco.sim.planner.motion_limits import SHARE, axes_limits
 from aioduco.sim.planner.path import Path
 
 if TYPE_CHECKING:

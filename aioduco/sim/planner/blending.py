@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.sim.planner.axes import blended
-from aioduco.sim.planner.limits import joint_limits, tool_limits
+from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.slices import yield_now
 from aioduco.sim.planner.timing import allowed, backward

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from aioduco.models.bounds import least, most
-from aioduco.sim.planner.limits import STOPPING
+from aioduco.sim.planner.motion_limits import STOPPING
 from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from aioduco.kinematics.forward import fkine
 from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
-from aioduco.sim.planner.limits import joint_limits, tool_limits
+from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
 from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 from aioduco.sim.planner.timing import backward, fastest

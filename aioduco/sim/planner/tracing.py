@@ -16,7 +16,7 @@ import numpy as np
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import BRANCHES, closed_form, shortfall, wrap
 from aioduco.models.bounds import outside, shown
-from aioduco.sim.planner.limits import joint_limits
+from aioduco.sim.planner.motion_limits import joint_limits
 from aioduco.sim.planner.path import Path, PlanError, differentiate
 from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 

@@ -30,7 +30,7 @@ from aioduco.models.words import one_of
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits
 from aioduco.sim.twin.monitor import TwinFigures
-from aioduco.sim.twin.worker import Begin, Found
+from aioduco.sim.twin.worker import Begin, TwinUpdate
 from aioduco.supervision.concurrency import BackgroundTasks, DaemonThread, run_to_completion
 from aioduco.supervision.events import TwinDiverged
 
@@ -107,7 +107,7 @@ class Twin(Uncopied):
         self._mounting = None if mounting is None else Pose.of(mounting)
         self._commands = commands
         self._queue: SimpleQueue[object] = SimpleQueue()
-        self._received: deque[Found | Exception] = deque()
+        self._received: deque[TwinUpdate | Exception] = deque()
         self._linked: LinkedProcess | None = None
         self._background = BackgroundTasks(self._crashed)
         self._undo: list[Callable[[], object]] = []
@@ -379,7 +379,7 @@ def _send(linked: LinkedProcess, queue: SimpleQueue[object]) -> None:
 
 
 def _receive(
-    linked: LinkedProcess, received: deque[Found | Exception], ring: Callable[[], None]
+    linked: LinkedProcess, received: deque[TwinUpdate | Exception], ring: Callable[[], None]
 ) -> None:
     try:
         while True:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.limits import TwinLimits
     from aioduco.sim.twin.monitor import TwinFigures
 
-__all__ = ["Begin", "Found", "main"]
+__all__ = ["Begin", "TwinUpdate", "main"]
 
 #: interval at which figures are sent when nothing has parted [s of the samples]
 _FIGURES_EVERY = 0.1
@@ -44,7 +44,7 @@ class Begin(NamedTuple):
     settings: tuple[tuple[str, tuple[Any, ...]], ...]
 
 
-class Found(NamedTuple):
+class TwinUpdate(NamedTuple):
     """What a twin sends.
 
     Attributes:
@@ -94,4 +94,4 @@ def _serve(channel: ValueChannel) -> None:
             if found or not told <= item.time < told + _FIGURES_EVERY:
                 told = item.time
                 busy = time.process_time()
-                channel.send(Found(told, monitor.figures, monitor.joints, tuple(found), busy))
+                channel.send(TwinUpdate(told, monitor.figures, monitor.joints, tuple(found), busy))

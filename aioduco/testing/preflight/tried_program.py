@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from aioduco._process.trial import Trial
 from aioduco.envelope.ways import WAYS
@@ -21,10 +21,13 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from types import FrameType
 
-    from aioduco._process.trial import Settings
+    from _typeshed import DataclassInstance
+
     from aioduco.testing.preflight.program_clock import ProgramClock
     from aioduco.testing.preflight.program_simulator import ProgramSimulator
     from aioduco.testing.preflight.run_recorder import RunRecorder
+
+    Settings = TypeVar("Settings", bound=DataclassInstance)
 
 __all__ = ["TriedProgram"]
 

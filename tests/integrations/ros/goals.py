@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from aioduco.integrations.ros.trajectory_goals import (
-    ArmProfile,
     ErrorCode,
     GoalPoint,
+    NamedLimits,
     NamedTolerance,
     TrajectoryGoal,
 )
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_server import PathFeedback
 
 NOW = 1000.0
-PROFILE = ArmProfile.of("gcr5_910")
+PROFILE = NamedLimits.of("gcr5_910")
 NAMES = PROFILE.joint_names
 START = (0.0, 0.3, 1.2, 0.1, -1.5, 0.0)
 

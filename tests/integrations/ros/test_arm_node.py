@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_node import ArmNode
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
-    from aioduco.integrations.ros.trajectory_server import Progress
+    from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 
 class Sink:
@@ -54,7 +54,7 @@ class Sink:
         self.diagnoses: list[Diagnosis] = []
         self.percent = self.factor = 0.0
         self.tool_fields: dict[str, Any] = {}
-        self.place: Progress | None = None
+        self.place: GoalProgress | None = None
         self.forces: list[list[float]] = []
 
     def wants_frames(self) -> bool:
@@ -76,7 +76,7 @@ class Sink:
     def tool(self, fields: dict[str, Any]) -> None:
         self.tool_fields = fields
 
-    def progress(self, place: Progress, factor: float) -> None:
+    def progress(self, place: GoalProgress, factor: float) -> None:
         self.place, self.factor = place, factor
 
     def diagnosis(self, found: Diagnosis) -> None:

@@ -25,19 +25,19 @@ from aioduco.errors import (
 )
 from aioduco.integrations.ros.goal_queue import GoalQueue
 from aioduco.integrations.ros.trajectory_goals import (
-    ArmProfile,
     CheckedGoal,
     ErrorCode,
     GoalPoint,
     GoalRefused,
     GoalRules,
+    NamedLimits,
     NamedTolerance,
     TrajectoryGoal,
     check_goal,
     check_start,
     code_of,
 )
-from aioduco.integrations.ros.trajectory_server import Progress, TrajectoryServer
+from aioduco.integrations.ros.trajectory_server import GoalProgress, TrajectoryServer
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.state import RobotStates
 from aioduco.testing import eventually_async
@@ -158,7 +158,7 @@ def test_errors_on_the_way_have_a_code(error: DucoError, code: int) -> None:
 )
 def test_a_profile_is_checked(wrong: dict[str, Any]) -> None:
     with pytest.raises(ParameterError):
-        ArmProfile.of("gcr5_910", **wrong)
+        NamedLimits.of("gcr5_910", **wrong)
 
 
 def test_a_queue_holds_one_that_runs_and_one_that_waits() -> None:
@@ -259,7 +259,7 @@ class HeldMotion:
     async def follow_joint_trajectory(self, trajectory: Any, *, feedback: Any, **_: Any) -> None:
         self.begun += 1
         here = np.array(START)
-        feedback(Progress(0.0, here, here, np.zeros(6)))
+        feedback(GoalProgress(0.0, here, here, np.zeros(6)))
         try:
             await anyio.sleep_forever()
         finally:
@@ -386,7 +386,7 @@ class BriefMotion:
 
     async def follow_joint_trajectory(self, trajectory: Any, *, feedback: Any, **_: Any) -> None:
         here = np.array(START)
-        feedback(Progress(0.0, here, here, np.zeros(6)))
+        feedback(GoalProgress(0.0, here, here, np.zeros(6)))
         try:
             await steps(self._steps)
         finally:

@@ -17,7 +17,7 @@ from quick import examples
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import bias_acceleration
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.limits import STOPPING
+from aioduco.sim.planner.motion_limits import STOPPING
 from aioduco.sim.planner.mover import Mover, Travel
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, spline_move

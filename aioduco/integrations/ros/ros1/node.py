@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.arm_services import ServiceReply
     from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import PathFeedback, Progress
+    from aioduco.integrations.ros.trajectory_server import GoalProgress, PathFeedback
 
 __all__ = ["NodeError", "main"]
 
@@ -250,7 +250,7 @@ class _Shell:
         message = conversions.tool_data(fields, self._settings.base_frame, rospy.get_time())
         self._tool.publish(message)
 
-    def progress(self, place: Progress, factor: float) -> None:
+    def progress(self, place: GoalProgress, factor: float) -> None:
         del factor  # no field of this message in ROS 1
         if self._progress.get_num_connections():
             message = conversions.controller_state(self.names, place, rospy.get_time())

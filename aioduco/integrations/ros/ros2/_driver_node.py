@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
     from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import PathFeedback, Progress
+    from aioduco.integrations.ros.trajectory_server import GoalProgress, PathFeedback
 
 __all__ = ["DriverNode"]
 
@@ -464,7 +464,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """Publish the data of the tool."""
         self._publish("tool_data", conversions.tool_data(fields, self._base, self.wall()))
 
-    def progress(self, place: Progress, factor: float) -> None:
+    def progress(self, place: GoalProgress, factor: float) -> None:
         """Publish where the arm is and is to be."""
         publisher = self._topics.get(_CONTROLLER_STATE)
         if publisher is not None and publisher.get_subscription_count():
