@@ -71,7 +71,11 @@ USED = {
     "aioduco._process.scheduling",
     "aioduco._wire",
     "aioduco.errors",
+    "aioduco._process.trial",  # the end of a connection is another one in a trial
     "aioduco.models",
+    *("aioduco.models.address", "aioduco.models.similar"),  # what a host may be called
+    *("aioduco.models.enums", "aioduco.models.named_int"),  # numbers of the wire by name
+    "aioduco.models.host_port",  # for errors
     "aioduco.models.trace",
     "aioduco.streaming",
     "aioduco.supervision",
