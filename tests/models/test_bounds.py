@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import aioduco
 from aioduco import Joints, JointTrajectory, ParameterError, TaughtPoints, descriptions, kinematics
 from aioduco.integrations.ros.joint_commands import check_command
-from aioduco.integrations.ros.trajectory_goals import ArmProfile
+from aioduco.integrations.ros.trajectory_goals import NamedLimits
 from aioduco.models import ranges
 from aioduco.models.bounds import ROUNDING, least, most, shown
 from aioduco.models.rules import Duration, Number, Rule, Vector
@@ -121,7 +121,7 @@ def test_a_reading_at_the_limit_is_taken_everywhere_and_the_limit_is_sent() -> N
         call.mark_used()
     assert kinematics.check([at_limit], arm="gcr5_910", near=near).ok
     assert ARMS[0].within_limits(at_limit)
-    profile = ArmProfile.of("gcr5_910")
+    profile = NamedLimits.of("gcr5_910")
     names = profile.joint_names
     assert check_command(names, list(at_limit), profile)[5] == limit
 
@@ -141,7 +141,7 @@ def test_a_written_limit_is_within_the_arms() -> None:
         root = ET.fromstring(descriptions.urdf(arm))
         limits = [each.attrib for each in root.iter("limit")]
         assert len(limits) == 6
-        profile = ArmProfile.of(arm.name)
+        profile = NamedLimits.of(arm.name)
         for joint, limit in enumerate(limits):
             assert arm.lower[joint] <= float(limit["lower"]) < float(limit["upper"])
             assert float(limit["upper"]) <= arm.upper[joint]
