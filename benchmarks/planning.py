@@ -30,7 +30,7 @@ from aioduco.errors import NoPathFound
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.rotation import matrix_from_rpy
 from aioduco.planning import Planner, Scene, time_law, timing
-from aioduco.planning.curve import through
+from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import timed
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
@@ -186,7 +186,7 @@ def compared(plan: Plan) -> float:
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
     rows = np.unique(np.searchsorted(length, np.arange(0.0, length[-1], 0.01)))
     rows = np.append(rows[length[rows] < length[-1] - 5e-3], len(q) - 1)
-    curve = through(length[rows], q[rows])
+    curve = BSpline.through(length[rows], q[rows])
     usual = float(timed(curve, plan.limits).times[-1])
     with changed(timing, _TICK=0.002), changed(time_law, _HARD=2e-4, _ENOUGH=4e-4):
         best = min(float(timed(curve, plan.limits).times[-1]), usual)
