@@ -213,7 +213,7 @@ class _Legs:
         """The part of the corner at each place, from 0 to 1, and the reach that it shows."""
         plane = np.stack([-self._ways[0], self._ways[1]], axis=1)
         left = np.maximum((places - self._corner.place) @ np.linalg.pinv(plane).T, 0.0)
-        reach = np.ones(len(places))
+        roots, both, reach = left, np.ones(len(places)), np.ones(len(places))
         for _ in range(_ROUNDS):  # the reach of joints is not quite in proportion to the radius
             roots = np.sqrt(left / self._reaches(reach))
             both = np.maximum(roots.sum(axis=1), 1e-6)
