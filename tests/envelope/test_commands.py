@@ -630,8 +630,8 @@ async def test_the_watch_waits_for_no_other_call(
     """The program may have as many calls under way as the pool has connections."""
     robot.envelope = Envelope("gcr5_910", wall())
     task = await robot.motion.speedj((0.6, 0, 0, 0, 0, 0), a=3.0, time=5.0).start()
-    busy = SimpleNamespace(rpc=SimpleNamespace(get_tcp_offset=anyio.sleep_forever))
-    monkeypatch.setattr(robot._supervisor.envelope._watch, "_reads", busy)
+    busy = SimpleNamespace(get_tcp_offset=anyio.sleep_forever)
+    monkeypatch.setattr(robot._supervisor.envelope._watch, "_rpc", busy)
     with anyio.fail_after(60.0), pytest.raises(TaskStopped):
         await task
     assert nearest(seen) > 0

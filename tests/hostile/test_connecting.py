@@ -78,11 +78,11 @@ async def test_a_heartbeat_without_a_descriptor_is_no_silent_controller(
 ) -> None:
     made = Connection.open
 
-    def open_(connection: Connection, deadline: float | None = None) -> None:
+    def open_(connection: Connection, *args: Any) -> None:
         if threading.current_thread().name == "aioduco-heartbeat":
             exc = OSError(errno.EMFILE, "Too many open files")
             raise ConnectError(connection.host, connection.port, "it was denied") from exc
-        made(connection, deadline)
+        made(connection, *args)
 
     monkeypatch.setattr(Connection, "open", open_)
     robot = aioduco.connect(bench.host, bench.port, call_timeout=2.0)

@@ -176,6 +176,8 @@ BEYOND = {
     "ABOVE": "amounts of this package, of which nothing else is known",
     "FROM_0": "the same, or none",
     "PORT": "where this package's servers listen",
+    "LISTEN_HOST": "likewise",
+    "FILE": "files of this computer",
     "STATE_RATE": "how often this program reads the state",
     "INT_32": "service functions, which are only on the wire",
     "PERCENT": "movej and movej_pose, which are only on the wire",

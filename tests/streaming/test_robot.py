@@ -429,7 +429,7 @@ async def test_a_cancelled_trajectory_leaves_a_standing_arm(
 
 
 async def test_what_it_goes_through_is_one_of_three(robot: aioduco.Robot) -> None:
-    with pytest.raises(ParameterError, match="auto, realtime, servoj"):
+    with pytest.raises(ParameterError, match='"auto", "realtime" or "servoj"'):
         await robot.motion.follow_joint_trajectory(
             JointTrajectory([START], [0.0]),
             v=1.0,
