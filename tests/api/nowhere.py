@@ -38,6 +38,9 @@ class _Launcher:
     async def feed(self, command: Any, _lane: Any) -> Any:
         return await self._answer(command.name, command.args)
 
+    async def admit_stream(self, _name: str) -> None:
+        """No stream begins here: nothing is waited for."""
+
 
 class _Permits:
     """Permits everything: what ends a permit is left out."""
