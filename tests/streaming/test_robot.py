@@ -217,10 +217,13 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
 
 async def test_what_it_had_sent_is_not_left_paused(sim: Simulator) -> None:
     """Whoever resumes would move the arm on, long after the program has ended."""
-    async with aioduco.connect(sim.host, sim.port) as robot:
-        await ready(robot)
-        await ended_by(robot, sim, "track joints", robot.pause, THREAD)
-        paused = sim.view.program
+    for _ in range(10):  # a busy machine may have no set-point left to pause at that moment
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await ready(robot)
+            await ended_by(robot, sim, "track joints", robot.pause, THREAD)
+            paused = sim.view.program
+        if paused is ProgramState.PAUSED:
+            break
     assert (paused, sim.view.program) == (ProgramState.PAUSED, ProgramState.STOPPED)
 
 
