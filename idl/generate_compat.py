@@ -48,7 +48,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from aioduco._wire.rpc import Functions
-from aioduco.errors import ParameterError
+from aioduco.compat._arguments import no_fixed_radius
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -67,9 +67,6 @@ class ManualFunctions(Functions):
 
 #: other spellings than those in the manual's list of functions
 ALIASES = {"get_nonblock_taskstate": "get_noneblock_taskstate"}
-
-#: what `arc_rad` of movec may be
-ARC_RAD = "0: where the wire has it is not known"
 
 #: defaults of the manual that stand against those of the class
 PRINTED = {("fc_move", "block"): "True"}
@@ -225,10 +222,7 @@ def method(name: str, function: Any, parameters: list[Parameter]) -> list[str]:
             "            interval = 5.0 if mode == 0 else 0.25",
         ]
     if name == "movec":
-        lines += [
-            "        if arc_rad != 0:",
-            f'            raise ParameterError("arc_rad", arc_rad, "{ARC_RAD}")',
-        ]
+        lines.append("        no_fixed_radius(arc_rad)")
     return lines + call(name, [parameter.name for parameter in parameters if parameter.sent])
 
 

@@ -11,8 +11,9 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, cast, get_args, get_origin, get_type_hints
 
+import numpy as np
 import pytest
 from thrift import Thrift
 from thrift.transport.TTransport import TTransportException
@@ -661,8 +662,9 @@ def test_an_arc_without_a_fixed_radius(
     arc = (JOINTS, JOINTS, 0.2, 0.4, 0.0, 0, None, "", "", True, None, True)
     assert robot.movec(*arc, radius) == robot.movec(*arc, arc_rad=radius) == 4
     assert len(server.received("movec")[0].args) == len(arc)
-    with pytest.raises(ParameterError, match="arc_rad"):
-        robot.movec(*arc, 0.1)
+    for wrong in (0.1, np.array([0.0, 0.1]), "0", None, math.nan):
+        with pytest.raises(ParameterError, match=r"arc_rad is .* must be 0: where the wire"):
+            robot.movec(*arc, cast("Any", wrong))
 
 
 def test_a_jog_as_section_1_3_5_spells_it(server: RecordingServer, robot: DucoCobot) -> None:

@@ -9,6 +9,7 @@ and is refused when the arguments are encoded.
 from __future__ import annotations
 
 import functools
+import numbers
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
@@ -16,11 +17,12 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from aioduco._wire import idl, newer
 from aioduco._wire.framing import TType
 from aioduco._wire.type_checks import BITS, type_of
+from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
     from aioduco._wire.rpc import Op
 
-__all__ = ["wire_arguments"]
+__all__ = ["no_fixed_radius", "wire_arguments"]
 
 _Convert: TypeAlias = Callable[[Any], Any]
 
@@ -115,6 +117,16 @@ def _signed(bits: int, value: Any) -> Any:
             return value
         found.append(number - full if half <= number < full else number)
     return found
+
+
+def no_fixed_radius(arc_rad: object) -> None:
+    """Check that movec's `arc_rad`, of manual 4.3, asks for nothing.
+
+    Raises:
+        ParameterError: it is another value than 0, which cannot be sent.
+    """
+    if not isinstance(arc_rad, numbers.Real) or arc_rad != 0:
+        raise ParameterError("arc_rad", arc_rad, "0: where the wire has it is not known")
 
 
 def _list(convert: _Convert, value: Any) -> Any:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from aioduco._wire.rpc import Functions
-from aioduco.errors import ParameterError
+from aioduco.compat._arguments import no_fixed_radius
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -144,8 +144,7 @@ class ManualFunctions(Functions):
         `arc_rad`, of manual 4.3, is taken as 0, no fixed radius; others cannot be sent: the number of
         its field is not known.
         """
-        if arc_rad != 0:
-            raise ParameterError("arc_rad", arc_rad, "0: where the wire has it is not known")
+        no_fixed_radius(arc_rad)
         return self._call("movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc))
 
     def move_circle(

@@ -66,11 +66,11 @@ TIMEOUT = Number(0.0, LONGEST, "s", open_low=True, source="this package")
 WAIT = Number(0.0, LONGEST, "s", source="this package")
 #: a number above 0, as of a length, a speed or a mass, of which nothing else is known
 ABOVE = Number(0.0, open_low=True, source="this package")
-#: the same, or 0
 #: an empty one would be every address of the computer
 LISTEN_HOST = Text(min_bytes=1, max_bytes=253, source="this package")
 LISTEN_HOST.expected = 'an address of this computer, such as "127.0.0.1"'
 FILE = FileName(source="this package")
+#: the same, or 0
 FROM_0 = Number(0.0, source="this package")
 #: TCP port of a server
 PORT = Integer(1, 65535, source="this package")
