@@ -1,7 +1,7 @@
 """What the twin sees: runs with one hidden change, runs without, and hours in good order.
 
     python benchmarks/twin.py                       20 runs of each kind, and 20 without a change
-    python benchmarks/twin.py --runs 200 --hours 10 --save
+    python benchmarks/twin.py --runs 200 --hours 10 --jobs 2 --save
 
 The arm is a simulator whose time is locked and advanced as fast as possible, with dry and viscous
 friction that its controller does not know, readings in single precision, noise on joints, speeds
@@ -15,11 +15,14 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import math
+import multiprocessing
 import pickle
 import random
 import time
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
 from functools import cache
+from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -340,51 +343,55 @@ def good_order(number: int, items: list[Any], seed: int) -> Order:
     return Order(found, (time.process_time() - begun) / max(1, len(given)))
 
 
+def hour_in_good_order(number: int, seed: int, block: float) -> list[Order]:
+    """A part of an hour of work, judged as often as makes the whole hour of it."""
+    items = [item for _, some in Cell(number, 50_000 + seed).run(3600 * block) for item in some]
+    return [good_order(number, items, 1000 * draw + seed) for draw in range(DRAWS)]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=20, help="with a change, and without")
     parser.add_argument("--hours", type=float, default=0.2, help="of work in good order")
     parser.add_argument("--arms", type=int, default=4, help="of different friction")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1, help="processes beside each other")
     parser.add_argument("--save", action="store_true")
     given = parser.parse_args()
     begun = time.perf_counter()
     matrix: dict[str, Counter[str]] = {}
     times: dict[str, list[float]] = {}
     arms: int = given.arms
-    for number in range(arms):
-        limits(number)
-    print(f"learned {arms} arms in {time.perf_counter() - begun:.0f} s", flush=True)
-    for count in range(given.runs):
-        change = list(CHANGES)[count % len(CHANGES)]
-        run = watched(count % arms, given.seed * 1000 + count, change, 40.0)
-        said = "not seen" if run.first is None else run.first.cause.value
-        matrix.setdefault(change, Counter())[said] += 1
-        if run.first is not None and run.shown is not None:
-            times.setdefault(change, []).append(run.at - run.shown)
-        if run.first is None or run.first.cause is not CHANGES[change] or run.early:
-            print(f"{change}, run {count}: {run.first}, early {run.early}", flush=True)
-    false, false_runs = [], 0
-    for count in range(given.runs):
-        run = watched(count % arms, given.seed * 1000 + 500 + count, "", 12.0)
-        if run.early:
-            false_runs += 1
-            print(f"no change, run {count}: {run.first}", flush=True)
-    hours, worked, costs = 0.0, 0.0, [0.0]
-    while hours < given.hours - 1e-9:
-        count = round(worked * 10)
-        number, block = count % arms, min(0.1, given.hours / DRAWS)
-        items = [
-            item for _, some in Cell(number, 50_000 + count).run(3600 * block) for item in some
-        ]
-        for draw in range(DRAWS):
-            order = good_order(number, items, 1000 * draw + count)
+    changes = [list(CHANGES)[count % len(CHANGES)] for count in range(given.runs)]
+    runs = range(given.runs)
+    turns, seeds = [count % arms for count in runs], [given.seed * 1000 + count for count in runs]
+    block = min(0.1, given.hours / DRAWS)
+    blocks = range(round(given.hours / DRAWS / block) if block else 0)
+    false, false_runs, costs = [], 0, [0.0]
+    # Processes that start anew: the simulators' threads would not be in a fork.
+    with ProcessPoolExecutor(given.jobs, multiprocessing.get_context("spawn")) as pool:
+        with_change = pool.map(watched, turns, seeds, changes, [40.0] * given.runs)
+        other_seeds = [seed + 500 for seed in seeds]
+        without = pool.map(watched, turns, other_seeds, [""] * given.runs, [12.0] * given.runs)
+        ordered = pool.map(hour_in_good_order, [n % arms for n in blocks], blocks, repeat(block))
+        for count, run in enumerate(with_change):
+            change = run.change
+            said = "not seen" if run.first is None else run.first.cause.value
+            matrix.setdefault(change, Counter())[said] += 1
+            if run.first is not None and run.shown is not None:
+                times.setdefault(change, []).append(run.at - run.shown)
+            if run.first is None or run.first.cause is not CHANGES[change] or run.early:
+                print(f"{change}, run {count}: {run.first}, early {run.early}", flush=True)
+        for count, run in enumerate(without):
+            if run.early:
+                false_runs += 1
+                print(f"no change, run {count}: {run.first}", flush=True)
+        for count, order in enumerate(chain.from_iterable(ordered)):
             costs.append(order.cost)
             for divergence in order.found:
                 false.append(str(divergence))
-                print(f"false alarm after {hours:.2f} h: {divergence}", flush=True)
-            hours += block
-        worked += block
+                print(f"false alarm in hour {(count + 1) * block:.2f}: {divergence}", flush=True)
+        hours, worked = block * DRAWS * len(blocks), block * len(blocks)
     seen = sum(sum(row.values()) - row["not seen"] for row in matrix.values())
     right = sum(row[CHANGES[change].value] for change, row in matrix.items())
     within = sum(each <= 0.5 for row in times.values() for each in row)
@@ -413,7 +420,7 @@ def main() -> None:
     if given.save:
         command = (
             f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
-            f"--arms {arms} --seed {given.seed} --save"
+            f"--arms {arms} --seed {given.seed} --jobs {given.jobs} --save"
         )
         write_results("twin", {"command": command, **result, "machine": machine()})
 
