@@ -6,7 +6,8 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from aioduco.errors import CalibrationError, MissingExtra, ParameterError
+from aioduco.errors import CalibrationError, MissingExtra
+from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.sim.calibration.blends import estimate_blends
 from aioduco.sim.calibration.drives import estimate_drives, estimate_noise
@@ -128,13 +129,12 @@ def _model(runs: Sequence[Evidence], model: str | None) -> str:
             f"the recordings are of different arms, {' and '.join(sorted(told))}: a profile is of "
             "one arm; no profile was made"
         )
-    text = model or next(iter(told), "")
+    if model is not None:
+        return arm_of(model).name
+    text = next(iter(told), "")
     # A controller reports series, model and serial number, such as "GCR5 910 SIM00000000".
-    words = text.lower().replace("-", "_").split()
-    name = "_".join(words[:2])
+    name = "_".join(text.lower().replace("-", "_").split()[:2])
     if name not in models():
-        if model is not None:
-            raise ParameterError("model", model, f"one of {', '.join(models())}")
         raise CalibrationError(
             f"the recordings do not say which arm it is ({text or 'nothing was reported'}): give "
             f"--model, one of {', '.join(models())}; no profile was made"

@@ -142,8 +142,9 @@ def test_a_model_that_is_not_known_is_asked_for() -> None:
     with pytest.raises(CalibrationError, match="give --model"):
         profile_of([run])
     assert profile_of([run], model="GCR5-910").profile.model == MODEL
-    with pytest.raises(ParameterError, match="one of gcr3_618"):
-        profile_of([run], model="ur5e")
+    for wrong in ("ur5e", "", 5):
+        with pytest.raises(ParameterError, match="one of gcr3_618"):
+            profile_of([run], model=wrong)  # type: ignore[arg-type]  # a number is tried, too
 
 
 @pytest.mark.slow
