@@ -175,7 +175,7 @@ def connect(
         connect_timeout: maximum seconds for opening a connection.
         pool_size: maximum number of connections for calls other than motions and supervision, 1 to
             64.
-        heartbeat: seconds without a sign of life of this program after which the controller
+        heartbeat: seconds without a heartbeat of this program after which the controller
             stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops
             nothing.
         loop_stall_limit: seconds for which the event loop may fail to run. After that the program

@@ -205,7 +205,7 @@ WORDS = (
     # what runs on the event loop there
     (r"a stall of the program's event loop", "a stall of the program"),
     (r"the event loop (?=may|hung)", "the robot's thread "),
-    (r"sign of life of this program", "heartbeat of the robot's thread"),
+    (r"heartbeat of this program", "heartbeat of the robot's thread"),
     (r"another task", "another thread"),
     (r"in the tasks that the block starts, too", "for the calls of this thread alone"),
     (

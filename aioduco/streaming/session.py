@@ -42,7 +42,7 @@ from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, Stre
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
-from aioduco.supervision.loop_watchdog import signs_of_life
+from aioduco.supervision.loop_watchdog import keep_alives
 from aioduco.supervision.motion_sources import OpenStream
 
 if TYPE_CHECKING:
@@ -283,7 +283,7 @@ class Session(OpenStream):
         for command, value in dict(self._commands).items():
             self._command(command, value)
         self._background.start(self._supervise(), f"aioduco {self.name}", self._supervised.set)
-        self._background.start(self._send_signs_of_life(), f"aioduco {self.name} sign of life")
+        self._background.start(self._send_keep_alives(), f"aioduco {self.name} keep-alive")
         with anyio.move_on_after(self._options.connect_timeout):
             await self._until(lambda: self._ready)
         if self._commands:
@@ -474,10 +474,10 @@ class Session(OpenStream):
             return self._thread.is_alive()
         return self._process is not None and self._process.popen.poll() is None
 
-    async def _send_signs_of_life(self) -> None:
-        """Give the worker signs of life of the event loop; none counts once the gate is closed."""
+    async def _send_keep_alives(self) -> None:
+        """Send the worker keep-alives of the event loop; none counts once the gate is closed."""
         gate = self._endpoint.gate
-        async for _ in signs_of_life(self._config.stall_limit):
+        async for _ in keep_alives(self._config.stall_limit):
             if self.gone:
                 return
             if gate is None or gate.alive(boot_time()):
@@ -485,7 +485,7 @@ class Session(OpenStream):
             self.renew(self._lease)
 
     def _touch(self) -> None:
-        """Give the worker a sign of life of the event loop."""
+        """Send the worker a keep-alive of the event loop."""
         self._write(ControlWord.ALIVE, round(boot_time() * 1e9))
 
     def _crashed(self, error: BaseException) -> None:

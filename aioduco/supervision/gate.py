@@ -104,7 +104,7 @@ class Gate:
     Args:
         heartbeat: seconds without a beat after which the controller stops the arm; None if there is
             no heartbeat.
-        stall_limit: seconds without a sign of life after which the program counts as hung. Without
+        stall_limit: seconds without a keep-alive after which the program counts as hung. Without
             a heartbeat, which the program could rearm, this ends permits, but does not close the
             gate.
         now: the time.
@@ -153,10 +153,10 @@ class Gate:
         )
         return f"<Gate {', '.join(state) or 'open'}, {self.stops} stops>"
 
-    # -- signs of life -------------------------------------------------------------------------
+    # -- keep-alives -------------------------------------------------------------------------
 
     def alive(self, now: float) -> bool:
-        """Take in a sign of life of the event loop.
+        """Take in a keep-alive of the event loop.
 
         Returns:
             Whether it counts. It does not after a gap that is longer than the stall limit: the
@@ -301,7 +301,7 @@ class Gate:
             ending: why permits end.
         """
         self.closed = self.closed or why
-        # No sign of life counts any more: a guard must not go on beating for a failed supervision.
+        # No keep-alive counts any more: a guard must not go on beating for a failed supervision.
         self.hung = self.hung or ending is PermitEnding.FAILED
         self.end(ending)
 

@@ -1,12 +1,12 @@
 """The heartbeat, on a thread and a connection of its own (manual 1.3.1, rpc_heartbeat).
 
 It runs beside the event loop, so that a short stall of the loop does not stop the arm. It checks
-the loop's sign of life before each beat, so that a loop that hangs does stop the arm.
+the loop's keep-alive before each beat, so that a loop that hangs does stop the arm.
 
 The controller stops the arm when no heartbeat came for the heartbeat time. So each beat states:
 "the program that moves the arm is alive". The beats end in two cases:
 
-- The event loop shows no sign of life for longer than the stall limit. The program hangs, and
+- The event loop sends no keep-alive for longer than the stall limit. The program hangs, and
   would neither detect the end of a motion nor react to anything. No further beat is sent, so the
   controller stops the arm. This state is latched: a program that runs again finds a standing arm,
   and must resume the heartbeat explicitly (`rearm`).
@@ -14,7 +14,7 @@ The controller stops the arm when no heartbeat came for the heartbeat time. So e
   stopped the arm. Further beats are tried, and the first answered one ends this state.
 
 A process that sends beats for another process may itself be suspended, and the other process may
-exit meanwhile. So after a suspension it sends beats again only after a new sign of life.
+exit meanwhile. So after a suspension it sends beats again only after a new keep-alive.
 
 Guarantees:
 - The thread is a daemon: a program that exits without closing the robot does not send further
@@ -73,7 +73,7 @@ class HeartbeatMachine:
 
     Args:
         time: seconds without a beat after which the controller stops the arm.
-        stall_limit: seconds without a sign of life of the event loop after which no beat is sent.
+        stall_limit: seconds without a keep-alive of the event loop after which no beat is sent.
         now: the time.
 
     Attributes:
@@ -117,7 +117,7 @@ class HeartbeatMachine:
 
         Args:
             now: the time.
-            alive: when the event loop last gave a sign of life.
+            alive: when the event loop last sent a keep-alive.
         """
         if self.state is HeartbeatState.STALLED:
             return False
@@ -193,10 +193,10 @@ class Heartbeat:
     Args:
         own: the connection on which it sends them.
         seconds: seconds without a beat after which the controller stops the arm.
-        liveness: the event loop's sign of life.
-        stall_limit: seconds without a sign of life after which no beat is sent.
+        liveness: the event loop's keep-alive.
+        stall_limit: seconds without a keep-alive after which no beat is sent.
         changed: called on the thread after each beat, answered or not, and each change of state.
-        remote: whether the signs of life come from another process. If this process was suspended,
+        remote: whether the keep-alives come from another process. If this process was suspended,
             signs from before prove nothing, so the next beat waits for a new one.
     """
 
@@ -313,7 +313,7 @@ class Heartbeat:
             self._own.close()
 
     def _wake(self, due: float) -> float:
-        """Return when to wake up: for the next beat, or because a sign of life is overdue."""
+        """Return when to wake up: for the next beat, or because a keep-alive is overdue."""
         if self._machine.state is HeartbeatState.STALLED:
             return due
         since = max(self._liveness.stamp, self._machine.suspended_at)

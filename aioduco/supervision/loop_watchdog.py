@@ -31,13 +31,13 @@ __all__ = [
     "Liveness",
     "LoopWatchdog",
     "blocking_calls",
-    "signs_of_life",
+    "keep_alives",
     "watchdogs",
 ]
 
 _log = BackgroundLogger(__name__)
 
-#: signs of life of an event loop per stall limit, and the longest time between two [s]
+#: keep-alives of an event loop per stall limit, and the longest time between two [s]
 _SIGNS: Final = 10
 _SIGN_EVERY: Final = 0.1
 #: calls of the stack that are kept
@@ -46,8 +46,8 @@ _DEPTH: Final = 12
 _LOOPS: Final = frozenset({"run", "run_until_complete", "run_forever", "_run_once", "_run"})
 
 
-def signs_of_life(stall_limit: float, first: float | None = None) -> Ticker:
-    """Return the moments at which an event loop gives a sign of life.
+def keep_alives(stall_limit: float, first: float | None = None) -> Ticker:
+    """Return the moments at which an event loop sends a keep-alive.
 
     Args:
         stall_limit: seconds without one after which its program counts as hung.
@@ -75,10 +75,10 @@ class Liveness:
         self._passed_on = passed_on
         #: when the loop last ran [s of `time.monotonic`]
         self.ran: float = time.monotonic()
-        #: the last sign of life that counts [s of `boot_time`]: after a hang, none does until the
+        #: the last keep-alive that counts [s of `boot_time`]: after a hang, none does until the
         #: program rearms the heartbeat
         self.stamp: float = boot_time()
-        #: longest delay of a sign of life [s]
+        #: longest delay of a keep-alive [s]
         self.longest_stall: float = 0.0
         #: whether the program may be moving the arm: only then the arm is stopped for the program
         self.moves: bool = False
@@ -87,8 +87,8 @@ class Liveness:
         """Note that the loop runs.
 
         Args:
-            due: when this sign of life was due [s of `time.monotonic`].
-            counts: whether it is a sign of life for the heartbeat.
+            due: when this keep-alive was due [s of `time.monotonic`].
+            counts: whether it is a keep-alive for the heartbeat.
         """
         self.ran = time.monotonic()
         if counts:
@@ -133,7 +133,7 @@ class LoopWatchdog:
 
     def __init__(self, loop_thread: int) -> None:
         self._loop_thread = loop_thread
-        #: signs of life of the robots, each with its limit and its callback; replaced as a whole
+        #: keep-alives of the robots, each with its limit and its callback; replaced as a whole
         self._watched: dict[Liveness, tuple[float, Callable[[float, str], None]]] = {}
         self._changed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="aioduco-loop-watchdog", daemon=True)
@@ -215,8 +215,8 @@ class _Watchdogs:
         """Watch the loop of the calling thread for a robot.
 
         Args:
-            life: the loop's sign of life.
-            limit: seconds without a sign of life after which the loop counts as blocked.
+            life: the loop's keep-alive.
+            limit: seconds without a keep-alive after which the loop counts as blocked.
             blocked: called on the watchdog's thread when the loop runs again, with the duration of
                 the block [s] and the line of the program that blocked, or "".
 

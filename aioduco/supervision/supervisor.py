@@ -54,7 +54,7 @@ from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
-from aioduco.supervision.loop_watchdog import Liveness, signs_of_life, watchdogs
+from aioduco.supervision.loop_watchdog import Liveness, keep_alives, watchdogs
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import pauses, retried
 from aioduco.supervision.state_feed import StateFeed
@@ -362,7 +362,7 @@ class Supervisor:
             )
         prepare(WAY_OUT)
         # Before the first beat, which uses it to judge whether the event loop hangs.
-        self._background.start(self._live(time.monotonic()), "aioduco sign of life")
+        self._background.start(self._live(time.monotonic()), "aioduco keep-alive")
         try:
             self.version = ControllerVersion(await self._open_lanes())
             self._watch_loop()
@@ -586,8 +586,8 @@ class Supervisor:
         _log.warning("another guard supervises %s:%d", self.host, self.port)
 
     async def _live(self, due: float) -> None:
-        """Give signs of life of the event loop, first at `due`."""
-        async for turn in signs_of_life(self.settings.loop_stall_limit, due):
+        """Send keep-alives of the event loop, first at `due`."""
+        async for turn in keep_alives(self.settings.loop_stall_limit, due):
             self._liveness.touch(turn, counts=self.gate.alive(boot_time()))
 
     def _crashed(self, error: BaseException) -> None:

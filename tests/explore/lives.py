@@ -45,7 +45,7 @@ class LivingWorld(ArmWorld):
     """A world in which processes and computers stand still.
 
     Attributes:
-        stamp: the event loop's last sign of life that counts [s].
+        stamp: the event loop's last keep-alive that counts [s].
         killed: when the program was killed [ticks].
         still: number of ticks for which its event loop has not run.
         freezable: what may be frozen: names of `PARTS`, or "loop" for a loop that hangs.
@@ -163,7 +163,7 @@ class LivingWorld(ArmWorld):
 
 
 class LivingProgram(Program):
-    """A program with signs of life, a heartbeat and a stream."""
+    """A program with keep-alives, a heartbeat and a stream."""
 
     world: LivingWorld
 
@@ -183,10 +183,10 @@ class LivingProgram(Program):
         ]
         return super().key(), canonical(self.machine, world), *control
 
-    # -- signs of life and heartbeat -------------------------------------------------------------
+    # -- keep-alives and heartbeat -------------------------------------------------------------
 
     def lives(self) -> Steps[None]:
-        """`Supervisor._live`: the event loop's signs of life."""
+        """`Supervisor._live`: the event loop's keep-alives."""
         world = self.world
         while True:
             if self.gate.alive(world.boot()):

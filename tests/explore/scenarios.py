@@ -311,7 +311,7 @@ class Left(Scenario):
 
 
 class Living(LivingWorld):
-    """A program with signs of life and a heartbeat."""
+    """A program with keep-alives and a heartbeat."""
 
     gate = 12
     wrong: dict[str, int] = {}

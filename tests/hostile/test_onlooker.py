@@ -182,7 +182,7 @@ def test_a_motion_is_refused_if_no_guard_hears_of_it() -> None:
     assert said == [True, False]
 
 
-def test_who_was_held_up_beats_after_a_new_sign_of_life() -> None:
+def test_who_was_held_up_beats_after_a_new_keep_alive() -> None:
     heart = HeartbeatMachine(time=1.0, stall_limit=2.0, now=0.0)
     heart.beaten(0.0)
     heart.suspended(50.0)

@@ -50,12 +50,12 @@ class Failing:
 
         def failing_touch(session: Session) -> None:
             if self.now.is_set():
-                raise Fault("the sign of life")
+                raise Fault("the keep-alive")
             touch(session)
 
         if parts in ("minder", "both"):
             monkeypatch.setattr(Session, "_receive", staticmethod(failing_hear))
-        if parts in ("sign of life", "both"):
+        if parts in ("keep-alive", "both"):
             monkeypatch.setattr(Session, "_touch", failing_touch)
 
 
@@ -66,7 +66,7 @@ def sim() -> Iterator[Simulator]:
 
 
 @pytest.mark.parametrize("run_in", ["process", "thread"])
-@pytest.mark.parametrize("parts", ["minder", "sign of life", "both"])
+@pytest.mark.parametrize("parts", ["minder", "keep-alive", "both"])
 @pytest.mark.parametrize("kind", ["servo", "speed"])
 async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
     sim: Simulator, monkeypatch: pytest.MonkeyPatch, run_in: Any, parts: str, kind: str

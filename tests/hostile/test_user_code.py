@@ -231,7 +231,7 @@ def test_the_watch_over_the_loop_goes_on_when_its_report_raises(error: type[Base
             for stalls in (1, 2):
 
                 def stalled_again(stalls: int = stalls) -> bool:
-                    # one long pause, then a sign of life
+                    # one long pause, then a keep-alive
                     if time.monotonic() - life.stamp > 0.1:
                         life.touch(time.monotonic())
                     return len(told) >= stalls

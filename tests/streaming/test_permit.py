@@ -70,7 +70,7 @@ class Clocks:
         return self.permit.look(due)
 
 
-def test_it_stays_valid_while_all_give_signs_of_life() -> None:
+def test_it_stays_valid_while_all_send_keep_alives() -> None:
     clocks = Clocks()
     for _ in range(100):
         clocks.lives()
@@ -121,7 +121,7 @@ def test_the_time_of_the_set_up_does_not_count() -> None:
     assert clocks.look(0.1) is Reason.NONE
 
 
-def test_without_a_sign_of_life_it_ends() -> None:
+def test_without_a_keep_alive_it_ends() -> None:
     clocks = Clocks()
     clocks.control[ControlWord.LEASE] += 10 * SECOND
     assert not any(clocks.look(0.1) for _ in range(10))
@@ -278,7 +278,7 @@ async def test_a_lease_that_is_over_ends_it(arm: Controller, kind: str) -> None:
     arm.gate = gate
 
     def lapse(stream: Stream) -> None:
-        # the loop's signs of life give the lease again and again, so the gate has to lose it
+        # the loop's keep-alives renew the lease again and again, so the gate has to lose it
         gate.lapse()
         stream._session.renew(gate.lease)
 

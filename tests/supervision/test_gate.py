@@ -64,14 +64,14 @@ def test_a_program_that_was_silent_for_just_the_limit_does_not_count_as_hung() -
         gate.check(permit, 2.25)
 
 
-def test_only_a_gate_that_failed_takes_no_sign_of_life_any_more() -> None:
+def test_only_a_gate_that_failed_takes_no_keep_alive_any_more() -> None:
     for ending, counts in ((PermitEnding.LEFT, True), (PermitEnding.FAILED, False)):
         gate = beating()
         gate.close("it is over", ending)
         assert gate.alive(0.1) == counts
 
 
-def test_signs_of_life_keep_a_program_from_counting_as_hung() -> None:
+def test_keep_alives_keep_a_program_from_counting_as_hung() -> None:
     gate = Gate(None, 2.0, 0.0)
     permit = gate.ask("movel", 0.0)
     for now in (1.5, 3.0, 4.5):

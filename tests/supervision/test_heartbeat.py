@@ -114,7 +114,7 @@ async def test_a_hung_loop_stops_the_beat_until_rearmed(
         figures = robot.heartbeat
         assert figures is not None
         assert figures.stalls == 1
-        # late by the stall limit, less the time to the sign of life that was due
+        # late by the stall limit, less the time to the keep-alive that was due
         assert robot.statistics().longest_stall > 0.8 * limit
 
 

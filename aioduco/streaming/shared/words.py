@@ -78,7 +78,7 @@ class ControlWord(IntEnum):
     WITHDRAW = 3
     #: wake the program when no more than this many set-points are in the ring; 0: do not
     WAKE_BELOW = 4
-    #: when the program's event loop last gave a sign of life [ns of `boot_time`]
+    #: when the program's event loop last sent a keep-alive [ns of `boot_time`]
     ALIVE = 5
     #: until then the controller does not stop the arm for want of a heartbeat [ns of `boot_time`]
     LEASE = 6

@@ -2,7 +2,7 @@
 
 What the program asked for before its permit ended must not move the arm afterwards, however long
 the bytes waited. The worker cannot ask the program at each set-point, so the permit is in the
-shared block: the program's commands, its last sign of life, and the time until which the controller
+shared block: the program's commands, its last keep-alive, and the time until which the controller
 does not stop the arm for want of a heartbeat. The program's gate writes the latter, on the thread
 on which a beat was answered.
 
@@ -13,7 +13,7 @@ each call that can move the arm. It sends nothing if
 - the worker itself did not run for too long: it was frozen, or the computer slept. What it knows is
   old then, and the set-point was meant for another time,
 - the controller may have stopped the arm by itself, since the heartbeat was lost,
-- the program's event loop gave no sign of life for too long.
+- the program's event loop sent no keep-alive for too long.
 
 The first reason stays: a permit that has ended never becomes valid again.
 
@@ -49,7 +49,7 @@ class StreamPermit:
 
     Args:
         control: words of `ControlWord`, which the program writes.
-        stall_limit: time without a sign of life after which the program's event loop hangs [s].
+        stall_limit: time without a keep-alive after which the program's event loop hangs [s].
         away_limit: time for which the worker may not run [s].
         times: returns the monotonic time, and the one that goes on while the computer sleeps [ns].
 
@@ -118,7 +118,7 @@ class StreamPermit:
         elif boot >= control[ControlWord.LEASE]:
             self._end(Reason.LAPSED, "no beat was answered in time")
         elif silent > self._stall_limit:
-            self._end(Reason.HUNG, f"no sign of life for {silent * 1e-9:.2f} s")
+            self._end(Reason.HUNG, f"no keep-alive for {silent * 1e-9:.2f} s")
         return self.reason
 
     def require(self, due: int = 0) -> None:

@@ -152,7 +152,7 @@ class GuardClient:
         return True
 
     def touch(self, stamp: float, moves: bool) -> bool:
-        """Pass on a sign of life of the event loop, and whether the program moves the arm.
+        """Pass on a keep-alive of the event loop, and whether the program moves the arm.
 
         Returns:
             Whether the guard will read it, as far as can be known.

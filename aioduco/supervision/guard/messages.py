@@ -52,7 +52,7 @@ class Alive(NamedTuple):
 
     Attributes:
         robot: the program's number for the robot.
-        stamp: its last sign of life that counts [s of `boot_time`].
+        stamp: its last keep-alive that counts [s of `boot_time`].
         moves: whether the program may be moving the arm; sent before anything that moves it.
     """
 

@@ -9,7 +9,7 @@ Guarantees:
   no stop: the controllers have stopped the arms, and a motion now belongs to another program.
 - A stop that the program requests is sent without the program's interpreter: its GIL, its event
   loop and its garbage collector cannot delay it.
-- If an event loop gives no sign of life for its stall limit, the guard stops the arm and withholds
+- If an event loop sends no keep-alive for its stall limit, the guard stops the arm and withholds
   the heartbeat.
 - When the guard exits, the heartbeats end, and the controllers stop their arms. A signal that asks
   it to exit (SIGTERM, SIGHUP) makes it stop the arms instead, and it continues.

@@ -101,7 +101,7 @@ def test_one_page_commands_at_a_time() -> None:
         ([], 0.41, True),
         ([(0.3, 0.35)], 0.69, False),
         ([(0.3, 0.35)], 0.71, True),
-        # signs of life that are late are none: they tell of what was sent long ago
+        # keep-alives that are late are none: they tell of what was sent long ago
         ([(0.0, 0.1), (0.0, 0.2), (0.0, 0.3), (0.0, 0.4)], 0.45, True),
         ([(0.1, 0.6), (0.2, 0.6), (0.3, 0.6)], 0.69, False),
         ([(0.1, 0.6), (0.2, 0.6), (0.3, 0.6)], 0.71, True),

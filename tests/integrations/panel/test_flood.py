@@ -54,7 +54,7 @@ def test_an_allowance_is_a_rate_and_an_amount_at_once() -> None:
 FLOODS = {
     "wrong tokens": json.dumps({"ask": "take", "token": "guess"}),
     "stops": json.dumps({"ask": "stop"}),
-    "signs of life": json.dumps({"ask": "beat", "seen": 1, "down": True}),
+    "keep-alives": json.dumps({"ask": "beat", "seen": 1, "down": True}),
     "rubbish": "[" * 60,
     "long rubbish": "[" * 4000,
 }

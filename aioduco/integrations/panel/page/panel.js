@@ -1,7 +1,7 @@
 // The panel's page. It holds no rules of its own: what it may not do, the server refuses.
 "use strict";
 
-const BEAT = 100;          // ms between two signs of life of a page that commands
+const BEAT = 100;          // ms between two keep-alives of a page that commands
 let lostAfter = 1000;      // ms without a word of the server after which the connection counts as lost
 const RETRY = 1000;        // ms between two attempts to get it back
 const MINUTE = 60;         // s that the plots show
