@@ -251,21 +251,18 @@ async def stop_all(robots: Iterable[Robot]) -> None:
 
     Manual section 1.3.3.
     """
-    from aioduco.supervision.guard.client import shared as guard  # noqa: PLC0415
-
     chosen = tuple(robots)
     known = [isinstance(robot, Robot) for robot in chosen]
     errors: list[DucoError | None] = [None] * len(chosen)
-    with guard.together():
-        for index, robot in enumerate(chosen):
-            if not known[index]:  # the others are stopped nevertheless
-                errors[index] = RobotStateError(f"{robot!r} is no robot that `connect` returned")
-                continue
-            try:
-                robot._supervisor.check_open("stop")
-                robot._supervisor.stop_coordinator.begin_stop()
-            except DucoError as exc:
-                errors[index] = exc
+    for index, robot in enumerate(chosen):
+        if not known[index]:  # the others are stopped nevertheless
+            errors[index] = RobotStateError(f"{robot!r} is no robot that `connect` returned")
+            continue
+        try:
+            robot._supervisor.check_open("stop")
+            robot._supervisor.stop_coordinator.begin_stop()
+        except DucoError as exc:
+            errors[index] = exc
 
     async def stop(index: int) -> None:
         try:

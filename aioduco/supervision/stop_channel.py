@@ -22,9 +22,6 @@ from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
-    from typing import Any
-
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
 
@@ -39,10 +36,8 @@ _ASK_LIMIT = 0.5
 _LAST_LIMIT = 0.25
 
 
-#: awaits the guard's answer, once; returns whether the controller accepted the guard's stop
-_ByGuard: TypeAlias = "Callable[[], Coroutine[Any, Any, bool]]"
-#: a stop that was begun: when [s of `time.monotonic`], and by what; or why not
-_Begun: TypeAlias = "tuple[float, _ByGuard | LaneCall | Exception]"
+#: a stop that was begun: when [s of `time.monotonic`], and its call; or why it was not sent
+_Begun: TypeAlias = "tuple[float, LaneCall | Exception]"
 
 
 class StopChannel:
@@ -52,9 +47,6 @@ class StopChannel:
         stop: lane for stops alone.
         others: lane for pause, resume and abort.
         watch: lane for polls whether the arm moves.
-        begin_by_guard: lets the guard send a stop, within a number of seconds; it returns what
-            awaits, once, whether the controller accepted it, or None if there is no guard.
-        stop_by_guard: the same from any thread; it returns whether the controller accepted it.
 
     Attributes:
         others: lane for pause, resume and abort.
@@ -62,17 +54,8 @@ class StopChannel:
         attempts: number of stops that were sent, repeats included.
     """
 
-    def __init__(
-        self,
-        stop: WireLane,
-        others: WireLane,
-        watch: WireLane,
-        begin_by_guard: Callable[[float], _ByGuard | None] = lambda _: None,
-        stop_by_guard: Callable[[float], bool | None] = lambda _: None,
-    ) -> None:
+    def __init__(self, stop: WireLane, others: WireLane, watch: WireLane) -> None:
         self._stop = stop
-        self._begin_by_guard = begin_by_guard
-        self._stop_by_guard = stop_by_guard
         self.others: WireLane = others
         self._watch = watch
         self.stops: int = 0
@@ -88,7 +71,7 @@ class StopChannel:
             timeout: seconds within which the controller must accept it.
 
         Returns:
-            When it was sent, and how; or why not.
+            When it was sent, and its call; or why it was not sent.
 
         Raises:
             WrongLoop: this is not the robot's event loop; nothing was sent.
@@ -98,13 +81,9 @@ class StopChannel:
         at = time.monotonic()
         self.attempts += 1
         try:
-            first = self._begin_by_guard(timeout) or self._send(
-                self._stop, min(FIRST_ATTEMPT, timeout)
-            )
+            self._begun = at, self._send(self._stop, min(FIRST_ATTEMPT, timeout))
         except (DucoError, MemoryError) as exc:
             self._begun = at, exc
-        else:
-            self._begun = at, first
         return self._begun
 
     async def stop(self, timeout: float) -> None:
@@ -125,15 +104,8 @@ class StopChannel:
         self._begun = None
         at, first = begun
         until = at + timeout
-        call: LaneCall | None = None
-        error: Exception | None = None
-        if isinstance(first, Exception):
-            error = first
-        elif not callable(first):
-            call = first
-        elif await first():
-            self._accepted_by_guard(at)
-            return
+        error = first if isinstance(first, Exception) else None
+        call = None if isinstance(first, Exception) else first
         budget = FIRST_ATTEMPT
         lanes = (self._stop, self.others)
         attempt, left = 0, until - time.monotonic()
@@ -174,13 +146,7 @@ class StopChannel:
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
-        begin = time.monotonic()
-        until = begin + timeout
-        accepted = self._stop_by_guard(timeout)
-        self.attempts += accepted is not None
-        if accepted:
-            self._accepted_by_guard(begin)
-            return
+        until = time.monotonic() + timeout
         error: BaseException | None = None
         while (left := until - time.monotonic()) > 0:
             self.attempts += 1
@@ -194,11 +160,6 @@ class StopChannel:
                 error = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
-
-    def _accepted_by_guard(self, begin: float) -> None:
-        """Note a stop that the guard sent, and report it to the observers of the lane."""
-        self.stops += 1
-        self._stop.report("stop", (False,), None, None, begin)
 
     async def moving(self, timeout: float = _ASK_LIMIT) -> bool:
         """Whether the arm moves.

@@ -174,12 +174,7 @@ class Supervisor:
 
             self.guard = guarded.GuardClient(host, port, settings, self._guard_lost, self._beaten)
         self._liveness = Liveness(None if self.guard is None else self.guard.touch)
-        lanes = self._stop_lane, self._control_lane, self.poll
-        self.stop_channel: StopChannel = (
-            StopChannel(*lanes)
-            if self.guard is None
-            else StopChannel(*lanes, self.guard.begin_stop, self.guard.stop_now)
-        )
+        self.stop_channel: StopChannel = StopChannel(self._stop_lane, self._control_lane, self.poll)
         if settings.heartbeat is not None:
             end = Endpoint(host, port, settings.connect_timeout, route=self._route)
             self.heartbeat = self.guard or Heartbeat(

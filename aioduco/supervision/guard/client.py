@@ -1,8 +1,7 @@
 """The program's end of its guard: one guard for all robots of a program.
 
 Guarantees:
-- Sending never waits: a guard that does not read counts as no guard, and the caller uses the
-  connections of the program instead.
+- Sending never waits: a guard that does not read counts as no guard.
 - A caller that waits for an answer is woken when the guard dies.
 - Other processes that the program starts do not inherit the socket pair, not even by a fork, so
   that the guard detects the program's exit at once.
@@ -10,7 +9,6 @@ Guarantees:
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import socket
 import subprocess
@@ -26,17 +24,15 @@ from aioduco._wire.nonblocking import send_at_once
 from aioduco.errors import GuardLost
 from aioduco.supervision.guard.messages import (
     MAX_PACKET,
-    MAX_ROBOTS,
     Beat,
     Done,
     LogMessage,
-    Stop,
     pack,
     unpack,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from aioduco.supervision.guard.messages import Message
 
@@ -63,7 +59,6 @@ class GuardLink:
         self._answers: dict[int, Answered] = {}
         #: for each robot, what is called with a beat, and when the guard is lost
         self._listeners: dict[int, tuple[Callable[[Beat], None], Callable[[], None]]] = {}
-        self._collected: list[Stop] | None = None
         self.alive: bool = True
         self.users = 0
         if missing := missing_guard_features():
@@ -137,46 +132,19 @@ class GuardLink:
         packet = pack(message)
         return self.alive and send_at_once(self._socket.fileno(), packet) == len(packet)
 
-    def ask(
-        self, request: Callable[[int], Message], answered: Answered, *, at_once: bool = True
-    ) -> bool:
+    def ask(self, request: Callable[[int], Message], answered: Answered) -> bool:
         """Send a request that is answered by `Done`.
 
         Args:
             request: makes the message, given the token.
             answered: gets the answer.
-            at_once: whether to send a stop now, even while stops are collected.
 
         Returns:
-            Whether it was sent, or will be; if not, `answered` is never called.
+            Whether it was sent; if not, `answered` is never called.
         """
         token = next(self._tokens)
         self._answers[token] = answered
-        message = request(token)
-        if not at_once and self._collected is not None and isinstance(message, Stop):
-            self._collected.append(message)
-            return self.alive or self._answers.pop(token, None) is None
-        if self.tell(message):
-            return True
-        return self._answers.pop(token, None) is None
-
-    @contextlib.contextmanager
-    def together(self) -> Iterator[None]:
-        """Collect the stops requested in this block, and send them in one batch; no await in it."""
-        stops: list[Stop] = []
-        self._collected = stops
-        try:
-            yield
-        finally:
-            self._collected = None
-            for begin in range(0, len(stops), MAX_ROBOTS):
-                part = stops[begin : begin + MAX_ROBOTS]
-                robots = [robot for each in part for robot in each.robots]
-                tokens = [token for each in part for token in each.tokens]
-                if not self.tell(Stop(robots, tokens, min(each.until for each in part))):
-                    for token in tokens:
-                        if (answered := self._answers.pop(token, None)) is not None:
-                            answered("the guard does not read")
+        return self.tell(request(token)) or self._answers.pop(token, None) is None
 
     def end(self) -> None:
         """Close the link: a guard without robots exits, one with robots stops their arms first."""
@@ -259,13 +227,6 @@ class _Shared:
                 self._link = GuardLink()
             self._link.users += 1
             return self._link
-
-    @contextlib.contextmanager
-    def together(self) -> Iterator[None]:
-        """As `GuardLink.together`, if there is a guard."""
-        link = self._link
-        with contextlib.nullcontext() if link is None else link.together():
-            yield
 
     def release(self, link: GuardLink) -> None:
         with self._lock:

@@ -1,16 +1,11 @@
-"""The guard as one robot sees it: it stops the arm, and it is the heartbeat.
+"""The guard as one robot sees it: the heartbeat, which goes on without the program's interpreter.
 
-Guarantees:
-- A stop is sent to the guard before anything is awaited. If the guard does not confirm it at once,
-  the caller also sends it over its own lanes: stop is safe to repeat.
-- Without the guard, no beats are sent: the heartbeat counts as lost as soon as the guard has ended.
+Without the guard, no beats are sent: the heartbeat counts as lost as soon as the guard has ended.
 """
 
 from __future__ import annotations
 
-import time
 from functools import partial
-from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Final
 
 import anyio
@@ -21,7 +16,7 @@ from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion
 from aioduco.supervision.guard.client import GuardLink, shared
-from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
+from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Watch
 from aioduco.supervision.heartbeat import HeartbeatState, HeartbeatStatistics
 
 if TYPE_CHECKING:
@@ -31,8 +26,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.guard.client import Answered
     from aioduco.supervision.settings import RobotSettings
 
-#: seconds after which a stop that the guard has not confirmed is also sent over the local lanes
-CONFIRM_LIMIT: Final = 0.1
 #: seconds for a guard to start and to connect, on top of the time limits of the connections
 _START_LIMIT: Final = 10.0
 #: seconds for the guard to release a robot
@@ -40,7 +33,7 @@ _RELEASE_LIMIT: Final = 2.0
 
 
 class GuardClient:
-    """One robot's side of the guard, which takes over stop and heartbeat.
+    """One robot's side of the guard, which takes over the heartbeat.
 
     Args:
         host: name or address of the controller.
@@ -231,51 +224,6 @@ class GuardClient:
         thread.end()
         if (cancelled := again or cancelled) is not None:
             raise cancelled
-
-    # -- stops ---------------------------------------------------------------------------------
-
-    def begin_stop(self, timeout: float) -> Callable[[], Coroutine[Any, Any, bool]] | None:
-        """Send a stop at once, or with the stops that are being collected.
-
-        Args:
-            timeout: seconds within which the controller must accept it; no more than
-                `CONFIRM_LIMIT` count. A stop after that of the local lanes would end motions that
-                were sent since.
-
-        Returns:
-            Awaits, once, whether the controller accepted it in time; None if there is no guard.
-        """
-        until = time.monotonic() + min(CONFIRM_LIMIT, timeout)
-        answered, answer = _answer()
-
-        async def accepted() -> bool:
-            return await answer(until - time.monotonic()) == ""
-
-        return accepted if self._send_stop(until, answered, at_once=False) else None
-
-    def stop_now(self, timeout: float) -> bool | None:
-        """Send a stop from any thread or signal handler, even while stops are collected.
-
-        Args:
-            timeout: seconds within which the controller must accept it, as for `begin_stop`.
-
-        Returns:
-            Whether the controller accepted it in time; None if there is no guard.
-        """
-        limit = min(CONFIRM_LIMIT, timeout)
-        answers: SimpleQueue[str | None] = SimpleQueue()
-        if not self._send_stop(time.monotonic() + limit, answers.put, at_once=True):
-            return None
-        try:
-            return answers.get(timeout=limit) == ""
-        except Empty:
-            return False
-
-    def _send_stop(self, until: float, answered: Answered, *, at_once: bool) -> bool:
-        link, robot = self._link, self._robot
-        if link is None or not robot:
-            return False
-        return link.ask(lambda token: Stop([robot], [token], until), answered, at_once=at_once)
 
     # -- what the guard says -------------------------------------------------------------------
 

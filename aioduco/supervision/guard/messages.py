@@ -8,23 +8,20 @@ those of CLOCK_MONOTONIC, which is the same for all processes of a machine.
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from aioduco.supervision.heartbeat import HeartbeatState
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 #: buffer size [bytes], larger than any message
 MAX_PACKET: Final = 8192
-#: maximum number of robots of one `Stop`
-MAX_ROBOTS: Final = 200
 #: maximum number of characters of a text in a message
 _TEXT: Final = 2000
 
 
 class Watch(NamedTuple):
-    """Program to guard: take over stop and heartbeat of a robot. Answered by `Done`.
+    """Program to guard: take over a robot's heartbeat, and its stop when the program ends.
+
+    Answered by `Done`.
 
     Attributes:
         robot: the program's number for the robot.
@@ -59,20 +56,6 @@ class Alive(NamedTuple):
     robot: int
     stamp: float
     moves: bool
-
-
-class Stop(NamedTuple):
-    """Program to guard: stop these arms, all before anything else. Each is answered by `Done`.
-
-    Attributes:
-        robots: the program's numbers for the robots.
-        tokens: numbers that are repeated in the answers.
-        until: when a stop must have been accepted; a guard that reads this later does nothing.
-    """
-
-    robots: Sequence[int]
-    tokens: Sequence[int]
-    until: float
 
 
 class Rearm(NamedTuple):
@@ -135,10 +118,10 @@ class LogMessage(NamedTuple):
     text: str
 
 
-Message: TypeAlias = Watch | Alive | Stop | Rearm | Release | Done | Beat | LogMessage
+Message: TypeAlias = Watch | Alive | Rearm | Release | Done | Beat | LogMessage
 
 _KINDS: Final = {
-    kind.__name__: kind for kind in (Watch, Alive, Stop, Rearm, Release, Done, Beat, LogMessage)
+    kind.__name__: kind for kind in (Watch, Alive, Rearm, Release, Done, Beat, LogMessage)
 }
 
 

@@ -7,8 +7,6 @@ Guarantees:
   anything that may move the arm, and withdraws it when the arm stands.
 - If the guard was itself suspended for so long that the controllers missed its heartbeats, it sends
   no stop: the controllers have stopped the arms, and a motion now belongs to another program.
-- A stop that the program requests is sent without the program's interpreter: its GIL, its event
-  loop and its garbage collector cannot delay it.
 - If an event loop sends no keep-alive for its stall limit, the guard stops the arm and withholds
   the heartbeat.
 - When the guard exits, the heartbeats end, and the controllers stop their arms. A signal that asks
@@ -45,7 +43,6 @@ from aioduco.supervision.guard.messages import (
     LogMessage,
     Rearm,
     Release,
-    Stop,
     Watch,
     pack,
     shortened,
@@ -79,7 +76,7 @@ _GRACE = 1.0
 
 
 class GuardedRobot:
-    """One robot whose stop and heartbeat the guard has taken over.
+    """One robot whose heartbeat the guard has taken over, and its stop if the program ends.
 
     Args:
         watch: the request to supervise it.
@@ -230,7 +227,6 @@ class Guard:
                 async with anyio.create_task_group() as stops:
                     while (message := await self._next()) is not None:
                         self._take(message, stops)
-                    # Requested stops are still being sent: nothing is cancelled here.
                     for guarded in self._guarded.values():
                         stops.start_soon(self._stop_abandoned, guarded)
                 tasks.cancel_scope.cancel()
@@ -264,8 +260,6 @@ class Guard:
                 if robot in self._guarded:
                     self._guarded[robot].liveness.stamp = stamp
                     self._guarded[robot].liveness.moves = moves
-            case Stop():
-                self._stop(message, tasks)
             case Watch(robot, token):
                 # Added here and not in the task: a release that follows at once must find it.
                 self._pending[robot] = guarded = GuardedRobot(message, self)
@@ -290,34 +284,6 @@ class Guard:
                 self._guarded[guarded.robot] = guarded
         self._pending.pop(guarded.robot, None)
         guarded.opened.set()
-        self.tell(Done(token, error))
-
-    def _stop(self, request: Stop, tasks: TaskGroup) -> None:
-        """Stop arms: all stops are sent before anything else runs on the event loop."""
-        left = request.until - time.monotonic()
-        for robot, token in zip(request.robots, request.tokens, strict=True):
-            guarded = self._guarded.get(robot)
-            if guarded is None:
-                self.tell(Done(token, "the guard does not know this robot"))
-            elif left <= 0.0:
-                self.tell(Done(token, "the guard was held up, and came to it too late"))
-            else:
-                guarded.stop_channel.begin(left)
-                tasks.start_soon(self._stopped, guarded, token, left)
-
-    async def _stopped(self, guarded: GuardedRobot, token: int, left: float) -> None:
-        """Wait until a stop that was begun is accepted, and answer its request."""
-        error = _RELEASED
-        with anyio.CancelScope() as scope:
-            guarded.stopping.add(scope)
-            try:
-                await guarded.stop_channel.stop(left)
-            except DucoError as exc:
-                error = shortened(str(exc))
-            else:
-                error = ""
-            finally:
-                guarded.stopping.discard(scope)
         self.tell(Done(token, error))
 
     async def _release(self, request: Release) -> None:
