@@ -36,7 +36,8 @@ def tables(head: str) -> list[list[str]]:
 
 ROWS = tables("| behaviour | source | test |")
 MISSING = tables("| not simulated | source | why |")
-REFUSED = {row[0].strip("`"): row[1] for row in tables("| function | why |")}
+GROUPS = tables("| function | why |")
+REFUSED = {name: row[1] for row in GROUPS for name in re.findall(r"`(\w+)`", row[0])}
 INDEX = tables("| section | functions | where |")
 
 
@@ -53,7 +54,7 @@ def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
 
 def test_every_line_of_a_table_is_in_one() -> None:
     lines = [line for line in LEDGER.splitlines() if line.startswith("|")]
-    rows = [*ROWS, *MISSING, *REFUSED, *INDEX]
+    rows = [*ROWS, *MISSING, *GROUPS, *INDEX]
     assert len(ROWS) > 200
     heads = len(re.findall(r"^\|(?!-).*\n\|---", LEDGER, re.MULTILINE))
     assert len(lines) == len(rows) + 2 * heads
