@@ -10,6 +10,9 @@ it:
     <!-- examples, one program -->       on a page: each block goes on where the one before ended
     <!-- examples, one session -->       on a page: files and commands of one folder, in their order
     <!-- examples, not run: REASON -->   on a page: none of its blocks
+
+What a block of Python comes after may define `prepare(sim)`, which is called first: `enabled`
+brings the arm up, whose joints are then `here`. `enough(n)` ends an endless loop at its n-th call.
 """
 
 from __future__ import annotations

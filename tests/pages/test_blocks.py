@@ -48,6 +48,22 @@ class Enough(Exception):
     """What a block's names raise to end a loop that has no end."""
 
 
+def helpers(namespace: dict[str, Any]) -> dict[str, Any]:
+    """What a block's comment may use: an arm that is brought up, and an end of its loop."""
+    calls = itertools.count(1)
+
+    def enabled(sim: Any) -> None:
+        with aioduco.sync.connect(sim.host) as robot:
+            robot.bring_up()
+            namespace["here"] = robot.state.get_actual_joints_position()
+
+    def enough(most: int) -> None:
+        if next(calls) >= most:
+            raise Enough
+
+    return {"enabled": enabled, "enough": enough}
+
+
 def key(block: Block) -> tuple[str, str]:
     return block.code, block.after
 
@@ -153,6 +169,7 @@ def test_a_block_of_python_runs(
     module = types.ModuleType("__main__")
     namespace = vars(module)
     namespace.update(__builtins__=builtins, Enough=Enough, ROOT=ROOT, aioduco=aioduco)
+    namespace.update(helpers(namespace))
     monkeypatch.setitem(sys.modules, "__main__", module)
     exec(compile(block.after, "what the block comes after", "exec"), namespace)
     options = {"speed": 5, "host": free_host(), "port": 7003, **namespace.pop("options", {})}
