@@ -119,7 +119,6 @@ _STREAMS = {
 _NEEDED_OPEN = frozenset(
     {
         *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint", "aioduco.api.blocking"),
-        "aioduco.supervision.guard.client",  # of `stop_all`
         *(
             place.rpartition(".")[0]
             for places in (_SECTIONS, _SECTIONS_WITH_STREAMS, _STREAMS)
@@ -189,9 +188,9 @@ def connect(
             an await of it returns only when that is ruled out.
         closing_steps: the steps when the robot is closed, with a time limit for each; None for all
             steps, with the times above.
-        guard: "process" to run stop and heartbeat in a small separate process, one for all
-            robots of the program: the arm is stopped at once when the program dies, and a busy
-            program cannot delay a stop. None: on threads of the program.
+        guard: "process" to send the heartbeat from a small separate process, one for all robots
+            of the program, which stops the arm at once when the program dies. None: from a thread
+            of the program.
         state_rate: samples of the state per second, once `robot.feed` is used, up to 1000 [Hz].
         lag_limit: seconds for which the event loop may be blocked before a warning names the
             blocking line; None for no warnings.

@@ -538,7 +538,7 @@ class Supervisor:
             self.heartbeat.join(_GRACE)
 
     async def _start_guard(self) -> None:
-        """Let the guard take over stop and heartbeat, if a guard is wanted."""
+        """Let the guard take over the heartbeat, if a guard is wanted."""
         if self.guard is not None:
             self._stalls = 0
             await self.guard.acquire()

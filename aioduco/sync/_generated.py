@@ -6543,9 +6543,9 @@ def connect(
             a wait for it returns only when that is ruled out.
         closing_steps: the steps when the robot is closed, with a time limit for each; None for all
             steps, with the times above.
-        guard: "process" to run stop and heartbeat in a small separate process, one for all
-            robots of the program: the arm is stopped at once when the program dies, and a busy
-            program cannot delay a stop. None: on threads of the program.
+        guard: "process" to send the heartbeat from a small separate process, one for all robots
+            of the program, which stops the arm at once when the program dies. None: from a thread
+            of the program.
         state_rate: samples of the state per second, once `robot.feed` is used, up to 1000 [Hz].
         lag_limit: seconds for which the robot's thread may be blocked before a warning names the
             blocking line; None for no warnings.

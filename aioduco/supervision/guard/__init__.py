@@ -1,5 +1,5 @@
-"""The guard: a small process that runs the stop and the heartbeat of every robot of a program.
+"""The guard: a small process that beats for every robot of a program, and stops what it leaves.
 
 `messages` has the messages between program and guard; `process` is the guard; `client` is the
-program's end of the connection; `guarded` replaces the local stop and heartbeat by the guard's.
+program's end of the connection; `guarded` takes the place of the program's own heartbeat.
 """

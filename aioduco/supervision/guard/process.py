@@ -235,8 +235,8 @@ class Guard:
         """Stop the arms at each signal that asks the guard to exit, and continue.
 
         A service manager signals the program and its guard at the same time. The program may be
-        closing its robots, and needs its stop and heartbeat for that, however long it takes; after
-        the program, the guard exits by itself. If that takes too long, the manager kills both.
+        closing its robots, and needs its heartbeat for that, however long it takes; after the
+        program, the guard exits by itself. If that takes too long, the manager kills both.
         """
         async for _ in signals:
             for guarded in self._guarded.values():
