@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 ARM, SIMULATED = "192.168.1.10", "127.0.0.1"
 PAGES = pages()
 #: the block of commands that the quick run takes
-QUICK = "reference/cli-5"
+QUICK = "guides/from-the-vendor-sdk-3"
 
 
 class Enough(Exception):
