@@ -38,7 +38,7 @@ def panel(
         typer.Option(
             min=0,
             max=65534,
-            help="Port of the page; the 3D view uses the next free one. 0: any.",
+            help="Port of the page and its picture. 0: any.",
         ),
     ] = 8080,
     bind: Annotated[
