@@ -42,8 +42,8 @@ _LINE: Final = 0.2
 _GENTLE: Final = 1.0
 #: speeds of them, squared, as shares of the reach: each line has a part of constant speed
 _JOINT_PACE, _LINE_PACE = 0.45, 0.1
-#: time that the one beat announces, the motion that it stops at most, and the time before in which
-#: no other heartbeat is expected any more [s]
+#: time that the one beat announces, the motion that it stops at most, and the time at rest in which
+#: the heartbeat before it runs out [s]
 _ANNOUNCED: Final = 0.5
 _LAPSE: Final = 8.0
 _FORGOTTEN: Final = 3.0
@@ -227,8 +227,8 @@ async def _lapses(
     way = 1.4 * extent.reach * np.eye(6)[5]
     for i in range(extent.lapses):
         progress(f"a heartbeat that ends, {i + 1} of {extent.lapses}")
-        await robot.motion.movej2((start - way).tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
         await anyio.sleep(_FORGOTTEN)
+        await robot.motion.movej2((start - way).tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
         goal = (start + way).tolist()
         task = await robot.motion.movej2(goal, v=2.0 * way[5] / _LAPSE, a=_BETWEEN[1]).start()
         await anyio.sleep(_STILL)

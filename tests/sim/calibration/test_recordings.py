@@ -70,6 +70,8 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     )
     monkeypatch.setattr(measuring, "_STILL", 0.1)
     monkeypatch.setattr(measuring, "_FORGOTTEN", 1.8)
+    # So slow that the last beat of the other robot would run out on the way to the slow turn.
+    monkeypatch.setattr(measuring, "_BETWEEN", (0.1, 1.0))
     path, told = tmp_path / "run.mcap", list[str]()
     with Simulator(profile=truth, joints=READY, speed=4) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
