@@ -15,8 +15,9 @@ from aioduco.cli import measuring
 from aioduco.cli.app import app
 from aioduco.cli.measuring import Extent
 from aioduco.errors import CalibrationError, ParameterError, RecordingError
+from aioduco.recording.run import read
 from aioduco.sim import ArmProfile, Simulator
-from aioduco.sim.calibration import calibrate, profile_of
+from aioduco.sim.calibration import calibrate, evidence, profile_of
 from aioduco.sim.calibration.evidence import read_evidence
 
 from .made import MODEL, READY, configurations, empty, exact, hidden_geometry, poses_of
@@ -70,8 +71,6 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     )
     monkeypatch.setattr(measuring, "_STILL", 0.1)
     monkeypatch.setattr(measuring, "_FORGOTTEN", 1.8)
-    # So slow that the last beat of the other robot would run out on the way to the slow turn.
-    monkeypatch.setattr(measuring, "_BETWEEN", (0.1, 1.0))
     path, told = tmp_path / "run.mcap", list[str]()
     with Simulator(profile=truth, joints=READY, speed=4) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
@@ -84,6 +83,10 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     run = read_evidence(path)
     assert [each.kind for each in run.corners] == ["joint"] * 6 + ["line"] * 6
     assert [announced for _, announced in run.beats] == [0.5]
+    # The other robot's heartbeat runs out at rest, before the way to the slow turn.
+    moves = [call.begin for call in evidence._calls(read(path)) if call.function == "movej2"]
+    moving = run.motions.time[np.abs(run.motions.wanted_speed).max(axis=1) > 1e-3]
+    assert moves[-3] - moving[moving < moves[-3]].max() >= 1.8
     # A busy computer stops the arm later, and reads fewer samples than the estimates need.
     found = calibrate(path).profile.values
     assert all(each.high >= slack.value for each in found.get("heartbeat", {}).values())
