@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 MODEL = "gcr5_910"
+CYCLE = 1e-3  # of the simulated controller [s]
 EXTENT = Extent(poses=28, rounds=1, changes=3)
 
 
@@ -225,7 +226,9 @@ def compare(pairs: list[tuple[ArmProfile, Calibration]]) -> dict[str, Any]:
     kinds: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for truth, found in pairs:
         for section, names in truth.values.items():
-            for name, (value, _, _) in names.items():
+            for name, (hidden_value, _, _) in names.items():
+                # Readings without a period change in each cycle of the controller.
+                value = max(hidden_value, CYCLE) if section == "readings" else hidden_value
                 judge(
                     kinds[unit(section, name)],
                     value,

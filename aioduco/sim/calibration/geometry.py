@@ -69,11 +69,11 @@ _LAST: Final = [_NAMES.index(name) for name in ("a6", "d6", "alpha6", "theta6")]
 
 
 class _Fit(NamedTuple):
-    """Parameters with their covariance, and what is left over.
+    """Parameters with their standard deviations, and what is left over.
 
     Attributes:
         x: deviations from the model.
-        covariance: their covariance.
+        deviations: their standard deviations.
         free: degrees of freedom.
         noise: what is left over of positions [m] and rotations [rad], in the mean.
         shape: noise of the poses beside that of the joints: see `_Problem.whitened`.
@@ -81,7 +81,7 @@ class _Fit(NamedTuple):
     """
 
     x: Array
-    covariance: Array
+    deviations: Array
     free: float
     noise: tuple[float, float]
     shape: float
@@ -261,13 +261,25 @@ class _Problem:
             free = rows - float(np.trace(np.linalg.solve(information, square))) / variance
             variance = max(float(left @ left) / free, 1e-24)
         _, size = np.linalg.slogdet(information)
+        inverse = np.asarray(np.linalg.inv(information), dtype=np.float64)
+        # Of some poses the errors are larger than by the mean of all: what each does to the
+        # parameters counts as well, by its error without itself (CR3), and the larger one is taken.
+        moved = [
+            inverse @ of_pose.T @ np.linalg.solve(np.eye(6) - of_pose @ inverse @ of_pose.T, own)
+            for of_pose, own in zip(
+                slopes.reshape(-1, 6, self._count) / math.sqrt(variance),
+                left.reshape(-1, 6) / math.sqrt(variance),
+                strict=True,
+            )
+        ]
+        spread = np.square([*moved, *inverse]).sum(axis=0)  # by the poses, and by the prior
         likelihood = determinants[used].sum() - 0.5 * (rows * math.log(variance) + size + free)
         found = x + step * self._prior
         rest = self.errors(found)[used]
         share = math.sqrt(rows / free)
         return float(likelihood), _Fit(
             found,
-            (np.linalg.inv(information) * np.outer(self._prior, self._prior)).astype(np.float64),
+            self._prior * np.sqrt(np.maximum(np.diag(inverse), spread)),
             free,
             (
                 share * math.sqrt(float((rest[:, :3] ** 2).mean())),
@@ -285,7 +297,7 @@ def _judged(
 
     nominal = arm_of(model).geometry
     factor = float(student.ppf(0.975, fit.free))
-    half = factor * np.sqrt(np.diag(fit.covariance)[:24])
+    half = factor * fit.deviations[:24]
     half = np.maximum(half, np.where(_LENGTHS, _LEAST_LENGTH, _LEAST_ANGLE))
     values: dict[str, Estimate] = {}
     lost: list[str] = []

@@ -82,7 +82,8 @@ def _lapse(run: Evidence, beat: tuple[TimedCall, float]) -> tuple[float, float] 
     first = int(slower[0])
     if fast[:first].min() < _SLOWER * cruise:
         return None
-    # The set-point may have begun to slow down up to the part that is allowed above.
-    return float(at[max(first - 2, 0)] - call.end - announced), float(
+    # The set-point may have begun to slow down up to the part that is allowed above, and what a
+    # sample says may be older than the sample by the time between two.
+    return float(at[max(first - 3, 0)] - call.end - announced), float(
         at[first] - call.begin - announced
     )
