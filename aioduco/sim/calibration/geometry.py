@@ -253,7 +253,7 @@ class _Problem:
         slopes = (roots @ changes).reshape(rows, self._count)
         square, drive, prior = slopes.T @ slopes, slopes.T @ error, x / self._prior
         variance, free = float(error @ error) / rows, float(rows)
-        information, step = np.eye(self._count), np.zeros(self._count)
+        information, step, left = np.eye(self._count), np.zeros(self._count), error
         for _ in range(6):
             information = square / variance + np.eye(self._count)
             step = np.linalg.solve(information, drive / variance - prior)
