@@ -204,14 +204,24 @@ for each in ends:
         assert monotonic > 1.0 - 0.01  # a wait ends by the clock that stood still
 
 
-@pytest.mark.skipif(bool(clock.why_not()), reason=clock.why_not())
 def test_all_processes_of_a_run_are_killed_frozen_ones_too(tmp_path: Path) -> None:
-    code = "import subprocess, sys; subprocess.run(['sleep', '1000'], start_new_session=True)"
+    os.mkfifo(fifo := tmp_path / "fifo")
+    # A child that opens a pipe with one end is not yet the program that it is to become, and the
+    # process that starts it waits for that where no signal but the last reaches it.
+    code = f"""
+import os
+opened = (os.POSIX_SPAWN_OPEN, 0, {str(fifo)!r}, os.O_RDONLY, 0)
+os.posix_spawn("/bin/sleep", ["sleep", "1000"], os.environ, file_actions=[opened], setsid=True)
+"""
+    mark = str(tmp_path)
     with subprocess.Popen(
-        [sys.executable, "-c", code], env={**os.environ, processes.MARK: (mark := str(tmp_path))}
+        [sys.executable, "-c", code], env={**os.environ, processes.MARK: mark}
     ) as program:
-        eventually(lambda: len(processes.of_run(mark)) == 2)
-        processes.freeze(processes.of_run(mark))
-        processes.kill(mark)
+        try:
+            eventually(lambda: len(processes.of_run(mark)) == 2)
+            eventually(lambda: processes.states_of(program.pid) == {"D"})
+            processes.freeze(processes.of_run(mark))
+        finally:
+            processes.kill(mark)
         assert program.wait() == -signal.SIGKILL
     assert not processes.of_run(mark)

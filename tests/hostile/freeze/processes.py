@@ -46,13 +46,16 @@ def roles_of(mark: str, program: int) -> dict[int, str]:
 def freeze(pids: Sequence[int]) -> None:
     """Stop processes, in this order, and wait until none of their threads runs.
 
+    A thread in an uninterruptible wait ("D") executes nothing before it stops: one that starts a
+    program waits so until its child is that program, which a child that was stopped first never is.
+
     Raises:
         TimeoutError: one does not stop.
     """
     for pid in pids:
         _signal(pid, signal.SIGSTOP)
     until = time.monotonic() + _STOPPED
-    while any(_states(pid) - {"T", "Z", "X"} for pid in pids):
+    while any(states_of(pid) - {"T", "D", "Z", "X"} for pid in pids):
         if time.monotonic() > until:
             raise TimeoutError(f"processes {pids} did not stop")
         # A poll: the system tells nobody that a process that is no child stopped.
@@ -88,7 +91,7 @@ def _role(pid: int) -> str:
     return next((role for name, role in _ROLES.items() if name in line), "other")
 
 
-def _states(pid: int) -> set[str]:
+def states_of(pid: int) -> set[str]:
     """States of the threads of a process; none if it has ended."""
     states = set()
     for stat in Path(f"/proc/{pid}/task").glob("*/stat"):
