@@ -81,6 +81,30 @@ class Program(RpcClient):
         assert self.enable(True) == 4
 
 
+@contextlib.contextmanager
+def standing_time(sim: Simulator) -> Iterator[None]:
+    """A block in which only `advance` moves simulated time.
+
+    So that what is commanded, and what is read, is of one instant, however late the program's next
+    call comes: a simulator without the clock goes through a motion of a second within milliseconds.
+    """
+    sim.lock_time()
+    try:
+        yield
+    finally:
+        sim.unlock_time()
+
+
+def advance_until(
+    sim: Simulator, predicate: Callable[[], bool], timeout: float = 10.0, *, every: int = 1
+) -> None:
+    """Run cycles until a condition holds, while time is locked; it is checked at every so many."""
+    end = sim.time + timeout
+    while not predicate():
+        assert sim.time < end, f"it did not come to hold within {timeout} s of simulated time"
+        sim.advance(every)
+
+
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
     """A simulator that runs as fast as it can."""

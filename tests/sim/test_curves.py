@@ -14,6 +14,8 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import advance_until, standing_time
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -253,10 +255,13 @@ def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
     stood: list[float] = []
     sim.signals.events["stands"] = lambda: fired.append(sim.time)
     op = Op(time_or_dist_3=1, trig_time_3=-late, trig_event_3="stands")
-    line(robot, op, 0.2, block=False)
-    sim.wait_until(lambda: sim.moving)
-    sim.observe(lambda now, _: stood.clear() if now.setpoint.qd.any() else stood.append(now.time))
-    assert getattr(robot, how)(True) == TaskState.FINISHED
+    with standing_time(sim):
+        line(robot, op, 0.2, block=False)
+        advance_until(sim, robot.robotmoving)
+        sim.observe(
+            lambda now, _: stood.clear() if now.setpoint.qd.any() else stood.append(now.time)
+        )
+        getattr(robot, how)(False)
     sim.wait_until(lambda: bool(fired))
     sim.observe(None)
     assert fired[0] - stood[0] == pytest.approx(late / 1000.0, abs=0.004)

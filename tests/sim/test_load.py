@@ -13,7 +13,7 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.scene import Rod
 from aioduco.sim.simulator import Simulator
 
-from .conftest import OUT_OF_RANGE
+from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,17 +67,20 @@ def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> 
     sim.drag(dry)
     op = Op()
     goal = [0.5, 0.2, 1.2, 0.3, -1.2, 0.4]
-    robot.movej2(goal, 0.5, 2.0, 0.0, False, op, False)
-    sim.wait_until(lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
-    speeds = robot.get_actual_joints_speed()
-    felt = [-torque if speed > 0.0 else torque for torque, speed in zip(
-        robot.get_ext_torque(), speeds, strict=True)]  # fmt: skip
-    assert felt == pytest.approx(dry, rel=0.2)
-    sim.drag([0.0] * 6)
-    sim.wait_until(lambda: not sim.moving)
-    robot.movej2([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0], 0.5, 2.0, 0.0, False, op, False)
-    sim.wait_until(lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
-    assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.2)
+    with standing_time(sim):
+        robot.movej2(goal, 0.5, 2.0, 0.0, False, op, False)
+        advance_until(sim, lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
+        speeds = robot.get_actual_joints_speed()
+        felt = [-torque if speed > 0.0 else torque for torque, speed in zip(
+            robot.get_ext_torque(), speeds, strict=True)]  # fmt: skip
+        assert felt == pytest.approx(dry, rel=0.2)
+        sim.drag([0.0] * 6)
+        advance_until(sim, lambda: not sim.moving)
+        robot.movej2(
+            [0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0], 0.5, 2.0, 0.0, False, op, False
+        )
+        advance_until(sim, lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
+        assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.2)
 
 
 @pytest.mark.parametrize("wrong", [[1.0] * 5, [1.0] * 5 + [-1.0], [math.nan] * 6])

@@ -14,6 +14,8 @@ from aioduco.sim.controller.programs import ProgramRun
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import advance_until, standing_time
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator
     from concurrent.futures import Future
@@ -198,9 +200,10 @@ def test_a_change_of_mode_pauses_it(cell: Simulator, program: Program) -> None:
 
 
 def test_a_popup_pauses_it(cell: Simulator, program: Program) -> None:
-    id_ = program.run_program("far", False)
-    cell.wait_until(lambda: cell.moving)
-    program.log_error("look here")
+    with standing_time(cell):
+        id_ = program.run_program("far", False)
+        advance_until(cell, program.robotmoving)
+        program.log_error("look here")
     cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.PAUSED)
     program.stop(True)
 
@@ -250,10 +253,11 @@ def test_it_has_the_arm_to_itself(cell: Simulator, program: Program) -> None:
     assert program.to(*READY) == TaskState.ILLEGAL
     assert program.set_standard_digital_out(9, True, True) == TaskState.FINISHED
     program.stop(True)
-    id_ = program.to(*FAR, v=0.2, block=False)
-    cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.RUNNING)
-    assert program.run_program("pick", True) == TaskState.ILLEGAL
-    assert program.get_noneblock_taskstate(id_) == TaskState.RUNNING
+    with standing_time(cell):
+        id_ = program.to(*FAR, v=0.2, block=False)
+        advance_until(cell, lambda: program.get_noneblock_taskstate(id_) == TaskState.RUNNING)
+        assert program.run_program("pick", True) == TaskState.ILLEGAL
+        assert program.get_noneblock_taskstate(id_) == TaskState.RUNNING
     program.disable(True)
     assert program.run_program("pick", True) == TaskState.ILLEGAL
 

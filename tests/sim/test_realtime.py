@@ -13,8 +13,11 @@ from aioduco.models.enums import SafetyState, TaskState
 from aioduco.sim.planner.track_pool import CAPACITY
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import advance_until, standing_time
+
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from concurrent.futures import Future
 
     from .conftest import Program
 
@@ -67,15 +70,8 @@ def velocity(row: list[float]) -> RealTimeControlData:
     return RealTimeControlData(joint_vel_cmd=row, status=True)
 
 
-@pytest.fixture
-def slow(sim: Simulator, robot: Program) -> Program:
-    """A program whose controller is so slow that 40 ms last long enough for a busy machine."""
-    sim.speed = 0.1
-    return robot
-
-
-# The manual's example, line by line, with its comments; `usleep` is of the simulated clock, and on
-# an absolute schedule, so that a busy machine makes it no slower.
+# The manual's example, line by line, with its comments. Simulated time goes on in its `usleep`, on
+# an absolute schedule, and stands otherwise, so that a busy machine makes it no slower.
 
 
 def begin_the_manuals_example(duco_cobot: Program) -> None:
@@ -114,7 +110,7 @@ def feed_as_the_manual(
         assert duco_cobot.realtime_data_enqueue(real_data_vec, True) == TaskState.FINISHED
         sent += 1
         due = start + 0.001 * sent
-        sim.wait_until(functools.partial(_has_come, sim, due))  # usleep(1000)
+        advance_until(sim, functools.partial(_has_come, sim, due))  # usleep(1000)
     return sent
 
 
@@ -122,39 +118,46 @@ def _has_come(sim: Simulator, due: float) -> bool:
     return sim.time >= due
 
 
-def test_the_manuals_example_runs(sim: Simulator, slow: Program) -> None:
-    duco_cobot, start, end = slow, list(sim.joints), sim.time + 0.2
-    begin_the_manuals_example(duco_cobot)
-    sent = feed_as_the_manual(duco_cobot, sim, lambda: sim.time >= end)
-    assert duco_cobot.get_robot_state() == [6, 2, 5, 1]
-    # 关闭实时控制模式
-    assert duco_cobot.end_realtime_mode() == TaskState.FINISHED
+def test_the_manuals_example_runs(
+    sim: Simulator, robot: Program, aside: Callable[..., Future[int]]
+) -> None:
+    duco_cobot, start = robot, list(sim.joints)
+    with standing_time(sim):
+        end = sim.time + 0.2
+        begin_the_manuals_example(duco_cobot)
+        sent = feed_as_the_manual(duco_cobot, sim, lambda: sim.time >= end)
+        assert duco_cobot.get_robot_state() == [6, 2, 5, 1]
+        moved = [a - b for a, b in zip(sim.joints, start, strict=True)]
+        # 关闭实时控制模式: the arm comes to rest in it, and points go on until it has been told
+        ended = aside(sim, lambda other: other.end_realtime_mode())
+        feed_as_the_manual(duco_cobot, sim, ended.done)
+        assert ended.result() == TaskState.FINISHED
     assert duco_cobot.get_robot_state() == [6, 0, 5, 1]
     assert duco_cobot.get_last_error() == []
-    moved = [a - b for a, b in zip(sim.joints, start, strict=True)]
     # The first rows, which rise, are a tenth of it; the last ones may still be in the queue.
     assert moved[2] == pytest.approx(ROWS[-1][2] * 0.001 * (sent + len(ROWS)), rel=0.15)
     assert moved[1] / moved[2] == pytest.approx(ROWS[-1][1] / ROWS[-1][2], rel=0.05)
 
 
 @pytest.mark.slow
-def test_the_manuals_example_starved(sim: Simulator, slow: Program) -> None:
+def test_the_manuals_example_starved(sim: Simulator, robot: Program) -> None:
     """Nobody feeds the queue any more, for longer than the 0.04 s of the example."""
-    begin_the_manuals_example(slow)
-    fed = sim.time + 0.05
-    feed_as_the_manual(slow, sim, lambda: sim.time >= fed)
-    assert slow.get_robot_state() == [6, 2, 5, 1]
-    last = sim.time
-    sim.wait_until(lambda: sim.view.safety != SafetyState.RUN)
-    assert sim.time - last > 0.04
-    sim.wait_until(lambda: sim.view.standing)
-    # STOP2: it stands, with power; and no point that comes now moves it.
-    assert slow.get_robot_state() == [6, 0, 7, 1]
-    assert "no data for 0.04 s" in slow.get_last_error()[-1]
-    here, later = sim.joints, sim.time + 0.05
-    feed_as_the_manual(slow, sim, lambda: sim.time >= later)
-    assert sim.joints.almost_equal(here, 1e-4)
-    assert slow.start_realtime_mode(1, 100, 0.04) == TaskState.ILLEGAL
+    with standing_time(sim):
+        begin_the_manuals_example(robot)
+        fed = sim.time + 0.05
+        feed_as_the_manual(robot, sim, lambda: sim.time >= fed)
+        assert robot.get_robot_state() == [6, 2, 5, 1]
+        last = sim.time
+        advance_until(sim, lambda: sim.view.safety != SafetyState.RUN)
+        assert sim.time - last > 0.04
+        advance_until(sim, lambda: sim.view.standing)
+        # STOP2: it stands, with power; and no point that comes now moves it.
+        assert robot.get_robot_state() == [6, 0, 7, 1]
+        assert "no data for 0.04 s" in robot.get_last_error()[-1]
+        here, later = sim.joints, sim.time + 0.05
+        feed_as_the_manual(robot, sim, lambda: sim.time >= later)
+        assert sim.joints.almost_equal(here, 1e-4)
+        assert robot.start_realtime_mode(1, 100, 0.04) == TaskState.ILLEGAL
 
 
 def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:

@@ -14,6 +14,7 @@ from aioduco.sim.cabinet.project import CAPACITY, RecordedTrack
 from aioduco.sim.controller.recorder import BY_POSITION, BY_TIME, Recorder
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import advance_until, standing_time
 from .fakes import Bench
 
 if TYPE_CHECKING:
@@ -225,9 +226,10 @@ def test_pause_and_stop_act_on_a_replay(
     cell.wait_until(lambda: cell.view.program is ProgramState.RUNNING)
     assert program.pause(True) == TaskState.FINISHED
     assert program.get_robot_state()[1] == ProgramState.PAUSED
-    assert program.resume(True) == TaskState.FINISHED
-    cell.wait_until(lambda: cell.moving)
-    assert program.stop(True) == TaskState.FINISHED
+    with standing_time(cell):
+        program.resume(False)
+        advance_until(cell, program.robotmoving)
+        program.stop(False)
     assert run.result(10) == TaskState.STOPPED
     assert not cell.moving
     assert program.to(*START) == TaskState.FINISHED

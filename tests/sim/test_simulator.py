@@ -18,7 +18,7 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import CYCLE, READY, Simulator
 from aioduco.testing import nothing_forgiven
 
-from .conftest import OUT_OF_RANGE
+from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,7 +83,8 @@ def follow_an_arc(sim: Simulator, robot: Program) -> None:
         nearest = min(nearest, Pose.from_matrix(sim.arm.fkine(sim.joints)).distance(middle)[0])
         return TaskState(robot.get_noneblock_taskstate(id_)).ended
 
-    sim.wait_until(done, 60.0)
+    with standing_time(sim):
+        advance_until(sim, done, 60.0, every=20)
     assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
     assert nearest < 1e-2
     sim.wait_until(lambda: not sim.moving)
@@ -114,12 +115,15 @@ def test_a_pose_is_reached_near_the_joints_given(sim: Simulator, robot: Program)
 
 @pytest.mark.slow
 def test_percent_speeds_of_the_older_functions(sim: Simulator, robot: Program) -> None:
-    begin = sim.time
-    assert robot.movej([0.5, *READY[1:]], 50.0, 50.0, 0.0, True, Op(), False) == 4
-    fast = sim.time - begin
-    begin = sim.time
-    assert robot.movej([0.0, *READY[1:]], 5.0, 50.0, 0.0, True, Op(), False) == 4
-    assert sim.time - begin > 2 * fast
+    def duration(goal: float, v: float) -> float:
+        with standing_time(sim):
+            begin = sim.time
+            id_ = robot.movej([goal, *READY[1:]], v, 50.0, 0.0, False, Op(), False)
+            advance_until(sim, lambda: robot.get_noneblock_taskstate(id_) == 4, every=20)
+            return sim.time - begin
+
+    fast = duration(0.5, 50.0)
+    assert duration(0.0, 5.0) > 2 * fast
     assert robot.movej(READY, 101.0, 50.0, 0.0, True, Op(), False) == 8
     goal = robot.get_tcp_pose()
     assert robot.movej_pose(goal, 0.0, 50.0, 0.0, [], "", "", True, Op(), False) == 8
@@ -143,24 +147,20 @@ def test_the_controller_chooses_an_acceleration_when_told_to(
 
 
 def test_a_call_that_does_not_block_returns_an_id(sim: Simulator, robot: Program) -> None:
-    first = robot.to(0.5, *READY[1:], block=False)
-    second = robot.to(0.0, *READY[1:], block=False)
-    assert 1000 <= first < second
-    states = set[int]()
-
-    def ended() -> bool:
-        states.add(robot.get_noneblock_taskstate(first))
-        return robot.get_noneblock_taskstate(second) == TaskState.FINISHED
-
-    sim.wait_until(ended, 60.0)
-    assert TaskState.RUNNING in states
+    with standing_time(sim):
+        first = robot.to(0.5, *READY[1:], block=False)
+        second = robot.to(0.0, *READY[1:], block=False)
+        assert 1000 <= first < second
+        advance_until(sim, lambda: robot.get_noneblock_taskstate(first) == TaskState.RUNNING)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(second) == TaskState.FINISHED, 60.0)
     assert robot.get_noneblock_taskstate(first) == TaskState.FINISHED
     assert robot.get_noneblock_taskstate(999) == TaskState.IDLE
 
 
 def test_blending_ends_the_first_motion_as_interrupted(sim: Simulator, robot: Program) -> None:
-    first = robot.to(0.5, *READY[1:], r=0.05, block=False)
-    second = robot.to(0.5, 0.3, *READY[2:], r=0.05, block=False)
+    with standing_time(sim):
+        first = robot.to(0.5, *READY[1:], r=0.05, block=False)
+        second = robot.to(0.5, 0.3, *READY[2:], r=0.05, block=False)
     sim.wait_until(lambda: robot.get_noneblock_taskstate(second) == TaskState.FINISHED, 60.0)
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
 
@@ -228,9 +228,11 @@ def test_pause_and_resume_go_on_to_the_same_end(
     sim: Simulator, robot: Program, connect: Callable[..., Program]
 ) -> None:
     control = connect(sim)
-    id_ = robot.to(0.4, *READY[1:], v=0.2, block=False)
-    sim.wait_until(lambda: sim.joints[0] > 0.02)
-    assert control.pause(True) == TaskState.FINISHED
+    with standing_time(sim):
+        id_ = robot.to(0.4, *READY[1:], v=0.2, block=False)
+        advance_until(sim, lambda: sim.joints[0] > 0.02)
+        pausing = control.pause(False)
+    sim.wait_until(lambda: control.get_noneblock_taskstate(pausing) == TaskState.FINISHED)
     assert control.get_robot_state() == [6, 3, 5, 1]
     assert control.get_noneblock_taskstate(id_) == TaskState.PAUSED
     assert not control.robotmoving()
@@ -245,10 +247,11 @@ def test_pause_and_resume_go_on_to_the_same_end(
 
 
 def test_a_popup_pauses_all_tasks(sim: Simulator, robot: Program) -> None:
-    robot.to(0.4, *READY[1:], v=SLOW, block=False)
-    sim.wait_until(lambda: sim.moving)
-    robot.log_info("nothing happens")
-    robot.log_error("look here")
+    with standing_time(sim):
+        robot.to(0.4, *READY[1:], v=SLOW, block=False)
+        advance_until(sim, lambda: sim.joints[0] > 0.001)
+        robot.log_info("nothing happens")
+        robot.log_error("look here")
     sim.wait_until(lambda: sim.view.program == 3)
     assert robot.get_last_error() == ["look here"]
     assert robot.abort(True) == TaskState.FINISHED
@@ -373,16 +376,13 @@ def test_a_motion_that_has_finished_is_no_longer_moving(sim: Simulator, robot: P
 def test_what_is_expected_and_what_is_are_of_one_cycle(sim: Simulator, robot: Program) -> None:
     """Else a joint at 2 rad/s would seem to be 2 mrad behind, besides what it really is."""
     seen: list[RobotStatus] = []
-    for back_and_forth in range(100):  # a busy machine may see nothing of a motion
-        target = READY[0] if back_and_forth % 2 else 1.5
-        id_ = robot.movej2([target, *READY[1:]], 2.0, 5.0, 0.0, False, Op(), False)
-        while not TaskState(robot.get_noneblock_taskstate(id_)).ended:
-            status = robot.getRobotStatus()
-            if abs(status.jointExpectVelocity[0]) > 1.99:
-                seen.append(status)
-        if len(seen) >= 20:
-            break
-    assert len(seen) >= 20
+    with standing_time(sim):
+        robot.movej2([1.5, *READY[1:]], 2.0, 5.0, 0.0, False, Op(), False)
+        advance_until(sim, lambda: robot.getRobotStatus().jointExpectVelocity[0] > 1.99)
+        while len(seen) < 20:
+            seen.append(robot.getRobotStatus())
+            sim.advance(1)
+    assert all(one.jointExpectVelocity[0] > 1.99 for one in seen)
     behind = [one.jointExpectPosition[0] - one.jointActualPosition[0] for one in seen]
     assert max(map(abs, behind)) < 0.5e-3
 

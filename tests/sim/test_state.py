@@ -24,7 +24,7 @@ from aioduco.sim.physics.tip import tip_motion
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
-from .conftest import OUT_OF_RANGE
+from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -89,9 +89,10 @@ def test_a_standing_robot_is_where_its_joints_put_it(sim: Simulator, robot: Prog
 
 
 def test_one_status_is_of_one_instant(sim: Simulator, robot: Program) -> None:
-    robot.to(1.0, *READY[1:], v=0.3, block=False)
-    sim.wait_until(lambda: sim.joints[0] > 0.05)
-    status = robot.getRobotStatus()
+    with standing_time(sim):
+        robot.to(1.0, *READY[1:], v=0.3, block=False)
+        advance_until(sim, lambda: sim.joints[0] > 0.05)
+        status = robot.getRobotStatus()
     assert sorted(asdict(status)) == sorted(field.name for field in fields(RobotStatus))
     for kind in ("Expect", "Actual"):
         q = np.array(getattr(status, f"joint{kind}Position"))

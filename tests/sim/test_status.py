@@ -14,6 +14,8 @@ from aioduco.models.enums import RobotState
 from aioduco.sim.physics.temperature import AMBIENT, Temperatures
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import advance_until, standing_time
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -48,11 +50,12 @@ def after(cell: Simulator, time: float) -> None:
 def test_each_field_of_the_robots_status_is_live(cell: Simulator, program: Program) -> None:
     program.set_tool_data("gripper", TOOL, [0.0] * 4, [])
     seen = [program.getRobotStatus()]
-    program.movej2([1.0, 0.3, 1.2, 0.3, -1.2, 0.3], 0.5, 0.5, 0.0, False, Op(), False)
-    cell.wait_until(lambda: cell.joints[0] > 0.1)
-    seen.append(program.getRobotStatus())
-    cell.collide(4)
-    seen.append(program.getRobotStatus())
+    with standing_time(cell):
+        program.movej2([1.0, 0.3, 1.2, 0.3, -1.2, 0.3], 0.5, 0.5, 0.0, False, Op(), False)
+        advance_until(cell, lambda: cell.joints[0] > 0.1)
+        seen.append(program.getRobotStatus())
+        cell.collide(4)
+        seen.append(program.getRobotStatus())
     cell.wait_until(lambda: not cell.moving)
     cell.emergency_stop()
     seen.append(program.getRobotStatus())

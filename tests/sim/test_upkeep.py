@@ -12,7 +12,7 @@ from aioduco.models.enums import OperationMode, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY
 
-from .conftest import OUT_OF_RANGE
+from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
     from aioduco.sim.simulator import Simulator
@@ -130,11 +130,13 @@ def test_a_dry_run_leaves_the_arm_where_it_is(sim: Simulator, robot: Program) ->
 
 def test_simulation_is_switched_at_rest_only(sim: Simulator, robot: Program) -> None:
     for there in (True, False):  # into it, and back
-        robot.to(1.0, *READY[1:], v=0.2, block=False)
-        sim.wait_until(lambda: sim.moving)
-        assert robot.simulation(there, True) == TaskState.ILLEGAL
-        assert robot.get_last_error()[-1] == "simulation: the robot moves"
-        robot.pause(True)
+        with standing_time(sim):
+            robot.to(1.0, *READY[1:], v=0.2, block=False)
+            advance_until(sim, robot.robotmoving)
+            assert robot.simulation(there, True) == TaskState.ILLEGAL
+            assert robot.get_last_error()[-1] == "simulation: the robot moves"
+            robot.pause(False)
+        sim.wait_until(lambda: not robot.robotmoving())
         assert robot.simulation(there, True) == TaskState.ILLEGAL
         assert robot.get_last_error()[-1] == "simulation: motions are under way or wait"
         robot.stop(True)

@@ -14,6 +14,8 @@ from aioduco.models.jog import JogFrame
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import standing_time
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -64,9 +66,11 @@ def test_what_comes_after_speed_stop_waits_until_the_arm_stands(
     assert sim.joints[0] == pytest.approx(READY[0], abs=1e-3)
     robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
     sim.wait_until(lambda: sim.joints[0] > 0.1, 60.0)
-    robot.speed_stop(False)
-    never = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
-    assert robot.speed_stop(True) == TaskState.FINISHED
+    with standing_time(sim):
+        robot.speed_stop(False)
+        never = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
+        ending = robot.speed_stop(False)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(ending) == TaskState.FINISHED)
     assert robot.get_noneblock_taskstate(never) == TaskState.STOPPED
 
 

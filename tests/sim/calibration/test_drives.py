@@ -14,7 +14,7 @@ from .made import turns
 def hidden(seed: int) -> tuple[np.random.Generator, np.ndarray, np.ndarray, np.ndarray]:
     random = np.random.default_rng(seed)
     lag = random.uniform(0.008, 0.03, 6)
-    return random, lag, random.uniform(0.4, 0.95, 6) / lag, random.uniform(2e-5, 5e-5, 6)
+    return random, lag, random.uniform(0.4, 0.95, 6) / lag, random.uniform(3e-5, 5e-5, 6)
 
 
 @pytest.mark.parametrize("seed", range(5, 8))

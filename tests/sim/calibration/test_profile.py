@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,9 +10,11 @@ import pytest
 
 from aioduco._wire.rpc import Op
 from aioduco.errors import ParameterError
+from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
 from aioduco.sim import ArmProfile, Estimate, Simulator
 from aioduco.sim.physics.world import World
+from sim.conftest import advance_until, standing_time
 
 from .made import READY, exact, hidden_geometry
 
@@ -141,20 +144,23 @@ def test_times_lag_load_and_friction_are_played(connect: Connect) -> None:
             "friction": {"dry1": exact(3.0), "viscous1": exact(5.0)},
         },
     )
-    with Simulator(profile=profile, joints=READY, speed=20) as sim:
+    with Simulator(profile=profile, joints=READY, speed=math.inf) as sim:
         wire = connect(sim)
-        begin = sim.time
-        wire.power_on(True)
-        assert 0.9 <= sim.time - begin < 1.5
+        with standing_time(sim):
+            begin = sim.time
+            wire.power_on(False)
+            advance_until(sim, lambda: wire.get_robot_state()[0] == RobotState.DISABLE)
+            assert 0.9 <= sim.time - begin < 1.0
         wire.enable(True)
         goal = READY.copy()
         goal[0] += 1.0
-        wire.movej2(goal.tolist(), 0.5, 5.0, 0.0, False, Op(), False)
-        sim.wait_until(lambda: sim.joints[0] > READY[0] + 0.4, 10.0)
-        status = wire.getRobotStatus()
-        trailing = status.jointExpectPosition[0] - status.jointActualPosition[0]
-        assert trailing == pytest.approx(0.5 * 0.02, rel=0.02)
-        assert wire.get_actual_joints_torque()[0] == pytest.approx(3.0 + 0.5 * 5.0, abs=0.3)
+        with standing_time(sim):
+            wire.movej2(goal.tolist(), 0.5, 5.0, 0.0, False, Op(), False)
+            advance_until(sim, lambda: sim.joints[0] > READY[0] + 0.4)
+            status = wire.getRobotStatus()
+            trailing = status.jointExpectPosition[0] - status.jointActualPosition[0]
+            assert trailing == pytest.approx(0.5 * 0.02, rel=0.02)
+            assert wire.get_actual_joints_torque()[0] == pytest.approx(3.0 + 0.5 * 5.0, abs=0.3)
 
 
 def test_readings_are_updated_in_the_profiles_period(connect: Connect) -> None:

@@ -308,4 +308,4 @@ def test_what_cannot_be_laid_over_a_path_is_refused() -> None:
         with pytest.raises(PlanError, match="too many"):
             woven(endless)
     with pytest.raises(PlanError, match="cannot follow the weave"):
-        woven(Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 400.0, 0.03))
+        woven(Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 350.0, 0.03))
