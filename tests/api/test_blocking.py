@@ -6,6 +6,7 @@ import ast
 import inspect
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -204,8 +205,18 @@ async def test_a_motion_that_is_read_ahead_may_move_on(desk: Desk) -> None:
 async def test_a_started_motion_blends_into_a_blocking_one(
     robot: aioduco.Robot, desk: Desk
 ) -> None:
-    desk.motion_time = 0.1
+    desk.motion_time = 30.0
     task = await robot.motion.movel(POSE, v=0.2, a=0.5, r=0.05).start()
+    desk.motion_time = 0.1
+    blocking = desk._answers["movel"]
+
+    def comes(*args: Any) -> int:
+        """The first motion lasts until the second has come, however late that is."""
+        desk.tasks[task.id].end = time.monotonic() + 0.5
+        state: int = blocking(*args)
+        return state
+
+    desk.answer("movel", comes)
     assert await line(robot) is TaskState.FINISHED
     assert await task is Outcome.BLENDED
 
