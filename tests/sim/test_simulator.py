@@ -473,8 +473,9 @@ def test_restart_comes_back_on_the_same_port(connect: Callable[..., Program]) ->
     with Simulator(speed=math.inf) as sim:
         robot = connect(sim)
         robot.bring_up()
-        assert robot.restart(False) >= 1000
-        sim.wait_until(lambda: sim.view.robot == 0)
+        with standing_time(sim):  # the answer comes before the network is gone
+            assert robot.restart(False) >= 1000
+            advance_until(sim, lambda: sim.view.robot == 0)
         sim.wait_until(lambda: sim.view.robot == 4)
         sim.wait_until(lambda: sim.connections == 0)
         with pytest.raises(ConnectionLost):
@@ -506,7 +507,8 @@ def test_who_sees_a_controller_started_again_can_connect(connect: Callable[..., 
     with Watched(speed=math.inf) as sim:
         robot = connect(sim)
         robot.bring_up()
-        robot.restart(False)
+        with standing_time(sim):
+            robot.restart(False)
         sim.wait_until(lambda: len(seen) == 2 and sim.view.robot == RobotState.POWER_OFF)
     assert seen == [(False, RobotState.START), (True, RobotState.INITIALIZE)]
 
