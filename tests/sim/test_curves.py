@@ -232,16 +232,18 @@ def test_a_trigger_after_the_end(sim: Simulator, robot: Program) -> None:
 
 def test_a_trigger_at_a_pause_and_at_a_stop(sim: Simulator, robot: Program) -> None:
     op = Op(time_or_dist_3=1, trig_time_3=0, trig_io_3=8, trig_value_3=True)
-    line(robot, op, 0.2, block=False)
-    sim.wait_until(lambda: sim.moving)
-    assert not robot.get_standard_digital_out(8)
-    assert robot.pause(True) == TaskState.FINISHED
+    with standing_time(sim):
+        line(robot, op, 0.2, block=False)
+        advance_until(sim, robot.robotmoving)
+        assert not robot.get_standard_digital_out(8)
+        robot.pause(False)
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
     assert robot.stop(True) == TaskState.FINISHED
     assert robot.set_standard_digital_out(8, False, True) == TaskState.FINISHED
-    line(robot, op, 0.2, block=False)
-    sim.wait_until(lambda: sim.moving)
-    assert robot.stop(True) == TaskState.FINISHED
+    with standing_time(sim):
+        line(robot, op, 0.2, block=False)
+        advance_until(sim, robot.robotmoving)
+        robot.stop(False)
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
 
 

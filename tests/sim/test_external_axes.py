@@ -17,6 +17,7 @@ from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import advance_until, standing_time
 from .raw import RawClient
 
 if TYPE_CHECKING:
@@ -156,9 +157,10 @@ async def test_a_stop_and_a_pause_reach_the_axes(robot: aioduco.Robot, cell: Sim
 async def test_an_emergency_stop_leaves_the_axes_where_they_are(
     robot: aioduco.Robot, cell: Simulator
 ) -> None:
-    motion = await robot.external_axes.move_eaxis("rail", [2.0, 0.0, 0.0], 0.5).start()
-    await cell.wait_until_async(lambda: seen(cell) > 0.1, 60.0)
-    cell.emergency_stop()
+    with standing_time(cell):
+        motion = await robot.external_axes.move_eaxis("rail", [2.0, 0.0, 0.0], 0.5).start()
+        advance_until(cell, lambda: seen(cell) > 0.1)
+        cell.emergency_stop()
     with pytest.raises(aioduco.TaskError):
         await motion
     at = await where(robot)

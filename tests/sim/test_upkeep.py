@@ -80,9 +80,10 @@ def test_collisions_are_not_detected_at_level_0(sim: Simulator, robot: Program) 
 
 
 def test_a_switch_at_the_cabinet_decides_the_mode(sim: Simulator, robot: Program) -> None:
-    robot.to(1.0, *READY[1:], v=0.2, block=False)
-    sim.wait_until(lambda: sim.moving)
-    sim.switch_mode(OperationMode.REMOTE)
+    with standing_time(sim):
+        robot.to(1.0, *READY[1:], v=0.2, block=False)
+        advance_until(sim, robot.robotmoving)
+        sim.switch_mode(OperationMode.REMOTE)
     sim.wait_until(lambda: sim.view.standing)
     assert robot.get_robot_state() == [6, 3, 5, 2]
     robot.stop(True)
