@@ -117,7 +117,7 @@ def test_it_is_over_every_path_and_no_joint_motion(
 def test_it_is_switched_only_while_nothing_runs(sim: Simulator, robot: Program) -> None:
     assert robot.enable_combine_motion() == TaskState.ILLEGAL  # nothing has been set
     assert configure(robot) == TaskState.FINISHED
-    robot.to(2.0, *READY[1:], v=0.05, block=False)
+    robot.to(2.0, *READY[1:], v=0.002, block=False)
     sim.wait_until(lambda: sim.moving)
     assert configure(robot) == TaskState.FINISHED
     assert robot.enable_combine_motion() == TaskState.ILLEGAL
