@@ -236,15 +236,17 @@ def test_a_trigger_at_a_pause_and_at_a_stop(sim: Simulator, robot: Program) -> N
         line(robot, op, 0.2, block=False)
         advance_until(sim, robot.robotmoving)
         assert not robot.get_standard_digital_out(8)
-        robot.pause(False)
+        pausing = robot.pause(False)
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
+    assert robot.get_noneblock_taskstate(pausing) == TaskState.FINISHED
     assert robot.stop(True) == TaskState.FINISHED
     assert robot.set_standard_digital_out(8, False, True) == TaskState.FINISHED
     with standing_time(sim):
         line(robot, op, 0.2, block=False)
         advance_until(sim, robot.robotmoving)
-        robot.stop(False)
+        stopping = robot.stop(False)
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
+    assert robot.get_noneblock_taskstate(stopping) == TaskState.FINISHED
 
 
 @pytest.mark.usefixtures("real_cycle")
@@ -263,9 +265,10 @@ def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
         sim.observe(
             lambda now, _: stood.clear() if now.setpoint.qd.any() else stood.append(now.time)
         )
-        getattr(robot, how)(False)
+        id_ = getattr(robot, how)(False)
     sim.wait_until(lambda: bool(fired))
     sim.observe(None)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED)
     assert fired[0] - stood[0] == pytest.approx(late / 1000.0, abs=0.004)
 
 

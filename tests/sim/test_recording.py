@@ -229,8 +229,9 @@ def test_pause_and_stop_act_on_a_replay(
     with standing_time(cell):
         program.resume(False)
         advance_until(cell, program.robotmoving)
-        program.stop(False)
+        stopping = program.stop(False)
     assert run.result(10) == TaskState.STOPPED
+    cell.wait_until(lambda: program.get_noneblock_taskstate(stopping) == TaskState.FINISHED)
     assert not cell.moving
     assert program.to(*START) == TaskState.FINISHED
 

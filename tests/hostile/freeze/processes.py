@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
 import time
 from pathlib import Path
@@ -72,8 +73,17 @@ def kill(mark: str) -> None:
     """Kill all that is left of a run, and what it starts meanwhile."""
     while left := of_run(mark):
         for pid in left:
-            _signal(pid, signal.SIGKILL)
-        time.sleep(0.005)  # a poll, too: they are others' children
+            try:
+                process = os.pidfd_open(pid)
+            except ProcessLookupError:
+                continue  # it has ended meanwhile
+            try:
+                signal.pidfd_send_signal(process, signal.SIGKILL)
+                select.select([process], [], [])  # readable once it has ended
+            except ProcessLookupError:
+                continue
+            finally:
+                os.close(process)
 
 
 def _signal(pid: int, number: int) -> None:
