@@ -77,6 +77,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="run without what Windows lacks, see tests/bare: no memory files, no poll, no sends "
         "that do not wait, no forks, no inherited descriptors, an event loop of select",
     )
+    parser.addoption(
+        "--late",
+        type=float,
+        metavar="S",
+        help="answer calls so much later where a simulator has no clock, see tests/late.py: a test "
+        "that fails then depends on how busy the machine is",
+    )
     group = parser.getgroup("adversity", "faults on the wire, cancellations and kills")
     group.addoption(
         "--faults",
@@ -111,7 +118,7 @@ _divided, _own = pytest.StashKey[bool](), pytest.StashKey[set[Path]]()
 def pytest_configure(config: pytest.Config) -> None:
     all_of_it: bool = config.getoption("thorough")
     if getattr(config.option, "dist", "no") == "no":  # not where others run the tests
-        _prepare(all_of_it=all_of_it)
+        _prepare(all_of_it=all_of_it, late=config.getoption("late"))
     if getattr(config.option, "dist", "no") == "load":
         # Of all files, each process collects and runs every n-th alone: to import all of them takes
         # as long as to run a fifth of the quick tests. Otherwise each takes neighbours, so that a
@@ -136,9 +143,11 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("thorough" if all_of_it else "quick")
 
 
-def _prepare(*, all_of_it: bool) -> None:
+def _prepare(*, all_of_it: bool, late: float | None) -> None:
     """Change what robots and simulators of this process have by default."""
     import_module("patient").be_patient()
+    if late is not None:
+        import_module("late").answer_late(late)
     give_each_once()
     if not all_of_it:
         times = import_module("cycle_time")

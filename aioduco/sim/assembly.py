@@ -185,14 +185,9 @@ class SimulatorAssembly:
         status.start()
         return status
 
-    def refuse_clients(self, refused: bool, *, last_answers: bool = False) -> None:
-        """Refuse clients or accept them again, on every port.
-
-        Args:
-            refused: whether to refuse them.
-            last_answers: whether calls under way are answered before.
-        """
-        self.server.refuse(refused, last_answers=last_answers)
+    def refuse_clients(self, refused: bool) -> None:
+        """Refuse clients or accept them again, on every port."""
+        self.server.refuse(refused)
         if self.status is not None:
             self.status.refuse(refused)
         if self.forces is not None:

@@ -597,7 +597,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
     def _network(self, up: bool | None) -> None:
         """Handle the network: it is up (True), down for a restart (False), or for good (None)."""
         if self._assembly is not None:
-            self._assembly.refuse_clients(not up, last_answers=up is None)
+            self._assembly.refuse_clients(not up)
         if up is None:
             self._halted.set()
             self._on_shutdown()

@@ -62,6 +62,7 @@ class Server:
         self._acceptor: threading.Thread | None = None
         self._wake: tuple[socket.socket, socket.socket] | None = None
         self._refusing = False
+        self._refused: set[socket.socket] = set()
         self._closing = threading.Event()
         self._warned = 0
 
@@ -95,29 +96,28 @@ class Server:
         )
         self._acceptor.start()
 
-    def refuse(self, refusing: bool, *, last_answers: bool = False) -> None:
+    def refuse(self, refusing: bool) -> None:
         """Close every open connection, and every new one, for as long as `refusing` is set.
 
         A controller that is starting behaves like this: it accepts connections and closes them.
-
-        Args:
-            refusing: whether to close connections.
-            last_answers: whether calls in progress still get their answer before.
+        Calls in progress are answered before.
         """
-        self._refusing = refusing
-        if refusing:
-            self._shut(socket.SHUT_RD if last_answers else socket.SHUT_RDWR)
+        with self._lock:
+            self._refusing = refusing
+            if refusing:
+                self._refused.update(self._connections)
+                self._shut(socket.SHUT_RD)
 
     def drop(self) -> int:
         """Cut every open connection, like a pulled cable, and return their number."""
-        return self._shut(socket.SHUT_RDWR)
-
-    def _shut(self, how: int) -> int:
         with self._lock:
-            for connection in self._connections:
-                with contextlib.suppress(OSError):  # the peer has already closed it
-                    connection.shutdown(how)
+            self._shut(socket.SHUT_RDWR)
             return len(self._connections)
+
+    def _shut(self, how: int) -> None:
+        for connection in self._connections:
+            with contextlib.suppress(OSError):  # the peer has already closed it
+                connection.shutdown(how)
 
     def close(self, timeout: float = 10.0) -> None:
         """Stop accepting, cut every connection, and wait until every thread has ended.
@@ -205,10 +205,10 @@ class Server:
             connection.setblocking(True)
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-            # Check `_refusing` too: Linux delivers bytes that arrive after a SHUT_RD.
-            while not self._refusing and (data := connection.recv(_RECEIVE)):
+            # Each time: Linux delivers bytes that arrive after a SHUT_RD.
+            while (data := connection.recv(_RECEIVE)) and connection not in self._refused:
                 inbox.feed(data)
-                while (message := inbox.take()) is not None:
+                while connection not in self._refused and (message := inbox.take()) is not None:
                     if answer := _answer(processor, message):
                         connection.sendall(answer)
         except Malformed as exc:
@@ -221,6 +221,7 @@ class Server:
             # Under the lock, so that `drop` never uses a descriptor that was assigned anew.
             with self._lock:
                 del self._connections[connection]
+                self._refused.discard(connection)
                 connection.close()
 
 
