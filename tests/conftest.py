@@ -120,7 +120,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if getattr(config.option, "dist", "no") == "no":  # not where others run the tests
         _prepare(all_of_it=all_of_it, late=config.getoption("late"))
     if getattr(config.option, "dist", "no") == "load":
-        # Of all files, each process collects and runs every n-th alone: to import all of them takes
+        # Of all files, each process collects and runs its part alone: to import all of them takes
         # as long as to run a fifth of the quick tests. Otherwise each takes neighbours, so that a
         # fixture of a module is made once or twice, and at the end those that another one has left.
         config.stash[_divided] = _all_files(config) and not all_of_it
@@ -212,12 +212,13 @@ def _all_files(config: pytest.Config) -> bool:
 
 
 def _own_files(config: pytest.Config) -> Sequence[Path]:
-    """Every n-th of the files of tests, where n processes run all of them."""
+    """A part of the files of tests, where several processes run all of them."""
     given: dict[str, Any] = getattr(config, "workerinput", {})
     if not given or not _all_files(config):
         return []
     number, processes = int(given["workerid"].removeprefix("gw")), given["workercount"]
-    return quick.part(sorted(Path(__file__).parent.rglob("test_*.py")), number, processes)
+    files = sorted(Path(__file__).parent.rglob("test_*.py"))
+    return quick.part({file: file.stat().st_size for file in files}, number, processes)
 
 
 def _is_divided(config: pytest.Config) -> bool:

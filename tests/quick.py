@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hypothesis import settings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     import pytest
 
@@ -131,15 +131,24 @@ def spread(cases: Sequence[T], number: int) -> list[T]:
     return [cases[round(n * (len(cases) - 1) / (number - 1))] for n in range(number)]
 
 
-def part(files: Sequence[T], process: int, processes: int) -> Sequence[T]:
-    """What one of several processes takes of some files: each is taken once.
+def part(sizes: Mapping[T, int], process: int, processes: int) -> list[T]:
+    """What one of several processes takes of some files: each is taken once, in order.
+
+    The size of a file of tests says more or less how long they take. So the largest file that is
+    left goes to the process with the least until now.
 
     Args:
-        files: all of them.
+        sizes: of all files.
         process: its number; one that takes the place of another has a higher one than all.
         processes: how many there are.
     """
-    return files[process % processes :: processes]
+    taken: list[set[T]] = [set() for _ in range(processes)]
+    load = [0] * processes
+    for file in sorted(sizes, key=sizes.__getitem__, reverse=True):
+        least = load.index(min(load))
+        taken[least].add(file)
+        load[least] += sizes[file]
+    return [file for file in sizes if file in taken[process % processes]]
 
 
 def _cases_of(item: pytest.Item) -> int:

@@ -106,9 +106,16 @@ def test_a_table_gives_no_more_cases_than_are_taken(ids: Any) -> None:
 
 @pytest.mark.parametrize(("files", "processes"), [(10, 4), (8, 2), (3, 5), (7, 1)])
 def test_each_file_is_collected_by_one_process(files: int, processes: int) -> None:
-    parts = [part(range(files), process, processes) for process in range(processes)]
+    sizes = {file: 1000 + 7 * file % 5 for file in range(files)}
+    parts = [part(sizes, process, processes) for process in range(processes)]
     assert sorted(number for each in parts for number in each) == list(range(files))
-    assert part(range(files), processes, processes) == parts[0]
+    assert part(sizes, processes, processes) == parts[0]
+    assert max(map(len, parts)) - min(map(len, parts)) <= 1
+
+
+def test_a_large_file_is_dealt_as_many_small_ones() -> None:
+    assert part({"a": 1, "b": 2, "large": 6, "c": 3}, 0, 2) == ["large"]
+    assert part({"a": 1, "b": 2, "large": 6, "c": 3}, 1, 2) == ["a", "b", "c"]
 
 
 def test_properties_are_tried_with_all_or_a_few_of_their_examples(thorough: bool) -> None:
