@@ -82,6 +82,7 @@ def invoke(*words: str, confirm: str = "") -> Any:
     return CliRunner().invoke(app, words, input=confirm)
 
 
+@pytest.mark.slow
 def test_a_tool_is_touched_and_written(arm: Simulator, typed: Any) -> None:
     with mover(arm) as robot:
 
@@ -182,6 +183,7 @@ def _set(sensor: str, held: Load) -> tuple[str, ...]:
     return ("--set-load", *map(str, there))
 
 
+@pytest.mark.slow
 def test_a_load_is_not_made_up(arm: Simulator, typed: Any) -> None:
     typed([*[lambda: ""] * 12, lambda: "q"])
     ended = invoke("payload", at(arm), "--yes")

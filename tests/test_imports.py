@@ -197,6 +197,7 @@ anyio.run(main)
 """
 
 
+@pytest.mark.slow
 def test_an_open_robot_has_loaded_all_its_sections() -> None:
     """Later an import would hold up the event loop, and with it all that supervises the arm."""
     with ScriptedServer(standing) as server:

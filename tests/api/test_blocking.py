@@ -130,6 +130,7 @@ async def test_a_blocking_call_returns_the_state_at_its_end(
     assert "stop" not in desk.commands
 
 
+@pytest.mark.slow
 async def test_it_lasts_longer_than_a_call_may_take(desk: Desk) -> None:
     desk.motion_time = 1.2
     async with aioduco.connect(desk.host, desk.port, call_timeout=1.0) as robot:

@@ -40,6 +40,7 @@ async def test_a_replay_returns_at_its_end(robot: aioduco.Robot, desk: Desk) -> 
     assert "stop" not in desk.commands
 
 
+@pytest.mark.slow
 async def test_a_replay_lasts_longer_than_a_call_may_take(desk: Desk) -> None:
     desk.motion_time = 1.5
     replays(desk)

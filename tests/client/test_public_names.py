@@ -55,18 +55,3 @@ def test_import_loads_neither_thrift_nor_an_event_loop() -> None:
     )
     assert done.stdout.split() == []
     assert done.stderr == ""
-
-
-def test_import_is_quick_beside_numpy() -> None:
-    """Most of the time to import is numpy's: what comes on top is of that order."""
-    script = (
-        "import time\n"
-        "a = time.perf_counter()\nimport numpy\n"
-        "b = time.perf_counter()\nimport aioduco\n"
-        "print((time.perf_counter() - b) / (b - a))"
-    )
-    ratios = [
-        float(subprocess.check_output([sys.executable, "-c", script], text=True, timeout=60))
-        for _ in range(3)
-    ]
-    assert min(ratios) < 2.0, ratios

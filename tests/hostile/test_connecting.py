@@ -73,6 +73,7 @@ async def test_a_socket_that_is_denied_is_said_so(
     await eventually_async(lambda: bench.connections == 0)
 
 
+@pytest.mark.slow
 async def test_a_heartbeat_without_a_descriptor_is_no_silent_controller(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -159,6 +159,7 @@ def test_a_run_that_says_nothing_is_an_error_of_its_cell() -> None:
     assert row.split() == ["servo", "all", "3", "none", "1", "1", "1"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(bool(clock.why_not()), reason=clock.why_not())
 def test_the_clock_of_a_suspended_program_stands_still_and_its_waits_go_on(tmp_path: Path) -> None:
     code = """

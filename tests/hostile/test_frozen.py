@@ -196,6 +196,7 @@ def test_each_process_can_be_started_by_a_frozen_program() -> None:
         assert load() is import_module(name).main
 
 
+@pytest.mark.slow
 def test_a_frozen_program_without_a_console_ends_its_process() -> None:
     """Without one, Python has no standard error."""
     code = (

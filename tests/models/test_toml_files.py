@@ -266,14 +266,17 @@ def toml(value: Any) -> str:
 
 
 @pytest.mark.parametrize("name", WHOLE)
-def test_a_value_of_another_kind_is_refused_by_a_typed_error(name: str, tmp_path: Path) -> None:
+def test_a_value_of_another_kind_is_refused_by_a_typed_error(
+    name: str, tmp_path: Path, thorough: bool
+) -> None:
     read, text = WHOLE[name]
     path = tmp_path / "file.toml"
     path.write_text(text, encoding="utf-8")
     read(path)
     whole, wrong = tomllib.loads(text), []
     for number, place in enumerate(places(whole)):
-        for other in OTHERS[number % 5 :: 5]:
+        others = OTHERS[number % 5 :: 5] if thorough else [OTHERS[number % len(OTHERS)]]
+        for other in others:
             changed = copy.deepcopy(whole)
             inner = changed
             for key in place[:-1]:

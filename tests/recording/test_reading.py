@@ -193,6 +193,7 @@ def test_a_file_that_is_cut_off_anywhere_is_read_up_to_there(
     assert repr(read(part)).endswith("cut off>")
 
 
+@pytest.mark.slow
 def test_a_garbled_chunk_ends_what_is_read(whole: Path, tmp_path: Path) -> None:
     data = bytearray(whole.read_bytes())
     at, chunks = 8, []

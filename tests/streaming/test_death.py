@@ -182,6 +182,7 @@ async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Contro
     assert controller.names()[-1] == "stop"
 
 
+@pytest.mark.slow
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("upsample", ["none", "ruckig"])
 async def test_a_worker_process_is_small(controller: Controller, upsample: str) -> None:

@@ -80,6 +80,7 @@ async def go_on(robot: aioduco.Robot, options: WorkerOptions, during: Any) -> No
                 during(stream)
 
 
+@pytest.mark.slow
 async def test_a_stream_whose_connection_breaks_ends_its_mode_on_another_one(bench: Queue) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(proxy.host, proxy.port) as robot:
@@ -138,6 +139,7 @@ async def test_nothing_moves_the_arm_in_a_mode_that_could_not_be_ended(bench: Qu
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.slow
 async def test_leaving_the_robot_ends_it_at_the_latest(bench: Queue) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(proxy.host, proxy.port) as robot:

@@ -307,6 +307,7 @@ async def test_a_worker_that_was_away_sends_no_set_point_any_more(
     assert "(it did not run for" in str(error)
 
 
+@pytest.mark.slow
 async def test_a_freeze_after_a_set_point_ends_it(
     arm: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -188,6 +188,7 @@ async def test_stop_now_from_the_thread_of_the_event_loop(
     await eventually_async(lambda: not sim.moving)
 
 
+@pytest.mark.slow
 async def test_a_stop_while_it_is_being_opened(robot: aioduco.Robot) -> None:
     stream = robot.servo.joints(v=1.0, a=8.0)
     async with no_leaks(), anyio.create_task_group() as tasks:

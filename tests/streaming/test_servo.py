@@ -157,6 +157,7 @@ async def test_send_waits_while_enough_are_queued(controller: Controller) -> Non
             assert stream.statistics().queued <= 3
 
 
+@pytest.mark.slow
 async def test_low_rate_targets_are_brought_up_within_the_limits(controller: Controller) -> None:
     async with controller.servo.joints(
         v=2.0, a=15.0, jerk=300.0, rate=500, source_rate=30, upsample="ruckig", options=THREAD

@@ -197,6 +197,7 @@ async def test_an_arm_that_is_stuck_violates_the_path(controller: Controller) ->
     assert np.abs(np.diff(places, n=2)).max() * 500**2 <= 20.0 * (1 + 1e-6)
 
 
+@pytest.mark.slow
 async def test_an_arm_that_does_not_arrive_violates_the_goal(controller: Controller) -> None:
     arm = Arm(controller)
     arm.offset = np.array([0, 0, 0, 0, 0, 0.05])
@@ -241,6 +242,7 @@ async def test_a_trajectory_too_fast_is_refused(controller: Controller) -> None:
         await run(controller, Arm(controller), v=0.2)
 
 
+@pytest.mark.slow
 async def test_through_the_realtime_queue(controller: Controller) -> None:
     queue = Cycles(CYCLE)
     for name, answer in {

@@ -138,6 +138,7 @@ async def test_the_guard_beats_and_ends_with_its_robots(bench: Bench, robot: aio
     eventually(lambda: not running(pid))
 
 
+@pytest.mark.slow
 async def test_one_guard_for_all_robots(bench: Bench) -> None:
     async with (
         aioduco.connect(bench.host, bench.port, guard="process") as one,
@@ -241,6 +242,7 @@ def kill_guard_for_good(robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch) -
     return tries
 
 
+@pytest.mark.slow
 async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Robot) -> None:
     pid = seat(robot).pid
     assert pid is not None

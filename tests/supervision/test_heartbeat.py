@@ -167,6 +167,7 @@ async def test_a_lost_heartbeat_is_reported_and_comes_back(
     assert any("answered again" in message for message in messages)
 
 
+@pytest.mark.slow
 async def test_one_beat_without_an_answer_is_repeated_in_time(bench: Bench) -> None:
     async with (
         FaultProxy(bench.host, bench.port) as proxy,

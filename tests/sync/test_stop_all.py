@@ -52,6 +52,7 @@ def test_all_stand(robots: list[Robot], desks: list[Desk]) -> None:
     stop_all([])
 
 
+@pytest.mark.slow
 def test_who_fails_is_named_and_the_others_stand(robots: list[Robot], desks: list[Desk]) -> None:
     start_all(robots, desks)
     desks[0].answer("stop", -1)

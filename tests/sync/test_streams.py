@@ -257,6 +257,7 @@ def test_closing_the_robot_ends_it_and_its_end_is_told(sim: Simulator) -> None:
     assert not sim.view.moving
 
 
+@pytest.mark.slow
 def test_ticks_that_were_missed_are_left_out(robot: Robot) -> None:
     period = 0.02
     with robot.servo.joints(v=1.0, a=8.0, latest=True, **PATIENT) as stream:

@@ -125,6 +125,7 @@ def test_a_read_whose_connection_ends_is_made_on_another(runner: asyncio.Runner)
     runner.run(main())
 
 
+@pytest.mark.slow
 def test_many_connections_in_turn_use_descriptors_again(runner: asyncio.Runner) -> None:
     """What the loop knows of a descriptor is forgotten before another connection has it."""
 

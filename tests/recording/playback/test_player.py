@@ -234,6 +234,7 @@ def waypoints() -> WaypointFile:
     )
 
 
+@pytest.mark.slow
 async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -> None:
     """No motion behind the one that was not sent warns that it was never awaited."""
     # between the first two waypoints, and near none of them

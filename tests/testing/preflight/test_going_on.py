@@ -159,6 +159,7 @@ asyncio.run(main())
 """
 
 
+@pytest.mark.slow
 def test_a_motion_beyond_the_envelope_is_gone_past_and_a_slowed_one_said(
     tmp_path: Path, thorough: bool
 ) -> None:
