@@ -17,6 +17,7 @@ from aioduco import Load, Pose
 from aioduco.cli.app import app
 from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.recording.playback import WaypointFile
+from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -32,11 +33,16 @@ TILTS = [(0.0, 0.0), (0.6, 0.0), (-0.6, 0.0), (0.0, 0.6), (0.0, -0.6), (0.4, 0.4
 
 @pytest.fixture
 def arm(monkeypatch: pytest.MonkeyPatch) -> Iterator[Simulator]:
-    """An arm 20 times as fast as the wall, and so are the times in which it comes to rest."""
-    quick = {"_EVERY": 0.0, "_REST": 0.5 / 20.0, "_SPEED": 3.0, "_ACCELERATION": 5.0}
-    for name, value in quick.items():
+    """An arm 20 times as fast as the wall, whose own time is slept for."""
+    for name, value in {"_EVERY": 0.0, "_SPEED": 3.0, "_ACCELERATION": 5.0}.items():
         monkeypatch.setattr(f"aioduco.cli.payload.{name}", value)
     with ready_arm(speed=20.0) as sim:
+
+        def sleep(_: aioduco.sync.Robot, seconds: float) -> None:
+            end = sim.time + seconds
+            eventually(lambda: sim.time >= end)
+
+        monkeypatch.setattr(aioduco.sync.Robot, "sleep", sleep)
         yield sim
 
 
