@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import itertools
 import math
+import threading
 from typing import Any
 
 import anyio
@@ -357,6 +358,14 @@ async def test_a_path_that_is_played_is_in_the_pool_when_play_returns(
 
 async def test_a_path_that_begins_elsewhere_is_refused_by_play(controller: Controller) -> None:
     PoolDrive(controller, per_look=5)
+    taken, seen = threading.Event(), threading.Event()
+
+    def place() -> list[float]:
+        taken.set()
+        assert seen.wait(30.0)
+        return [0.0] * 6
+
+    controller.server.answer("get_actual_joints_position", place)
     opened = TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
     passed: list[str] = []
 
@@ -365,8 +374,17 @@ async def test_a_path_that_begins_elsewhere_is_refused_by_play(controller: Contr
             await stream.play([near(0.2)])
             passed.append("play")
 
-    with pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
-        await program()
+    async def compare() -> None:
+        """Tell where the arm is only when the program has seen that the point was taken."""
+        await eventually_async(taken.is_set)
+        opened._session._wake()
+        await anyio.wait_all_tasks_blocked()
+        seen.set()
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(compare)
+        with pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
+            await program()
     assert passed == []
 
 

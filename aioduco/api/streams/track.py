@@ -73,6 +73,8 @@ class TrackStream(Stream):
             raise ParameterError("times", times, "left out: the controller plans the times")
         await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
         await self._taken()
+        # The first point is taken before it is compared with the arm's position.
+        await super()._begin()
 
     async def _begin(self) -> None:
         """Do not wait: the worker takes the first points only when there are enough of them."""

@@ -328,9 +328,10 @@ class StreamWorker:
         if told != self._told:
             self._told = told
             driver.publish()
-            # before the reason, with which the program reads it
+            # the state last: a program that sees the end reads the reason, and with it the text
             block.text = driver.life.text
-            block.status[StatusWord.STATE], block.status[StatusWord.REASON] = told
+            block.status[StatusWord.REASON] = driver.life.reason
+            block.status[StatusWord.STATE] = driver.state
             self._wake_program()
         elif now - self._reported >= _REPORT:
             self._reported = now
