@@ -52,7 +52,7 @@ def test_pinocchio_agrees_on_frames_inertias_and_limits(
         assert np.allclose(loaded.upperVelocityLimit, known.velocity)
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:`Scene.dump:DeprecationWarning")  # yourdfpy's own
 @pytest.mark.parametrize("model", models())
 def test_yourdfpy_agrees_on_frames(model: str, tmp_path: Path) -> None:

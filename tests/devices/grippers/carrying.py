@@ -37,10 +37,7 @@ GRIPPERS = ("robotiq_2f85", "robotiq_2f140", "dh_ag95", "parallel", "vacuum")
 #: with this narrow boxes that tip over are not pushed into the table as hard as a collision [N]
 GRIP = 45.0
 UP, ASIDE, NEAR = 0.15, 0.25, 0.010
-#: simulated seconds in a real one. The robot goes by the wall, so that a machine that has other
-#: work may be as much too slow
-SPEED = 3.0
-#: time-outs for such a machine
+#: time-outs in simulated time, which flies while the arm moves, for some seconds each time
 PATIENT: dict[str, Any] = {"heartbeat": 60.0, "call_timeout": 60.0, "lag_limit": None}
 PATIENT |= {"loop_stall_limit": 60.0, "connect_timeout": 60.0}
 
@@ -118,8 +115,8 @@ async def carry(
     )
     table = Table(at=(x, 0.0, rest - 0.5 * height), size=(0.4, 1.2))
     async with (
-        Simulator.spawn(speed=SPEED, joints=tuple(READY), scene=[table, part], gripper=name) as sim,
-        aioduco.connect(sim.host, sim.port, **PATIENT) as robot,
+        Simulator(speed=math.inf, joints=tuple(READY), scene=[table, part], gripper=name) as sim,
+        aioduco.connect(sim.host, sim.port, clock=sim.clock, **PATIENT) as robot,
         driver(robot, name) as hand,
     ):
         await robot.bring_up()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from pathlib import Path
 from typing import Any
 
 import anyio
 import pytest
+from example_modules import example
 
 from aioduco import ParameterError, errors
 from aioduco.devices.bus import ModbusRtu, Port
@@ -261,14 +261,8 @@ def test_models_have_figures_and_a_source() -> None:
 
 
 async def test_a_driver_of_ones_own_is_short_and_works() -> None:
-    path = Path(__file__).parents[3] / "examples" / "gripper_of_your_own.py"
-    lines = path.read_text(encoding="utf-8").splitlines()
-    spec = importlib.util.spec_from_file_location("gripper_of_your_own", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    assert len(lines) <= 50
+    module = example("gripper_of_your_own")
+    assert len(Path(module.__file__).read_text(encoding="utf-8").splitlines()) <= 50
     peer = Peer(1)
     peer.before_read = lambda _: peer.registers.update({0x10: 250, 0x11: 2})
     gripper: PolledGripper = module.MyGripper(ModbusRtu(Port(peer.write, peer.read), 1))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import sys
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from example_modules import example
 
 import aioduco
 import aioduco.sync
@@ -20,24 +18,9 @@ from aioduco.sim.physics.gripper import FingerControl, GripperOrder
 
 from .carrying import carry
 
-if TYPE_CHECKING:
-    from types import ModuleType
-
-ROOT = Path(__file__).parents[3]
 STEP = 0.001
 #: a busy machine takes seconds over what takes a millisecond
 PATIENT: dict[str, Any] = {"answer_timeout": 10.0, "timeout": 30.0}
-
-
-def load(path: Path) -> ModuleType:
-    """A script as a module."""
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 # -- what the fingers are told: a state machine without physics ----------------------------------
@@ -249,7 +232,7 @@ def test_a_simulator_takes_a_gripper_or_a_tool() -> None:
 @pytest.mark.slow
 async def test_the_example_of_a_dh_gripper(capsys: pytest.CaptureFixture[str]) -> None:
     with Simulator(speed=math.inf, gripper="dh_ag95") as sim:
-        await load(ROOT / "examples" / "gripper_dh.py").main(sim.host, sim.port)
+        await example("gripper_dh").main(sim.host, sim.port)
     empty, apart = capsys.readouterr().out.splitlines()
     assert empty == "holds something: False"
     # the fingers still swing by parts of a millimetre when they meet

@@ -51,7 +51,9 @@ class Programs:
         self.folder = folder
         self.environment = {
             **os.environ,
-            "PYTHONPATH": os.pathsep.join([str(ROOT), *filter(None, sys.path)]),
+            "PYTHONPATH": os.pathsep.join(
+                [str(ROOT), str(ROOT / "tests"), *filter(None, sys.path)]
+            ),
             **environment,
         }
 

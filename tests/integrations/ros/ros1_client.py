@@ -31,6 +31,7 @@ import rospy
 from actionlib import ActionClient, CommState, SimpleActionClient
 
 from aioduco.integrations.ros.ros1.message_classes import install
+from integrations.ros.client_parts import SERVICES, apart, say, smooth_way, spoiled
 
 install()
 
@@ -57,11 +58,6 @@ NAMES = [f"{PREFIX}joint_{number}" for number in range(1, 7)]
 NODE = os.environ.get("NODE", "/duco")
 
 
-def say(**found: Any) -> None:
-    sys.stdout.write(json.dumps(found) + "\n")
-    sys.stdout.flush()
-
-
 def here(patience: float = 60.0) -> list[float]:
     return list(rospy.wait_for_message("joint_states", JointState, patience).position)
 
@@ -73,11 +69,8 @@ def goal(
     start = start or here()
     made = FollowJointTrajectoryGoal()
     made.trajectory.joint_names = list(NAMES)
-    for number in range(count):
-        share = number / (count - 1)
-        way = far * share * share * (3.0 - 2.0 * share)
-        place = [start[0] + way, *start[1:5], start[5] + way]
-        at = rospy.Duration.from_sec(share * duration)
+    for place, seconds in smooth_way(start, count, duration, far):
+        at = rospy.Duration.from_sec(seconds)
         made.trajectory.points.append(JointTrajectoryPoint(positions=place, time_from_start=at))
     return made
 
@@ -120,41 +113,15 @@ def run_goal(count: int, duration: float, far: float, cancel_after: float) -> No
         text=found.error_string,
         feedback=len(seen),
         span=seen[-1][0] - seen[0][0] if seen else 0.0,
-        error=max(abs(a - b) for a, b in zip(place, end, strict=True)),
+        error=apart(place, end),
         went=abs(place[0] - asked.trajectory.points[0].positions[0]),
     )
 
 
 def wrong_goals() -> dict[str, Any]:
     """Ten goals, each with one thing wrong."""
-    start = here()
-    made = {
-        name: goal(20, 2.0, start=start)
-        for name in (
-            "partial",
-            "name",
-            "nan",
-            "times",
-            "negative",
-            "empty",
-            "lengths",
-            "limits",
-            "elsewhere",
-            "old",
-        )
-    }
-    made["partial"].trajectory.joint_names.pop()
-    made["name"].trajectory.joint_names[0] = "elbow"
-    made["nan"].trajectory.points[3].positions = [math.nan] * 6
-    made["times"].trajectory.points[3].time_from_start = rospy.Duration(0.01)
-    made["negative"].trajectory.points[0].time_from_start = rospy.Duration(-1)
-    made["empty"].trajectory.points = []
-    made["lengths"].trajectory.points[3].velocities = [0.0] * 5
-    made["limits"].trajectory.points[-1].positions = [7.0] * 6
-    for point in made["elsewhere"].trajectory.points:
-        point.positions = [q + 0.5 for q in point.positions]
-    made["old"].trajectory.header.stamp = rospy.Time.now() - rospy.Duration(30)
-    return made
+    start, old = here(), rospy.Time.now() - rospy.Duration(30)
+    return spoiled(lambda: goal(20, 2.0, start=start), rospy.Duration.from_sec, old)
 
 
 def tight_goals() -> dict[str, Any]:
@@ -230,7 +197,7 @@ def run_wrong(kind: str) -> None:
         handle = ended(action, asked)
         took = time.monotonic() - sent
         code = handle.get_result().error_code
-        moved = max(abs(a - b) for a, b in zip(before, here(), strict=True))
+        moved = apart(before, here())
         say(name=name, state=handle.get_terminal_state(), code=code, moved=moved, took=took)
         if kind == "tight":
             rospy.ServiceProxy(f"{NODE}/recover", Trigger)()
@@ -297,25 +264,8 @@ def count_states(seconds: float, path: str) -> None:
 
 
 def call(name: str, given: dict[str, Any]) -> None:
-    kinds = {
-        "set_digital_output": "SetOutput",
-        "set_tool_output": "SetOutput",
-        "set_speed": "SetSpeed",
-        "set_tool": "SetTool",
-        "set_load": "SetLoad",
-        "movej": "MoveJ",
-        "movel": "MoveL",
-        "set_analog_output": "SetAnalogOutput",
-        "io_and_status_controller/set_io": "SetIO",
-        "io_and_status_controller/set_speed_slider": "SetSpeedFraction",
-        "io_and_status_controller/set_payload": "SetLoad",
-        "dashboard_client/load_program": "SetText",
-        "dashboard_client/popup": "SetText",
-        "dashboard_client/add_to_log": "SetText",
-        "force_mode_controller/start_force_mode": "StartForceMode",
-    }
     whole = f"/{PREFIX}{name}" if "/" in name else f"{NODE}/{name}"
-    kind = getattr(aioduco_msgs.srv, kinds[name]) if name in kinds else Trigger
+    kind = getattr(aioduco_msgs.srv, SERVICES[name]) if name in SERVICES else Trigger
     rospy.wait_for_service(whole, 60.0)
     reply = rospy.ServiceProxy(whole, kind)(**given)
     say(success=reply.success, message=reply.message)
@@ -343,7 +293,7 @@ def guide() -> None:
         rate.sleep()
     guided.publish(False)
     sent = 0
-    while max(abs(a - b) for a, b in zip(here(), start, strict=True)) < 0.03 or len(newest) < 4:
+    while apart(here(), start) < 0.03 or len(newest) < 4:
         # A busy computer may starve the stream; the driver then follows after a silence alone.
         if sent % 150 < 100:
             twist.publish(asked)

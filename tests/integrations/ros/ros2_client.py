@@ -21,7 +21,6 @@ from __future__ import annotations
 import functools
 import itertools
 import json
-import math
 import os
 import sys
 import time
@@ -47,6 +46,8 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from integrations.ros.client_parts import SERVICES, apart, say, smooth_way, spoiled
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -55,11 +56,6 @@ NAMES = [f"{PREFIX}joint_{number}" for number in range(1, 7)]
 NODE = os.environ.get("NODE", "/duco")
 CONTROLLER = f"{PREFIX}joint_trajectory_controller"
 PATIENT = 90.0
-
-
-def say(**found: Any) -> None:
-    sys.stdout.write(json.dumps(found) + "\n")
-    sys.stdout.flush()
 
 
 class Peer:
@@ -116,11 +112,9 @@ class Peer:
         start = self.here()
         made = FollowJointTrajectory.Goal()
         made.trajectory.joint_names = list(NAMES)
-        for number in range(count):
-            share = number / (count - 1)
-            way = far * share * share * (3.0 - 2.0 * share)
-            point = JointTrajectoryPoint(positions=[start[0] + way, *start[1:5], start[5] + way])
-            point.time_from_start = Duration(seconds=share * duration).to_msg()
+        for place, seconds in smooth_way(start, count, duration, far):
+            point = JointTrajectoryPoint(positions=place)
+            point.time_from_start = Duration(seconds=seconds).to_msg()
             made.trajectory.points.append(point)
         return made
 
@@ -151,28 +145,17 @@ def run_goal(peer: Peer, count: int, duration: float, far: float, cancel_after: 
         text=found.result.error_string,
         feedback=len(seen),
         span=seen[-1][0] - seen[0][0] if seen else 0.0,
-        error=max(abs(a - b) for a, b in zip(here, end, strict=True)),
+        error=apart(here, end),
         went=abs(here[0] - asked.trajectory.points[0].positions[0]),
     )
 
 
 def wrong_goals(peer: Peer) -> dict[str, Any]:
     """Ten goals, each with one thing wrong."""
-    names = ("partial", "name", "nan", "times", "negative", "empty", "lengths", "limits")
-    made = {name: peer.goal(20, 2.0) for name in (*names, "elsewhere", "old")}
-    made["partial"].trajectory.joint_names.pop()
-    made["name"].trajectory.joint_names[0] = "elbow"
-    made["nan"].trajectory.points[3].positions = [math.nan] * 6
-    made["times"].trajectory.points[3].time_from_start = Duration(seconds=0.01).to_msg()
-    made["negative"].trajectory.points[0].time_from_start.sec = -1
-    made["empty"].trajectory.points = []
-    made["lengths"].trajectory.points[3].velocities = [0.0] * 5
-    made["limits"].trajectory.points[-1].positions = [7.0] * 6
-    for point in made["elsewhere"].trajectory.points:
-        point.positions = [q + 0.5 for q in point.positions]
     old = peer.node.get_clock().now() - Duration(seconds=30)
-    made["old"].trajectory.header.stamp = old.to_msg()
-    return made
+    return spoiled(
+        lambda: peer.goal(20, 2.0), lambda at: Duration(seconds=at).to_msg(), old.to_msg()
+    )
 
 
 def tight_goals(peer: Peer) -> dict[str, Any]:
@@ -221,7 +204,7 @@ def replace_goal(peer: Peer) -> None:
         status=found.status,
         text=found.result.error_string,
         before=before.status,
-        error=max(abs(a - b) for a, b in zip(peer.here(), end, strict=True)),
+        error=apart(peer.here(), end),
     )
 
 
@@ -234,7 +217,7 @@ def run_wrong(peer: Peer, kind: str) -> None:
             asked.trajectory.points[0].positions = before
         handle = peer.result(action.send_goal_async(asked))
         found = peer.result(handle.get_result_async())
-        moved = max(abs(a - b) for a, b in zip(before, peer.here(), strict=True))
+        moved = apart(before, peer.here())
         say(
             name=name,
             status=found.status,
@@ -368,7 +351,7 @@ def guide(peer: Peer) -> None:
             twist.publish(asked)
 
     def gone() -> bool:
-        return max(abs(a - b) for a, b in zip(peer.place, start, strict=True)) > 0.03
+        return apart(peer.place, start) > 0.03
 
     peer.until(twist.get_subscription_count)
     peer.node.create_timer(0.02, send)
@@ -382,25 +365,8 @@ def guide(peer: Peer) -> None:
 
 
 def call(peer: Peer, name: str, given: dict[str, Any]) -> None:
-    kinds = {
-        "set_digital_output": "SetOutput",
-        "set_tool_output": "SetOutput",
-        "set_speed": "SetSpeed",
-        "set_tool": "SetTool",
-        "set_load": "SetLoad",
-        "movej": "MoveJ",
-        "movel": "MoveL",
-        "set_analog_output": "SetAnalogOutput",
-        "io_and_status_controller/set_io": "SetIO",
-        "io_and_status_controller/set_speed_slider": "SetSpeedFraction",
-        "io_and_status_controller/set_payload": "SetLoad",
-        "dashboard_client/load_program": "SetText",
-        "dashboard_client/popup": "SetText",
-        "dashboard_client/add_to_log": "SetText",
-        "force_mode_controller/start_force_mode": "StartForceMode",
-    }
     whole = f"/{PREFIX}{name}" if "/" in name else f"{NODE}/{name}"
-    kind = getattr(aioduco_msgs.srv, kinds[name]) if name in kinds else Trigger
+    kind = getattr(aioduco_msgs.srv, SERVICES[name]) if name in SERVICES else Trigger
     reply = peer.ask(kind, whole, kind.Request(**given))
     say(success=reply.success, message=reply.message)
 

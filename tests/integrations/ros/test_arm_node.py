@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
 import math
 import time
 from dataclasses import replace
@@ -18,7 +16,7 @@ from hypothesis import strategies as st
 
 from aioduco import Pose
 from aioduco.errors import ParameterError
-from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
@@ -32,55 +30,12 @@ from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 from .goals import NAMES, PROFILE, START, WRONG, Client, goal, way
+from .nodes import Sink, running
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from aioduco import Snapshot
     from aioduco.integrations.ros.arm_node import ArmNode
-    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
-    from aioduco.integrations.ros.trajectory_server import GoalProgress
-
-
-class Sink:
-    """Remembers the newest of each kind."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.listens = True
-        self.frames: dict[str, PlacedFrame] = {}
-        self.reading: ArmReading | None = None
-        self.snapshot: Snapshot | None = None
-        self.diagnoses: list[Diagnosis] = []
-        self.percent = self.factor = 0.0
-        self.tool_fields: dict[str, Any] = {}
-        self.place: GoalProgress | None = None
-        self.forces: list[list[float]] = []
-
-    def wants_frames(self) -> bool:
-        return self.listens
-
-    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
-        self.count += 1
-        self.reading, self.frames = reading, {frame.name: frame for frame in frames}
-
-    def wrench(self, at: float, force: list[float]) -> None:
-        self.forces.append(force)
-
-    def states(self, snapshot: Snapshot) -> None:
-        self.snapshot = snapshot
-
-    def speed(self, percent: float) -> None:
-        self.percent = percent
-
-    def tool(self, fields: dict[str, Any]) -> None:
-        self.tool_fields = fields
-
-    def progress(self, place: GoalProgress, factor: float) -> None:
-        self.place, self.factor = place, factor
-
-    def diagnosis(self, found: Diagnosis) -> None:
-        self.diagnoses.append(found)
 
 
 @pytest.fixture(scope="module")
@@ -96,24 +51,8 @@ def sink() -> Sink:
 
 @pytest.fixture
 async def node(sim: Simulator, sink: Sink) -> AsyncIterator[ArmNode]:
-    # servoj: the controller's queue holds a tenth of a second, and this machine may be busy
-    settings = NodeSettings(
-        host=sim.host,
-        port=sim.port,
-        wrench=True,
-        heartbeat=20.0,
-        through="servoj",
-        rules=GoalRules(goal_time=60.0),  # this machine may be busy
-    )
-    async with arm_node(settings) as node:
-        # not a task group: a fixture may be left in another task than it was entered in
-        running = asyncio.create_task(node.run(sink))
-        await node.services.recover()
-        assert (await node.services.movej(START, 3.0, 20.0)).success
+    async with running(sim, sink, wrench=True) as node:
         yield node
-        running.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await running
 
 
 async def settled(node: ArmNode, *clients: Client) -> None:

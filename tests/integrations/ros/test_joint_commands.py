@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +10,16 @@ import anyio
 import numpy as np
 import pytest
 
-from aioduco import WorkerOptions
 from aioduco.errors import ParameterError
-from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.joint_commands import check_command
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
-from aioduco.integrations.ros.trajectory_goals import GoalRefused, GoalRules
+from aioduco.integrations.ros.trajectory_goals import GoalRefused
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 from .goals import NAMES, PROFILE, START, Client, goal, way
-from .test_arm_node import Sink
+from .nodes import beside, running, ticks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -37,36 +34,6 @@ def sim() -> Iterator[Simulator]:
 
 
 @contextlib.asynccontextmanager
-async def running(sim: Simulator, **given: Any) -> AsyncIterator[ArmNode]:
-    rules = GoalRules(goal_time=60.0)  # this machine may be busy
-    settings = NodeSettings(
-        host=sim.host,
-        port=sim.port,
-        heartbeat=20.0,
-        through="servoj",
-        rate=20.0,
-        rules=rules,
-        **given,
-    )
-    # this machine may be busy for longer than a stream waits for an answer
-    options = WorkerOptions(timeout=20.0, connect_timeout=30.0)
-    async with arm_node(settings, options=options) as node:
-        for reply in (
-            await node.services.bring_up(),
-            await node.services.recover(),
-            await node.services.movej(START, 3.0, 20.0),
-        ):
-            assert reply.success, reply.message
-        task = asyncio.create_task(node.run(Sink()))
-        try:
-            yield node
-        finally:
-            task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await task
-
-
-@contextlib.asynccontextmanager
 async def commanding(node: ArmNode, place: tuple[float, ...]) -> AsyncIterator[None]:
     """As a client that goes on saying the same."""
 
@@ -74,19 +41,7 @@ async def commanding(node: ArmNode, place: tuple[float, ...]) -> AsyncIterator[N
         async for _ in ticks(50.0):
             node.commands.take(NAMES, place)
 
-    task = asyncio.create_task(run())
-    try:
-        yield
-    finally:
-        task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
-
-
-async def ticks(rate: float) -> AsyncIterator[None]:
-    start = anyio.current_time()
-    for number in itertools.count():
-        await anyio.sleep_until(start + number / rate)
+    async with beside(run()):
         yield
 
 

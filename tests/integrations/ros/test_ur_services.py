@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -10,17 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from aioduco import RobotState, WorkerOptions
+from aioduco import RobotState
 from aioduco.errors import ConnectionLost
-from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
 from aioduco.integrations.ros.arm_services import ArmServices
 from aioduco.integrations.ros.service_table import service_table
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 from .goals import START, Client, goal, way
-from .test_arm_node import Sink
-from .test_joint_commands import ticks
+from .nodes import beside, running, ticks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Generator, Iterator
@@ -40,19 +37,8 @@ def sim() -> Iterator[Simulator]:
 
 @pytest.fixture
 async def node(sim: Simulator) -> AsyncIterator[ArmNode]:
-    settings = NodeSettings(
-        host=sim.host, port=sim.port, heartbeat=20.0, through="servoj", rate=20.0
-    )
-    options = WorkerOptions(timeout=20.0, connect_timeout=30.0)
-    async with arm_node(settings, options=options) as node:
-        task = asyncio.create_task(node.run(Sink()))
-        assert (await node.services.bring_up()).success
-        assert (await node.services.recover()).success
-        assert (await node.services.movej(START, 3.0, 20.0)).success
+    async with running(sim) as node:
         yield node
-        task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
 
 
 async def call(node: ArmNode, name: str, **asked: Any) -> ServiceReply:
@@ -192,11 +178,8 @@ async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simula
             async for _ in ticks(50.0):
                 node.twists.take([0.0, 0.0, up, 0.0, 0.0, 0.0], frame)
 
-        sender = asyncio.create_task(lead())
-        yield
-        sender.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await sender
+        async with beside(lead()):
+            yield
 
     async with sent(0.05, "base_link"):
         await eventually_async(lambda: np.abs(np.array(sim.joints) - START).max() > 0.03)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
 from cli_runner import CliRunner
+from example_modules import example
 
 import aioduco
 import aioduco.sync
@@ -27,6 +26,7 @@ from .arms import ARM, READY
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from pathlib import Path
 
 THERE = Joints(0.5, 0.2, 1.3, 0.1, -1.4, 0.3)
 #: narrow enough for half a kilogram; times and tracking are those of a busy computer
@@ -48,6 +48,7 @@ async def robot(sim: Simulator) -> AsyncIterator[aioduco.Robot]:
         yield connected
 
 
+@pytest.mark.slow
 async def test_a_payload_is_an_event_and_in_the_recording(
     sim: Simulator, robot: aioduco.Robot, tmp_path: Path
 ) -> None:
@@ -95,10 +96,8 @@ async def test_it_reports_only_otherwise(sim: Simulator, robot: aioduco.Robot) -
         await robot.motion.movej2([*READY[:5], 0.2], v=1.0, a=2.0)
 
 
-async def test_it_is_started_once_and_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
+async def test_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS) as twin:
-        with pytest.raises(RobotStateError, match="once"):
-            await twin.start()
         assert twin._linked is not None
         twin._linked.popen.kill()
         await eventually_async(lambda: twin.over)
@@ -106,9 +105,11 @@ async def test_it_is_started_once_and_its_end_is_not_the_robots(robot: aioduco.R
         await robot.state.get_robot_state()
 
 
-async def test_closing_the_robot_ends_it(sim: Simulator) -> None:
+async def test_it_is_started_once_and_closing_the_robot_ends_it(sim: Simulator) -> None:
     async with aioduco.connect(sim.host, sim.port) as robot:
         twin = await robot.twin(LIMITS).start()
+        with pytest.raises(RobotStateError, match="once"):
+            await twin.start()
     assert twin.over
     assert twin.error is None
 
@@ -140,16 +141,11 @@ def test_programs_that_wait_have_it_too() -> None:
 async def test_the_example_runs(
     sim: Simulator, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = Path(__file__).parents[3] / "examples" / "twin_beside_arm.py"
-    spec = importlib.util.spec_from_file_location("twin_beside_arm", path)
-    assert spec is not None
-    assert spec.loader is not None
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
+    program = example("twin_beside_arm")
     # short ways: the arm moves in real time
-    vars(example).update(LEFT=Joints(*READY[:5], 0.2), RIGHT=Joints(*READY[:5], 0.3))
+    vars(program).update(LEFT=Joints(*READY[:5], 0.2), RIGHT=Joints(*READY[:5], 0.3))
     LIMITS.save(tmp_path / "limits.json")
-    await example.main(sim.host, str(tmp_path / "limits.json"), sim.port)
+    await program.main(sim.host, str(tmp_path / "limits.json"), sim.port)
     assert "divergences=0" in capsys.readouterr().out
 
 
