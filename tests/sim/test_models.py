@@ -34,4 +34,5 @@ def test_each_arm_moves_by_joints_and_along_a_line(model: str) -> None:
         sim.wait_until(lambda: not sim.moving)
         there = Pose.of(robot.get_tcp_pose())
         assert there.almost_equal(target, position=2e-4, rotation=2e-4)
+        assert robot.get_last_error() == []
         wire.close()

@@ -7,9 +7,10 @@ import math
 from typing import TYPE_CHECKING
 
 import pytest
+from example_modules import example
 
 from aioduco._wire.rpc import RealTimeControlData
-from aioduco.models.enums import SafetyState, TaskState
+from aioduco.models.enums import TaskState
 from aioduco.sim.planner.track_pool import CAPACITY
 from aioduco.sim.simulator import READY, Simulator
 
@@ -22,48 +23,7 @@ if TYPE_CHECKING:
     from .conftest import Program
 
 #: manual 3.8, 1.3.15, the example: joint velocities, a row for each millisecond [rad/s]
-ROWS = [
-    [
-        -6.700217460074271930e-04, -4.072137254218498661e-03, 7.066593031266893074e-03,
-        -2.978735190571154060e-03, 2.183094442351974149e-05, -6.698504529062708013e-04,
-    ],
-    [
-        -1.589154109004034272e-03, -1.011421833810334688e-02, 1.754193265331701820e-02,
-        -7.390421055007160601e-03, 5.177329125210710173e-05, -1.588748280197681967e-03,
-    ],
-    [
-        -2.755305715766451745e-03, -1.811209469461632846e-02, 3.140150170886479852e-02,
-        -1.322473808616756764e-02, 8.975891577376789718e-05, -2.754602640998529955e-03,
-    ],
-    [
-        -3.442737990430701396e-03, -2.315600008944551300e-02, 4.013747069438520360e-02,
-        -1.690065907568836720e-02, 1.121474983595938492e-04, -3.441859692247766726e-03,
-    ],
-    [
-        -3.157588346910660156e-03, -2.189245123375168842e-02, 3.793907058813744682e-02,
-        -1.597249170914913363e-02, 1.028521444952658879e-04, -3.156782645645519157e-03,
-    ],
-    [
-        -2.864607599016891562e-03, -2.071522367525847202e-02, 3.588861821868741253e-02,
-        -1.510613530488653065e-02, 9.330159342950848850e-05, -2.863877683525377273e-03,
-    ],
-    [
-        -2.820140424052270788e-03, -2.131761007776102057e-02, 3.692116291809591222e-02,
-        -1.553733028238165649e-02, 9.184682028243494134e-05, -2.819424392840391355e-03,
-    ],
-    [
-        -2.812250163455366943e-03, -2.205552289748904243e-02, 3.818995917565090603e-02,
-        -1.606839114406481001e-02, 9.158444035047173999e-05, -2.811536045264771428e-03,
-    ],
-    [
-        -2.728426654789113497e-03, -2.205617043400752084e-02, 3.818376395297849724e-02,
-        -1.606350627152726418e-02, 8.884967501704240018e-05, -2.727728984672162828e-03,
-    ],
-    [
-        -1.936938097461126220e-03, -2.279194264874751311e-02, 3.938230929954751602e-02,
-        -1.654479502939042515e-02, 6.304779778496766665e-05, -1.936393526134143209e-03,
-    ],
-]  # fmt: skip
+ROWS: list[list[float]] = example("manual/cabinet").JOINTS_VEL
 
 
 def velocity(row: list[float]) -> RealTimeControlData:
@@ -139,27 +99,6 @@ def test_the_manuals_example_runs(
     assert moved[1] / moved[2] == pytest.approx(ROWS[-1][1] / ROWS[-1][2], rel=0.05)
 
 
-@pytest.mark.slow
-def test_the_manuals_example_starved(sim: Simulator, robot: Program) -> None:
-    """Nobody feeds the queue any more, for longer than the 0.04 s of the example."""
-    with standing_time(sim):
-        begin_the_manuals_example(robot)
-        fed = sim.time + 0.05
-        feed_as_the_manual(robot, sim, lambda: sim.time >= fed)
-        assert robot.get_robot_state() == [6, 2, 5, 1]
-        last = sim.time
-        advance_until(sim, lambda: sim.view.safety != SafetyState.RUN)
-        assert sim.time - last > 0.04
-        advance_until(sim, lambda: sim.view.standing)
-        # STOP2: it stands, with power; and no point that comes now moves it.
-        assert robot.get_robot_state() == [6, 0, 7, 1]
-        assert "no data for 0.04 s" in robot.get_last_error()[-1]
-        here, later = sim.joints, sim.time + 0.05
-        feed_as_the_manual(robot, sim, lambda: sim.time >= later)
-        assert sim.joints.almost_equal(here, 1e-4)
-        assert robot.start_realtime_mode(1, 100, 0.04) == TaskState.ILLEGAL
-
-
 def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:
     robot.realtime_data_enqueue([velocity(ROWS[0])] * 5 + [velocity(ROWS[-1])] * 500, True)
     assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.FINISHED
@@ -168,6 +107,10 @@ def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:
     # STOP2: the power is on, and the way out is power off, power on, enable
     assert robot.get_robot_state() == [6, 0, 7, 1]
     assert "no data for 0.04 s" in robot.get_last_error()[-1]
+    here, later = sim.joints, sim.time + 0.05
+    robot.realtime_data_enqueue([velocity(ROWS[-1])] * 50, True)
+    sim.wait_until(lambda: sim.time > later)
+    assert sim.joints.almost_equal(here, 1e-4)  # no point that comes now moves it
     assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.ILLEGAL
     assert robot.end_realtime_mode() == TaskState.FINISHED
     assert robot.power_off(True) == TaskState.FINISHED

@@ -6,7 +6,6 @@ import math
 import threading
 from typing import TYPE_CHECKING
 
-import numpy as np
 import psutil
 import pytest
 
@@ -15,7 +14,7 @@ from aioduco._wire.rpc import Op
 from aioduco.errors import ConnectionLost, ControllerError, ParameterError
 from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.pose import Joints, Pose
-from aioduco.sim.simulator import CYCLE, READY, Simulator
+from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import nothing_forgiven
 
 from .conftest import OUT_OF_RANGE, advance_until, standing_time
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import RobotStatus
 
     from .conftest import Program
-    from .cycles import Cycles
 
     Aside = Callable[[Simulator, Callable[[Program], int]], Future[int]]
 
@@ -61,34 +59,6 @@ def test_a_line_ends_at_its_pose_and_an_unreachable_one_moves_nothing(
     assert "reach" in robot.get_last_error()[-1]
     assert robot.get_robot_state() == [6, 0, 5, 1]
     assert sim.joints.almost_equal(there, 1e-4)
-
-
-@pytest.mark.slow
-def test_an_arc_passes_its_point(connect: Callable[..., Program]) -> None:
-    # Not as fast as possible: the thread that looks on shall get to see the arm often.
-    with Simulator(speed=10.0) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        follow_an_arc(sim, robot)
-
-
-def follow_an_arc(sim: Simulator, robot: Program) -> None:
-    start = Pose.of(robot.get_tcp_pose())
-    middle, end = start.shifted(x=0.05, y=0.05), start.shifted(x=0.1)
-    nearest = math.inf
-    id_ = robot.movec(list(middle), list(end), 0.02, 1.0, 0.0, 1, [], "", "", False, Op(), False)
-
-    def done() -> bool:
-        nonlocal nearest
-        nearest = min(nearest, Pose.from_matrix(sim.arm.fkine(sim.joints)).distance(middle)[0])
-        return TaskState(robot.get_noneblock_taskstate(id_)).ended
-
-    with standing_time(sim):
-        advance_until(sim, done, 60.0, every=20)
-    assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
-    assert nearest < 1e-2
-    sim.wait_until(lambda: not sim.moving)
-    assert Pose.of(robot.get_tcp_pose()).almost_equal(end, position=1e-3, rotation=2e-3)
 
 
 @pytest.mark.slow
@@ -163,37 +133,6 @@ def test_blending_ends_the_first_motion_as_interrupted(sim: Simulator, robot: Pr
         second = robot.to(0.5, 0.3, *READY[2:], r=0.05, block=False)
     sim.wait_until(lambda: robot.get_noneblock_taskstate(second) == TaskState.FINISHED, 60.0)
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
-
-
-@pytest.mark.slow
-def test_calls_that_block_blend_as_those_that_do_not(
-    connect: Callable[..., Program], cycles: Cycles
-) -> None:
-    """The second motion comes in time as long as the machine answers within two seconds."""
-    took: list[float] = []
-    ends: list[list[int]] = []
-    with Simulator(speed=1.0) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        assert robot.set_blend_ahead(10, 1) == TaskState.FINISHED
-        for radius, block in ((0.03, True), (0.03, False), (0.0, True)):
-            start = Pose.of(robot.get_tcp_pose())
-            cycles.clear()
-            codes = [
-                robot.line(list(start.shifted(x=x, z=z)), v=0.03, r=r, block=block)
-                for x, z, r in ((0.1, 0.0, radius), (0.1, 0.03, 0.0))
-            ]
-            sim.wait_until(lambda: not sim.moving, 60.0)
-            # Time goes on while a motion is planned: what counts is for how long the arm is moved.
-            moved = np.diff(np.array(cycles.wanted), axis=0).any(axis=1)
-            took.append(CYCLE * int(moved.sum()))
-            ends.append(codes if block else [robot.get_noneblock_taskstate(id_) for id_ in codes])
-            sim.speed = math.inf
-            assert robot.line(list(start)) == TaskState.FINISHED
-            sim.speed = 1.0
-    assert ends == [[5, 4], [5, 4], [4, 4]]
-    assert took[0] == pytest.approx(took[1], abs=0.05)
-    assert took[0] < took[2] - 0.1
 
 
 def test_one_connection_waits_while_another_works(

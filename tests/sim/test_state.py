@@ -17,7 +17,7 @@ from aioduco._wire.rpc import IOStatus, Op, RobotStatus
 from aioduco.kinematics import arm, models
 from aioduco.kinematics.forward import bias_acceleration, fkine, jacobian
 from aioduco.models.enums import TaskState
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.signals import Bank, Signals
 from aioduco.sim.cabinet.tools import FrameTable, UnknownName
 from aioduco.sim.physics.tip import tip_motion
@@ -341,16 +341,3 @@ def test_the_robot_says_what_it_is(robot: Program) -> None:
 
 def test_a_motion_op_without_a_trigger_is_none(robot: Program) -> None:
     assert robot.movej2(READY, 1.0, 1.0, 0.0, True, Op(trig_io_1=3), False) == TaskState.FINISHED
-
-
-@pytest.mark.cases(1)
-@pytest.mark.parametrize("model", models())
-def test_every_model_comes_up_and_moves(model: str, connect: Callable[..., Program]) -> None:
-    goal = Joints.of([0.3, *READY[1:]])
-    with Simulator(model, speed=math.inf) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        assert robot.to(*goal) == TaskState.FINISHED
-        sim.wait_until(lambda: not sim.moving)
-        assert sim.joints.almost_equal(goal, 1e-3)
-        assert robot.get_last_error() == []
