@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 from dataclasses import fields
 from pathlib import Path
@@ -200,19 +199,3 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
     done = run("urdf", "-o", str(tmp_path / "file" / "below"))
     assert done.exit_code == 2
     assert "file" in done.stderr
-
-
-@pytest.mark.slow
-def test_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    blocks = re.findall(r"^```python\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 2
-    for block in blocks:
-        exec(compile(block, "example", "exec"), {})
-    assert len(list(tmp_path.iterdir())) == 7
-    shell = re.findall(
-        r"^aioduco (export \w+ .*?)\s*(?:#.*)?$", PAGE.read_text("utf-8"), re.MULTILINE
-    )
-    assert len(shell) == 4
-    for line in shell:
-        assert CliRunner().invoke(app, line.split()).exit_code == 0

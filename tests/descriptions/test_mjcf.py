@@ -14,7 +14,7 @@ from aioduco.kinematics import arm, models
 from aioduco.kinematics.bodies import ROTOR, bodies
 from aioduco.kinematics.looks import COLOURS, looks, merged
 
-from .test_urdf import GRIPPER, LEFT, RIGHT, configurations
+from .test_urdf import GRIPPER, LEFT, RIGHT, agrees, configurations
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,22 +24,7 @@ if TYPE_CHECKING:
 def test_mujoco_agrees_on_frames_and_inertias(model: str) -> None:
     loaded, known = mujoco.MjModel.from_xml_string(mjcf(model)), arm(model)
     data = mujoco.MjData(loaded)
-    joints = configurations(20)
-    for q, flange in zip(joints, known.fkine(joints), strict=True):
-        data.qpos[:] = q
-        mujoco.mj_kinematics(loaded, data)
-        for site in ("tool0", "attachment_site"):
-            assert np.abs(data.site(site).xpos - flange[:3, 3]).max() < 1e-9
-            assert np.abs(data.site(site).xmat.reshape(3, 3) - flange[:3, :3]).max() < 1e-9
-    for i, solid in enumerate(bodies(known)[1:], start=1):
-        body = loaded.body(f"link_{i}")
-        turn = np.zeros(9)
-        mujoco.mju_quat2Mat(turn, body.iquat)
-        inertia = turn.reshape(3, 3) @ np.diag(body.inertia) @ turn.reshape(3, 3).T
-        assert body.mass[0] == pytest.approx(solid.mass, abs=1e-9)
-        assert np.abs(body.ipos - solid.centre).max() < 1e-9
-        assert np.abs(inertia - solid.inertia).max() < 1e-6
-    assert np.allclose(loaded.jnt_range, np.array([known.lower, known.upper]).T, atol=1e-9)
+    agrees(loaded, data, known, data.site("tool0"), data.site("attachment_site"))
     assert np.allclose(loaded.actuator_ctrlrange, loaded.jnt_range)
     assert np.allclose(loaded.actuator_forcerange[:, 1], known.effort)
     assert np.allclose(loaded.dof_armature, ROTOR * np.array(known.effort))

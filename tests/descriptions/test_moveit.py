@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from aioduco import ParameterError
-from aioduco.descriptions import STATES, ArmDescription, moveit
+from aioduco.descriptions import STATES, moveit
 from aioduco.kinematics import arm, models
 
 from .test_urdf import LEFT, RIGHT
@@ -41,6 +41,7 @@ def test_files_name_the_same_joints_links_and_groups(model: str) -> None:
     for state in srdf.findall("group_state"):
         assert [joint.get("name") for joint in state] == JOINTS
         found = [float(joint.get("value")) for joint in state]
+        assert arm(model).within_limits(found)
         assert found == pytest.approx(list(STATES[state.get("name")]), abs=1e-11)
     groups = {group.get("name") for group in srdf.findall("group")}
     assert groups == {"manipulator", "end_effector"}
@@ -69,29 +70,6 @@ def test_limits_are_those_of_the_arm_and_no_whole_numbers(model: str) -> None:
         assert (joint["min_position"], joint["max_position"]) == (known.lower[i], known.upper[i])
         for name, value in joint.items():
             assert type(value) is (bool if name.startswith("has_") else float), name
-
-
-@pytest.mark.parametrize("model", models())
-def test_limits_and_states_keep_those_of_the_urdf(model: str) -> None:
-    files = read(moveit(model))
-    limits = files["joint_limits.yaml"]["joint_limits"]
-    joints = {
-        joint.get("name"): {name: float(value) for name, value in found.attrib.items()}
-        for joint in files[f"{model}.urdf"].findall("joint")
-        if (found := joint.find("limit")) is not None
-    }
-    assert list(limits) == list(joints)
-    for name, limit in limits.items():
-        urdf = joints[name]
-        # The URDF's numbers have twelve digits.
-        for key, word in (("min_position", "lower"), ("max_position", "upper")):
-            assert limit[key] == pytest.approx(urdf[word], abs=1e-11)
-        assert limit["max_velocity"] == pytest.approx(urdf["velocity"], abs=1e-11)
-    states = files[f"{model}.srdf"].findall("group_state/joint")
-    assert {state.get("name") for state in states} == set(joints)
-    for state in states:
-        urdf = joints[state.get("name")]
-        assert urdf["lower"] <= float(state.get("value")) <= urdf["upper"]
 
 
 def test_two_arms_have_groups_and_controllers_of_their_own() -> None:
@@ -134,8 +112,3 @@ def test_files_of_moveit_1_with_names_of_another_package() -> None:
         moveit("gcr5_910", tip="link_9")
     with pytest.raises(ParameterError, match="group"):
         moveit("gcr5_910", group="a b")
-
-
-def test_the_same_arm_gives_the_same_files() -> None:
-    described = ArmDescription("gcr5_910")
-    assert moveit(described) == moveit(described)

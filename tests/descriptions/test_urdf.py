@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from aioduco.descriptions.texts import ArmLike
+    from aioduco.kinematics import Arm
 
 GRIPPER = ToolDescription(
     mass=0.9,
@@ -42,6 +43,26 @@ def read_by_mujoco(text: str) -> Any:
     spec = mujoco.MjSpec.from_string(text)
     spec.compiler.fusestatic = False
     return spec.compile()
+
+
+def agrees(loaded: Any, data: Any, known: Arm, *flanges: Any) -> None:
+    """MuJoCo has an arm's flanges where they are, and its inertias and limits as they are."""
+    joints = configurations(20)
+    for q, flange in zip(joints, known.fkine(joints), strict=True):
+        data.qpos[:] = q
+        mujoco.mj_kinematics(loaded, data)
+        for each in flanges:
+            assert np.abs(each.xpos - flange[:3, 3]).max() < 1e-9
+            assert np.abs(each.xmat.reshape(3, 3) - flange[:3, :3]).max() < 1e-9
+    for i, solid in enumerate(bodies(known)[1:], start=1):
+        body = loaded.body(f"link_{i}")
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, body.iquat)
+        inertia = turn.reshape(3, 3) @ np.diag(body.inertia) @ turn.reshape(3, 3).T
+        assert body.mass[0] == pytest.approx(solid.mass, abs=1e-9)
+        assert np.abs(body.ipos - solid.centre).max() < 1e-9
+        assert np.abs(inertia - solid.inertia).max() < 1e-6
+    assert np.allclose(loaded.jnt_range, np.array([known.lower, known.upper]).T, atol=1e-9)
 
 
 def check_urdf(text: str, folder: Path) -> str:
@@ -105,21 +126,7 @@ def test_urdfdom_accepts_arms_with_prefixes_and_tools(
 def test_mujoco_agrees_on_frames_inertias_and_limits(model: str) -> None:
     loaded, known = read_by_mujoco(urdf(model)), arm(model)
     data = mujoco.MjData(loaded)
-    joints = configurations(20)
-    for q, flange in zip(joints, known.fkine(joints), strict=True):
-        data.qpos[:] = q
-        mujoco.mj_kinematics(loaded, data)
-        assert np.abs(data.body("tool0").xpos - flange[:3, 3]).max() < 1e-9
-        assert np.abs(data.body("tool0").xmat.reshape(3, 3) - flange[:3, :3]).max() < 1e-9
-    for i, solid in enumerate(bodies(known)[1:], start=1):
-        body = loaded.body(f"link_{i}")
-        turn = np.zeros(9)
-        mujoco.mju_quat2Mat(turn, body.iquat)
-        inertia = turn.reshape(3, 3) @ np.diag(body.inertia) @ turn.reshape(3, 3).T
-        assert body.mass[0] == pytest.approx(solid.mass, abs=1e-9)
-        assert np.abs(body.ipos - solid.centre).max() < 1e-9
-        assert np.abs(inertia - solid.inertia).max() < 1e-6
-    assert np.allclose(loaded.jnt_range, np.array([known.lower, known.upper]).T, atol=1e-9)
+    agrees(loaded, data, known, data.body("tool0"))
 
 
 def test_limits_are_those_of_the_arm() -> None:

@@ -123,23 +123,3 @@ def test_stop_from_a_second_connection_ends_a_blocking_motion(connect: Connect) 
         assert answers == [STOPPED]
         assert not moving(other)
         assert far(other.getRobotStatus().jointActualPosition, TURNED) > 0.1
-
-
-@pytest.mark.slow
-def test_two_connections_are_served_at_once(connect: Connect) -> None:
-    """A status read does not wait for another connection's blocking motion."""
-    answers: list[int] = []
-    with connect() as robot, connect() as other:
-        bring_up(robot)
-        blocked = threading.Thread(
-            target=lambda: answers.append(movej2(robot, TURNED, block=True, v=0.1)), daemon=True
-        )
-        blocked.start()
-        seen: list[float] = []
-        while not answers:
-            seen.append(other.get_actual_joints_position()[0])
-        blocked.join(20.0)
-        assert answers == [FINISHED]
-        on_the_way = [angle for angle in seen if 0.1 < angle < 0.9]
-        assert len(on_the_way) > 3
-        assert on_the_way == sorted(on_the_way)

@@ -33,9 +33,9 @@ def touches(
     return frames
 
 
-def test_a_hidden_tip_is_found_within_what_is_stated() -> None:
+def test_a_hidden_tip_is_found_within_what_is_stated(thorough: bool) -> None:
     turns, off, stated = touching(), [], []
-    for seed in range(400):
+    for seed in range(400 if thorough else 100):
         draw = np.random.default_rng(seed)
         tip, point = draw.uniform(-0.2, 0.2, 3), draw.uniform(-0.5, 0.5, 3)
         noise = draw.normal(0.0, 0.1e-3 / np.sqrt(3.0), (6, 3))  # 0.1 mm together
@@ -44,7 +44,9 @@ def test_a_hidden_tip_is_found_within_what_is_stated() -> None:
         stated.append(found.uncertainty)
         assert np.linalg.norm(found.point - point) < 0.2e-3
     assert max(off) < 0.2e-3
-    assert 0.92 < np.mean(np.array(off) < stated) < 0.98
+    assert (
+        (0.92 if thorough else 0.88) < np.mean(np.array(off) < stated) <= (0.98 if thorough else 1)
+    )
     assert np.median(stated) < 0.12e-3
 
 

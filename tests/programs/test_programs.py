@@ -70,6 +70,7 @@ def test_keys_jog_the_tool(make: Make, sim: Simulator) -> None:
     assert sorted(abs(one) for one in moved) == pytest.approx([0.002, 0.008, 0.02], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_servoj_at_250_hz(make: Make, sim: Simulator) -> None:
     answers, goal, reached = servoj_250hz.main(make.cobot, sim.host, sim.port)
     assert min(answers) >= 1000

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 PERIOD = 0.004
-CYCLES = 250
+CYCLES = 125
 SWING = 0.1
 
 

@@ -14,7 +14,7 @@ from aioduco.models.pose import Pose
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import JointSetPoint
-from aioduco.sim.planner.segments import arc_move, joint_move, line_move
+from aioduco.sim.planner.segments import joint_move, line_move
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -86,34 +86,6 @@ def test_joints_follow_at_full_speed_and_acceleration(any_arm: Arm) -> None:
     assert np.abs(reached - wanted).max() < 2e-3
     assert np.abs(reached[-1] - wanted[-1]).max() < 1e-4
     assert world.time == pytest.approx(0.001 * len(wanted))
-
-
-@pytest.mark.parametrize("model", ["gcr3_618", "gcr5_910", "gcr25_1800"])
-def test_lines_and_arcs_stay_within_a_millimetre(model: str) -> None:
-    any_arm = arm(model)
-    size = any_arm.reach / FIVE.reach
-    world, mover = World(any_arm, q=HOME), Mover(any_arm, HOME)
-    start = any_arm.fkine(HOME)
-
-    def at(x: float, y: float, z: float) -> Array:
-        pose = start.copy()
-        pose[:3, 3] += np.array([x, y, z]) * size
-        return pose
-
-    mover.append(1, lambda q: line_move(any_arm, q, at(0.0, 0.25, -0.1), 1.0, 5.0))
-    _, reached = follow(world, mover)
-    points = any_arm.fkine(reached)[:, :3, 3] - start[:3, 3]
-    direction = np.array([0.0, 0.25, -0.1]) / np.hypot(0.25, 0.1)
-    assert np.linalg.norm(points - np.outer(points @ direction, direction), axis=1).max() < 1e-3
-    mover.append(2, lambda q: line_move(any_arm, q, start, 1.0, 5.0))
-    follow(world, mover)
-    mover.append(
-        3,
-        lambda q: arc_move(any_arm, q, at(0.1, 0.1, 0.0), at(0.0, 0.2, 0.0), 1.0, 5.0, mode=1),
-    )
-    _, reached = follow(world, mover)
-    spokes = any_arm.fkine(reached)[:, :3, 3] - at(0.0, 0.1, 0.0)[:3, 3]
-    assert np.abs(np.linalg.norm(spokes, axis=1) - 0.1 * size).max() < 1e-3
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,6 +46,7 @@ def set_points(kind: str, places: tuple[Array, Array], radius: float, law: Corne
     return np.array(rows)[::8]
 
 
+@cache
 def cut(
     kind: str, law: CornerLaw, radii: Sequence[float] = RADII, *, blended: bool = True
 ) -> Evidence:

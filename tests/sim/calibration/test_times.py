@@ -15,9 +15,9 @@ from aioduco.sim.calibration.times import estimate_period, estimate_times, singl
 from .made import READY, changes, empty
 
 
-def test_times_of_power_are_within_five_percent_and_their_intervals() -> None:
+def test_times_of_power_are_within_five_percent_and_their_intervals(thorough: bool) -> None:
     inside = []
-    for seed in range(20):
+    for seed in range(20 if thorough else 4):
         random = np.random.default_rng(seed)
         spans = {"power_on": (0.3, 1.5), "enable": (0.2, 1), "disable": (0.1, 0.4)}
         times = {name: random.uniform(*span) for name, span in spans.items()}
@@ -27,8 +27,8 @@ def test_times_of_power_are_within_five_percent_and_their_intervals() -> None:
         for name, estimate in found.values.items():
             assert estimate.value == pytest.approx(times[name], rel=0.05)
             inside.append(estimate.low <= times[name] <= estimate.high)
-    assert len(inside) >= 76
-    assert np.mean(inside) >= 0.95
+    assert len(inside) >= (76 if thorough else 12)
+    assert np.mean(inside) >= (0.95 if thorough else 0.9)
 
 
 def test_changes_that_were_not_watched_are_left_out() -> None:
