@@ -22,7 +22,6 @@ from aioduco import (
     StreamError,
     StreamLeavesEnvelope,
     TaskStopped,
-    WorkerOptions,
 )
 from aioduco.envelope import (
     Envelope,
@@ -33,67 +32,18 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.models.trace import CallFinished
-from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
-from .trials import ARM, CYCLE, LAG, Seen, least, watched
+from .conftest import AT, FLAT, START, THREAD, fastest, stand, turned, wall
+from .trials import ARM, LAG, Seen, least
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
     from aioduco.models.trace import TraceEvent
+    from aioduco.sim import Simulator
     from aioduco.supervision.command import MotionCommand
 
-START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
-#: the tool at START
-AT = (0.492, 0.1405, 0.442)
-FLAT = (Zone.plane((0, AT[1] + 0.1, 0), (0, -1, 0), bodies=("flange",)),)
-THREAD = WorkerOptions(run_in="thread", timeout=10.0)
 #: how far beyond a limit the arm may ever be, however often a program commands [m]
 BEYOND = 0.02
-
-
-@pytest.fixture(scope="module")
-def seen() -> Iterator[Seen]:
-    with watched() as seen:
-        yield seen
-
-
-@pytest.fixture(scope="module")
-def sim(seen: Seen) -> Iterator[Simulator]:
-    with Simulator(speed=10.0, joints=START, cycle=CYCLE) as sim:
-        yield sim
-
-
-@pytest.fixture
-async def robot(sim: Simulator, seen: Seen) -> AsyncIterator[aioduco.Robot]:
-    connected = aioduco.connect(
-        sim.host, sim.port, clock=sim.clock, state_rate=150.0, lag_limit=None
-    )
-    async with connected as robot:
-        await robot.bring_up()
-        await stand(robot, *START)
-        seen.clear()
-        yield robot
-
-
-async def stand(robot: aioduco.Robot, *q: float) -> None:
-    """Stand at joints, whatever the envelope says."""
-    kept, robot.envelope = robot.envelope, None
-    await robot.stop()
-    await robot.motion.movej2(q, v=3.9, a=40.0)
-    robot.envelope = kept
-
-
-def wall(off: float = 0.1, **options: object) -> Zone:
-    """A wall beside the tool at START, so far to its left [m]."""
-    at = (0, AT[1] + off, 0)
-    return Zone.plane(at, (0, -1, 0), bodies=("tool",), name="wall", **options)  # type: ignore[arg-type]
-
-
-def turned(angle: float) -> tuple[float, ...]:
-    """START, with the first joint turned: by 0.2 rad the tool is at the wall."""
-    return (angle, *START[1:])
 
 
 def nearest(seen: Seen) -> float:
@@ -481,11 +431,6 @@ async def test_points_are_refused_to_an_arm_that_follows_the_pool_beyond_a_limit
 
 
 # -- speeds, margins, forces -------------------------------------------------------------------
-
-
-def fastest(seen: Seen) -> float:
-    tool = ARM.fkine(np.array(seen.q)[:, :])[:, :3, 3]
-    return float(np.linalg.norm(np.diff(tool, axis=0), axis=1).max() / CYCLE)
 
 
 SPEEDS = [

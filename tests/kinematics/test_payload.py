@@ -69,9 +69,12 @@ def test_forces_give_a_hidden_load_within_what_is_stated() -> None:
     "noise",
     [(0.04, 0.04, 0.03, 0.01, 0.01, 0.01), (0.02,) * 6, (0.2, 0.01, 0.02, 0.03, 0.005, 0.02)],
 )
-def test_torques_give_a_hidden_load_within_what_is_stated(noise: tuple[float, ...]) -> None:
+def test_torques_give_a_hidden_load_within_what_is_stated(
+    noise: tuple[float, ...], thorough: bool
+) -> None:
     held, mass_off = np.zeros(2), []
-    for seed in range(300):
+    trials = 300 if thorough else 100
+    for seed in range(trials):
         draw = np.random.default_rng(seed)
         hidden = Load(draw.uniform(1.0, 4.0), *draw.uniform(-0.1, 0.1, 3))
         read = torques(hidden) + draw.normal(0.0, noise, (8, 6)) + draw.uniform(-2.0, 2.0, 6)
@@ -80,7 +83,7 @@ def test_torques_give_a_hidden_load_within_what_is_stated(noise: tuple[float, ..
         off = apart(found.load, hidden)
         held += np.less(off, found.uncertainty)
     assert np.quantile(mass_off, 0.95) < 0.02
-    assert (held / 300 > 0.91).all()
+    assert (held / trials > (0.91 if thorough else 0.86)).all()
 
 
 def test_a_load_that_the_controller_knows_is_added() -> None:

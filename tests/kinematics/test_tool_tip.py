@@ -44,9 +44,8 @@ def test_a_hidden_tip_is_found_within_what_is_stated(thorough: bool) -> None:
         stated.append(found.uncertainty)
         assert np.linalg.norm(found.point - point) < 0.2e-3
     assert max(off) < 0.2e-3
-    assert (
-        (0.92 if thorough else 0.88) < np.mean(np.array(off) < stated) <= (0.98 if thorough else 1)
-    )
+    low, high = (0.92, 0.98) if thorough else (0.88, 1.0)
+    assert low < np.mean(np.array(off) < stated) < high
     assert np.median(stated) < 0.12e-3
 
 

@@ -87,6 +87,7 @@ def test_where_a_part_is(cell: Cell) -> None:
         cell.world.parts.where("table", cell.world.positions)
 
 
+@pytest.mark.slow
 def test_a_dropped_part_falls_and_the_next_one_is_held(cell: Cell) -> None:
     cell.grip()
     cell.hand.drop(0.0)

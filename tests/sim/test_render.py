@@ -67,7 +67,7 @@ def test_a_camera_of_the_scene(sim: Simulator) -> None:
 def test_another_instant_is_drawn_from_its_positions(sim: Simulator) -> None:
     turned = sim.positions
     turned[0] += 1.5
-    now, then = sim.render(), sim.render(positions=turned)
+    now, then = (sim.render(width=160, height=120, positions=q) for q in (None, turned))
     assert np.mean(np.abs(now.astype(int) - then).max(axis=-1) > 20) > 0.01
 
 

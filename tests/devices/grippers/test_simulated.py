@@ -142,8 +142,8 @@ async def test_the_arm_moves_while_the_gripper_is_silent() -> None:
 async def test_signals_of_a_gripper_on_outputs() -> None:
     async with (
         Simulator(speed=math.inf, gripper="parallel") as sim,
-        aioduco.connect(sim.host, sim.port, clock=sim.clock, state_rate=200) as robot,
-        DigitalGripper(robot, 1, shut=3, opened=2, travel_time=2.0, timeout=30.0) as gripper,
+        aioduco.connect(sim.host, sim.port, clock=sim.clock, state_rate=100) as robot,
+        DigitalGripper(robot, 1, shut=3, opened=2, travel_time=1.0, timeout=30.0) as gripper,
     ):
         assert gripper.state.width == pytest.approx(0.08)
         with pytest.raises(errors.ParameterError, match="no positions between"):

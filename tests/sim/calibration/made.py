@@ -176,12 +176,9 @@ def torqued(
     lag: float = 0.0,
 ) -> Evidence:
     """Turns of the joints with torques read beside them, and torques at rest."""
-    motions = turns(random, np.full(6, lag), np.full(6, 1.0 / lag if lag else 200.0), np.zeros(6))
-    where = configurations(random, 30)
-    rows: list[Array] = []
-    for q in where:  # half a second of rest at each
-        rows += [q] * 60
-    rest = np.array(rows)
+    gain = np.full(6, 1.0 / lag if lag else 200.0)
+    motions = turns(random, np.full(6, lag), gain, np.zeros(6), rounds=1)
+    rest = np.repeat(configurations(random, 30), 60, axis=0)  # half a second at each
     still = np.zeros_like(rest)
     begin = float(motions.time[-1])
     time = np.concatenate([motions.time, begin + 0.008 * np.arange(1, len(rest) + 1)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
+from unittest.mock import AsyncMock
 
 import numpy as np
 import pytest
@@ -74,6 +75,7 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     monkeypatch.setattr(measuring, "_STILL", 0.1)
     monkeypatch.setattr(measuring, "_FORGOTTEN", 1.8)
     monkeypatch.setattr(measuring, "_RADII", radii)
+    monkeypatch.setattr(measuring, "_updates", AsyncMock())  # it reads as fast as it can
     path, told = tmp_path / "run.mcap", list[str]()
     with Simulator(profile=truth, joints=READY, speed=4) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
@@ -84,9 +86,8 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     assert "corners of lines" in told
     assert told[-1] == "a heartbeat that ends, 1 of 1"  # and the arm stopped
     run = read_evidence(path)
-    assert [each.kind for each in run.corners] == ["joint"] * 2 * len(radii) + ["line"] * 2 * len(
-        radii
-    )
+    count = 2 * len(radii)
+    assert [each.kind for each in run.corners] == ["joint"] * count + ["line"] * count
     assert [announced for _, announced in run.beats] == [0.5]
     # The other robot's heartbeat runs out at rest, before the way to the slow turn.
     moves = [call.begin for call in evidence._calls(read(path)) if call.function == "movej2"]
