@@ -446,7 +446,7 @@ SPEEDS = [
 ]
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(SPEEDS)))
 async def test_a_limit_of_the_speed_slows_a_command(
     robot: aioduco.Robot, seen: Seen, number: int

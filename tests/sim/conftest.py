@@ -122,6 +122,22 @@ def strict(connect: Callable[..., Program]) -> Iterator[Program]:
         assert sim.forgiven == {}
 
 
+@pytest.fixture(scope="module")
+def cell() -> Iterator[Simulator]:
+    """One simulator for all tests of a file."""
+    with Simulator(speed=math.inf) as sim:
+        yield sim
+
+
+@pytest.fixture
+def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
+    """A program whose arm was switched off and on: nothing is under way."""
+    program = connect(cell)
+    program.power_off(True)
+    program.bring_up()
+    return program
+
+
 @pytest.fixture
 def connect() -> Iterator[Callable[..., Program]]:
     """Open programs' connections to a simulator; they are closed at the end."""

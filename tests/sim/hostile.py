@@ -23,7 +23,7 @@ import threading
 import time
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from thriftpy2.thrift import TType
 
@@ -31,9 +31,6 @@ from aioduco._wire import idl
 from aioduco.testing.message_parser import Message, MessageParser, MessageType
 
 from .raw import RawClient, encode
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: the calls that end what is tried
 SPARED = frozenset(("shutdown", "restart"))
@@ -268,10 +265,3 @@ def percentiles(seconds: list[float]) -> dict[str, float]:
     ordered = sorted(seconds)
     at = {"p50": len(ordered) // 2, "p99": len(ordered) * 99 // 100, "max": -1}
     return {name: round(ordered[index] * 1e3, 3) for name, index in at.items()}
-
-
-def batches(seed: int, count: int) -> Iterator[bytes]:
-    """Frames as a fuzzer with one connection sends them, for trying one again."""
-    for number in range(0, count, _BATCH):
-        mutator = Mutator(seed * 1_000_003 + number)
-        yield b"".join([*(mutator.odd(n) for n in range(1, _BATCH)), mutator.broken(_BATCH)])

@@ -82,16 +82,24 @@ async def test_what_reach_check_found(robot: tuple[Robot, Simulator]) -> None:
     assert (found.reachable, found.index, found.singularity) == (False, 1, 4)
 
 
+RAIL = {"rail": [(-1.0, 1.0, 0.5, 2.0)]}
+
+
+def with_rail(sim: Simulator) -> Any:
+    """The vendor's class, with arm and rail enabled."""
+    robot = DucoCobot(sim.host, sim.port)
+    robot.open()
+    robot.power_on(True)
+    robot.enable(True)
+    robot.enable_eaxis_scheme("rail")
+    return robot
+
+
 @pytest.mark.slow
 def test_a_scheme_of_external_axes_says_how_fast_it_is() -> None:
-    rail = {"rail": [(-1.0, 1.0, 0.5, 2.0)]}
     seen: list[tuple[float, float]] = []
-    with Simulator(speed=float("inf"), generation="4.3", external_axes=rail) as sim:
-        robot = DucoCobot(sim.host, sim.port)
-        robot.open()
-        robot.power_on(True)
-        robot.enable(True)
-        robot.enable_eaxis_scheme("rail")
+    with Simulator(speed=float("inf"), generation="4.3", external_axes=RAIL) as sim:
+        robot = with_rail(sim)
 
         def look(*_: object) -> None:
             (state,) = sim.external_axes.states()
@@ -141,9 +149,6 @@ def test_an_unknown_generation() -> None:
         Simulator(generation="5.0")  # type: ignore[arg-type]
 
 
-RAIL = {"rail": [(-1.0, 1.0, 0.5, 2.0)]}
-
-
 @pytest.mark.parametrize("generation", ["3.8", "4.3"])
 async def test_external_axes_move_with_the_arm(generation: Any) -> None:
     with Simulator(speed=float("inf"), generation=generation, external_axes=RAIL) as sim:
@@ -176,11 +181,7 @@ async def test_external_axes_move_with_the_arm(generation: Any) -> None:
 
 def test_a_program_for_the_newer_class_names_schemes_in_lists() -> None:
     with Simulator(speed=float("inf"), generation="4.3", external_axes=RAIL) as sim:
-        robot: Any = DucoCobot(sim.host, sim.port)
-        robot.open()
-        robot.power_on(True)
-        robot.enable(True)
-        robot.enable_eaxis_scheme("rail")
+        robot = with_rail(sim)
         assert robot.move_eaxis(["rail"], [[0.25, 0.0, 0.0]], [0.5], True) == 4
         (scheme,) = robot.get_eaxis_info()
         robot.close()

@@ -80,10 +80,7 @@ def cell() -> Iterator[Simulator]:
 
 
 @pytest.fixture
-def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
-    program = connect(cell)
-    program.power_off(True)
-    program.bring_up()
+def program(cell: Simulator, program: Program) -> Program:
     for num in range(1, 17):
         cell.signals.standard_out[num] = False
     return program

@@ -18,7 +18,7 @@ from .conftest import advance_until, standing_time
 from .fakes import Bench
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from concurrent.futures import Future
 
     from .conftest import Program
@@ -30,19 +30,9 @@ END = [0.4, 0.05, *READY[2:]]
 ELSEWHERE = [-0.2, *READY[1:]]
 
 
-@pytest.fixture(scope="module")
-def cell() -> Iterator[Simulator]:
-    """One simulator for all."""
-    with Simulator(speed=math.inf) as sim:
-        yield sim
-
-
 @pytest.fixture
-def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
+def program(cell: Simulator, program: Program) -> Program:
     """A program whose arm stands ready, with nothing recorded."""
-    program = connect(cell)
-    program.power_off(True)
-    program.bring_up()
     program.set_hand_teach_parameter(0, [1] * 6, [1] * 6, 0, [True] * 6)
     cell.cabinet.project.tracks.clear()
     program.to(*START)

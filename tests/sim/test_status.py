@@ -17,26 +17,11 @@ from aioduco.sim.simulator import READY, Simulator
 from .conftest import advance_until, standing_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from .conftest import Program
 
 TOOL = [0.02, 0.0, 0.15, 0.0, 0.3, 0.0]
-
-
-@pytest.fixture(scope="module")
-def cell() -> Iterator[Simulator]:
-    """One simulator for all."""
-    with Simulator(speed=math.inf) as sim:
-        yield sim
-
-
-@pytest.fixture
-def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
-    program = connect(cell)
-    program.power_off(True)
-    program.bring_up()
-    return program
 
 
 def after(cell: Simulator, time: float) -> None:

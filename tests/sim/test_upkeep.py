@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
+from aioduco._wire import idl
 from aioduco.errors import ControllerError
 from aioduco.models.enums import OperationMode, TaskState
 from aioduco.models.pose import Pose
+from aioduco.sim.handlers import NOT_PUBLIC
 from aioduco.sim.simulator import READY
 
 from .conftest import OUT_OF_RANGE, advance_until, standing_time
@@ -19,30 +21,15 @@ if TYPE_CHECKING:
 
     from .conftest import Program
 
-SERVICE: list[tuple[str, tuple[Any, ...]]] = [
-    *((f"get_axis_{name}", ()) for name in ("motor_kt", "motor_rated_current", "ratio")),
-    *((f"get_motor_{name}", ()) for name in ("pole_pair_number", "stator_slots")),
-    ("get_pos_bias", ()),
-    ("get_vibration_calibration_params", ()),
-    ("set_kinematic_calibration_params", ([[0.0]],)),
-    *((f"set_{name}_calibration_info", ("", "")) for name in ("kinematic", "dynamic", "vibration")),
-    *((f"save_{name}_calibration_params", ("",)) for name in ("kinematic", "dynamic")),
-    ("upload_robot_param_to_toolboard", ("",)),
-    ("set_servo_config", (1, 1, 1, 1, True)),
-    ("set_servo_file_params", (1, 1, "", 0.0, 0.0)),
-    ("apply_servo_config", (1, True)),
-    ("set_pendant_type", (1,)),
-    ("change_recipe", ()),
-]
-
 #: how near its end a set-point may be in the cycle before the last one [rad]
 END = 1e-5
 
 
-@pytest.mark.parametrize(("name", "args"), SERVICE, ids=[name for name, _ in SERVICE])
-def test_what_is_not_public_is_refused(robot: Program, name: str, args: tuple[Any, ...]) -> None:
+@pytest.mark.parametrize("name", sorted(NOT_PUBLIC))
+def test_what_is_not_public_is_refused(robot: Program, name: str) -> None:
+    nothing = tuple(zero() for zero in idl.functions()[name].zeros)
     with pytest.raises(ControllerError, match=f"{name} is not simulated: the vendor does not"):
-        getattr(robot, name)(*args)
+        robot.connection.call(name, nothing)
 
 
 def test_files_are_those_of_the_project(sim: Simulator, robot: Program) -> None:

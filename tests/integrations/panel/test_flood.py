@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import anyio.to_thread
 import pytest
-from client.bench import Bench
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
@@ -23,7 +22,7 @@ from aioduco.integrations.panel.page_connection import Allowance
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from client.bench import Bench
 
 if importlib.util.find_spec("viser") is None:  # which takes long to load
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)
@@ -32,13 +31,6 @@ import viser
 
 from aioduco.integrations.panel import Panel
 from integrations.panel.test_panel import PATIENT, Page, page_of
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with Bench() as bench:
-        bench.answer("get_tcp_pose_coord", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
-        yield bench
 
 
 def test_an_allowance_is_a_rate_and_an_amount_at_once() -> None:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
-from client.bench import Bench
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
@@ -22,8 +21,9 @@ from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator
 
+    from client.bench import Bench
     from websockets.asyncio.client import ClientConnection
 
 if importlib.util.find_spec("viser") is None:  # which takes long to load
@@ -32,13 +32,6 @@ if importlib.util.find_spec("viser") is None:  # which takes long to load
 PATIENT: dict[str, Any] = {
     "listen": 0, "hold_limit": 60.0, "page_limit": 60.0, "model": "gcr5_910",
 }  # fmt: skip
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with Bench() as bench:
-        bench.answer("get_tcp_pose_coord", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
-        yield bench
 
 
 class Page:

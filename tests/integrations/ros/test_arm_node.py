@@ -67,15 +67,6 @@ async def moving(client: Client) -> None:
 
 
 @pytest.mark.slow
-async def test_a_goal_is_followed_with_feedback(node: ArmNode, sim: Simulator) -> None:
-    client = Client(goal(count=50, duration=1.5))
-    await settled(node, client)
-    assert client.told == ["accepted", "succeeded"], client.text
-    np.testing.assert_allclose(sim.joints, way(1.0), atol=0.011)
-    assert np.abs(client.seen[-1].error).max() < 0.1
-
-
-@pytest.mark.slow
 async def test_wrong_goals_move_nothing_and_disturb_nothing(node: ArmNode, sim: Simulator) -> None:
     stray = goal(count=50, points=[p._replace(time=p.time * 3) for p in goal(count=50).points])
     client, wrong = Client(stray), [Client(make()) for make, _ in WRONG.values()]
@@ -87,6 +78,7 @@ async def test_wrong_goals_move_nothing_and_disturb_nothing(node: ArmNode, sim: 
     assert all(each.told == ["rejected"] for each in wrong)
     await eventually_async(lambda: client.done)
     assert client.told == ["accepted", "succeeded"], client.text
+    assert np.abs(client.seen[-1].error).max() < 0.1
     elsewhere = Client(goal())
     await settled(node, elsewhere)
     assert (elsewhere.told, elsewhere.code) == (["rejected"], ErrorCode.INVALID_GOAL)
@@ -94,46 +86,23 @@ async def test_wrong_goals_move_nothing_and_disturb_nothing(node: ArmNode, sim: 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", ["cancel", "client", "newer", "all"])
+@pytest.mark.parametrize("how", ["cancel", "client", "all"])
 async def test_a_goal_that_is_given_up_ends_at_rest(
     node: ArmNode, sim: Simulator, how: str
 ) -> None:
     client = Client(goal(count=50, duration=3.0, far=0.8))
-    newer = Client(goal(points=[GoalPoint(START, time=2.0)]))
     node.goals.submit(client)
     await moving(client)
     if how == "cancel":
         node.goals.cancel(client)
     elif how == "client":
         client.here = False
-    elif how == "newer":
-        node.goals.submit(newer)
     else:
         node.goals.cancel_all("the master is gone")
     await eventually_async(lambda: client.done)
-    if how != "newer":
-        assert not sim.moving
-        assert 0.0 < sim.joints[0] - START[0] < 0.79
+    assert not sim.moving
+    assert 0.0 < sim.joints[0] - START[0] < 0.79
     assert client.told == ["accepted", "cancelled"]
-    if how == "newer":
-        await eventually_async(lambda: newer.done)
-        assert newer.told == ["accepted", "succeeded"], newer.text
-        np.testing.assert_allclose(sim.joints, START, atol=0.011)
-
-
-@pytest.mark.slow
-async def test_a_newer_goal_may_begin_where_the_arm_was_on_its_way(
-    node: ArmNode, sim: Simulator
-) -> None:
-    older = Client(goal(count=50, duration=3.0, far=0.8))
-    node.goals.submit(older)
-    await moving(older)
-    begin = older.seen[-1].actual
-    points = [GoalPoint(tuple(begin)), GoalPoint(START, time=2.0)]
-    newer = Client(goal(points=points, goal_time_tolerance=60.0))
-    await settled(node, newer)
-    assert (older.told, newer.told) == (["accepted", "cancelled"], ["accepted", "succeeded"])
-    np.testing.assert_allclose(sim.joints, START, atol=0.011)
 
 
 @pytest.mark.slow

@@ -212,6 +212,7 @@ async def test_a_goal_survives_a_pause_and_another_speed(
     assert (await node.services.set_speed(100)).success
 
 
+@pytest.mark.slow
 async def test_a_paused_goal_ends_by_a_stop(node: ArmNode) -> None:
     client = Client(goal(count=50, duration=60.0))  # a busy machine pauses it late
     node.goals.submit(client)

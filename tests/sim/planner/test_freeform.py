@@ -14,7 +14,6 @@ from aioduco.models.pose import Pose
 from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import spiral, spline
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.segments import spiral_move, spline_move
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -118,24 +117,3 @@ def test_splines_that_stand_still_are_refused() -> None:
     for targets in ([], [START], [CENTRE, CENTRE]):
         with pytest.raises(PlanError, match="apart from each other"):
             spline(START, targets)
-
-
-def test_spirals_and_splines_keep_speed_and_acceleration() -> None:
-    start = FIVE.fkine(HOME)
-    centre = start.copy()
-    centre[:3, :3] = np.eye(3)
-    centre[1, 3] += 0.1
-    targets = []
-    for x, y, z in ((0.05, 0.1, 0.0), (0.0, 0.2, -0.1), (-0.1, 0.1, 0.0)):
-        targets.append(start.copy())
-        targets[-1][:3, 3] += x, y, z
-    for segment in (
-        spiral_move(FIVE, HOME, centre, 1.5, 0.3, 1.0, axial=0.1, radius=0.05),
-        spline_move(FIVE, HOME, targets, 0.3, 1.0),
-    ):
-        assert segment.limits is not None
-        least = segment.length / 0.3
-        assert least < segment.duration < 1.6 * least
-        assert max(segment.limits.ceiling) <= 0.3**2 * 1.01
-    assert segment.curve is not None
-    np.testing.assert_allclose(FIVE.fkine(segment.q_end), targets[-1], atol=1e-7)
