@@ -74,7 +74,7 @@ def test_spirals(sim: Simulator, robot: Program) -> None:
     assert spiral(*wrong, *END) == TaskState.PARAMETER_MISMATCH
     assert spiral(*by_end[:5], 2, *by_end[6:], *END) == TaskState.PARAMETER_MISMATCH
     side, far = list(start.shifted(x=0.05, y=0.05)), list(start.shifted(x=0.1))
-    circle = (side, far, 0.1, 1.0, 0.0, 0, [], "", "", *END)
+    circle: Any = (side, far, 0.1, 1.0, 0.0, 0, [], "", "", *END)
     assert robot.move_circle(*circle) == TaskState.PARAMETER_MISMATCH  # by no mode 0
 
 
