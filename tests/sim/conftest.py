@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Future
 
+    #: types of the fixtures that are functions
+    Aside = Callable[..., Future[Any]]
+    Connect = Callable[[Any], "Program"]
+    Started = Callable[..., tuple[Simulator, "Program"]]
 
 #: what a function of 1.3.7 answers to an argument out of its range (manual 1.3.7)
 OUT_OF_RANGE = 0
@@ -113,13 +117,25 @@ def sim() -> Iterator[Simulator]:
 
 
 @pytest.fixture
-def strict(connect: Callable[..., Program]) -> Iterator[Program]:
-    """A program's connection, arm enabled, to a simulator that forgives nothing."""
-    with Simulator(speed=math.inf, strict=True) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        yield robot
-        assert sim.forgiven == {}
+def started(connect: Connect) -> Iterator[Started]:
+    """Start simulators, with a program whose arm is enabled, on the fast clock by default."""
+    with contextlib.ExitStack() as stack:
+
+        def start(*args: Any, **options: Any) -> tuple[Simulator, Program]:
+            sim = stack.enter_context(Simulator(*args, **{"speed": math.inf, **options}))
+            program = connect(sim)
+            program.bring_up()
+            return sim, program
+
+        yield start
+
+
+@pytest.fixture
+def strict(started: Started) -> Iterator[Program]:
+    """A program whose arm is enabled, at a simulator that forgives nothing."""
+    sim, program = started(strict=True)
+    yield program
+    assert sim.forgiven == {}
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +146,7 @@ def cell() -> Iterator[Simulator]:
 
 
 @pytest.fixture
-def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
+def program(cell: Simulator, connect: Connect) -> Program:
     """A program whose arm was switched off and on: nothing is under way."""
     program = connect(cell)
     program.power_off(True)
@@ -139,7 +155,7 @@ def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
 
 
 @pytest.fixture
-def connect() -> Iterator[Callable[..., Program]]:
+def connect() -> Iterator[Connect]:
     """Open programs' connections to a simulator; they are closed at the end."""
     with contextlib.ExitStack() as stack:
 
@@ -152,7 +168,7 @@ def connect() -> Iterator[Callable[..., Program]]:
 
 
 @pytest.fixture
-def aside() -> Iterator[Callable[..., Future[Any]]]:
+def aside() -> Iterator[Aside]:
     """Run a call in a thread with a connection of its own, as programs have to."""
     with ThreadPoolExecutor() as pool:
 
@@ -173,7 +189,7 @@ def cycles(monkeypatch: pytest.MonkeyPatch) -> Cycles:
 
 
 @pytest.fixture
-def robot(sim: Simulator, connect: Callable[..., Program]) -> Program:
+def robot(sim: Simulator, connect: Connect) -> Program:
     """A program whose robot is enabled."""
     program = connect(sim)
     program.bring_up()

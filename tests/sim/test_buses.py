@@ -15,13 +15,11 @@ from aioduco.sim.cabinet.ports import CanPort, SerialPort
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Connect, Program
 
 
 @pytest.fixture
-def program(sim: Simulator, connect: Callable[..., Program]) -> Program:
+def program(sim: Simulator, connect: Connect) -> Program:
     """A program whose robot has no power: none of this needs any."""
     return connect(sim)
 

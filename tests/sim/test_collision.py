@@ -22,9 +22,9 @@ from aioduco.sim.scene import Box
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from .conftest import Program
+    from .conftest import Connect, Program, Started
 
 HOME = np.array(READY)
 FIVE = arm("gcr5_910")
@@ -169,7 +169,7 @@ async def test_an_arm_that_runs_into_a_box_stands_and_is_led_away(cell: Simulato
 
 @pytest.mark.slow
 def test_without_detection_it_pushes_until_the_position_deviates(
-    cell: Simulator, connect: Callable[..., Program]
+    cell: Simulator, connect: Connect
 ) -> None:
     robot = connect(cell)
     robot.bring_up()
@@ -184,50 +184,42 @@ def test_without_detection_it_pushes_until_the_position_deviates(
 
 
 @pytest.mark.slow
-def test_a_more_sensitive_level_stops_it_with_less_force(
-    connect: Callable[..., Program],
-) -> None:
+def test_a_more_sensitive_level_stops_it_with_less_force(started: Started) -> None:
     forces = []
     for level in (1, 5):
-        with Simulator(speed=math.inf) as sim:
-            robot = connect(sim)
-            robot.bring_up()
-            assert robot.collision_detect(level) == TaskState.FINISHED
-            force = 0.0
-            while not robot.getRobotStatus().collision:
-                force += 20.0
-                sim.push([0.0, force, 0.0, 0.0, 0.0, 0.0])
-                start = sim.time
-                sim.wait_until(lambda start=start: sim.time > start + 0.1)  # type: ignore[misc]
-            forces.append(force)
+        sim, robot = started()
+        assert robot.collision_detect(level) == TaskState.FINISHED
+        force = 0.0
+        while not robot.getRobotStatus().collision:
+            force += 20.0
+            sim.push([0.0, force, 0.0, 0.0, 0.0, 0.0])
+            start = sim.time
+            sim.wait_until(lambda sim=sim, start=start: sim.time > start + 0.1)  # type: ignore[misc]
+        forces.append(force)
     assert forces[1] < 0.5 * forces[0] < 200.0
 
 
 @pytest.mark.usefixtures("real_cycle")
-def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(
-    connect: Callable[..., Program],
-) -> None:
-    with Simulator(speed=math.inf) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        sim.load(5.0)
-        start = sim.time
-        sim.wait_until(lambda: sim.time > start + 0.5)
-        weight = [0.0, 0.0, -5.0 * 9.81, 0.0, 0.0, 0.0]
-        offset = sim.arm.jacobian(sim.joints).T @ weight
-        assert robot.get_ext_torque() == pytest.approx(offset, abs=0.5)
-        assert robot.set_load_data([5.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
-        start = sim.time
-        sim.wait_until(lambda: sim.time > start + 0.5)
-        assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.1)
-        assert robot.get_target_joints_torque() == pytest.approx(
-            robot.get_actual_joints_torque(), abs=0.3
-        )
-        robot.set_load_data([0.0] * 4)
-        robot.collision_detect(5)
-        sim.wait_until(lambda: sim.view.collision_axis == 4)
-        with pytest.raises(ValueError, match="mass is -1"):
-            sim.load(-1.0)
+def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(started: Started) -> None:
+    sim, robot = started()
+    sim.load(5.0)
+    start = sim.time
+    sim.wait_until(lambda: sim.time > start + 0.5)
+    weight = [0.0, 0.0, -5.0 * 9.81, 0.0, 0.0, 0.0]
+    offset = sim.arm.jacobian(sim.joints).T @ weight
+    assert robot.get_ext_torque() == pytest.approx(offset, abs=0.5)
+    assert robot.set_load_data([5.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
+    start = sim.time
+    sim.wait_until(lambda: sim.time > start + 0.5)
+    assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.1)
+    assert robot.get_target_joints_torque() == pytest.approx(
+        robot.get_actual_joints_torque(), abs=0.3
+    )
+    robot.set_load_data([0.0] * 4)
+    robot.collision_detect(5)
+    sim.wait_until(lambda: sim.view.collision_axis == 4)
+    with pytest.raises(ValueError, match="mass is -1"):
+        sim.load(-1.0)
 
 
 # -- the floor ---------------------------------------------------------------------------------
@@ -249,17 +241,15 @@ def test_a_collision_names_the_floor(sim: Simulator, robot: Program) -> None:
 
 
 @pytest.mark.slow
-def test_an_arm_on_a_pedestal_reaches_below_its_base(connect: Callable[..., Program]) -> None:
-    with Simulator(speed=math.inf, pedestal=0.5) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        id_ = below(robot, -0.2)
-        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
-        assert robot.get_tcp_pose()[2] == pytest.approx(-0.2, abs=1e-3)
-        id_ = below(robot, -0.6)  # and there is a floor, half a metre down
-        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.ERROR, 60.0)
-        assert "the floor" in robot.get_last_error()[-1]
-        assert robot.get_tcp_pose()[2] == pytest.approx(-0.51, abs=0.005)
+def test_an_arm_on_a_pedestal_reaches_below_its_base(started: Started) -> None:
+    sim, robot = started(pedestal=0.5)
+    id_ = below(robot, -0.2)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
+    assert robot.get_tcp_pose()[2] == pytest.approx(-0.2, abs=1e-3)
+    id_ = below(robot, -0.6)  # and there is a floor, half a metre down
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.ERROR, 60.0)
+    assert "the floor" in robot.get_last_error()[-1]
+    assert robot.get_tcp_pose()[2] == pytest.approx(-0.51, abs=0.005)
 
 
 def test_a_pedestal_is_for_an_arm_on_the_floor() -> None:

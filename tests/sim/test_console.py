@@ -24,7 +24,7 @@ from aioduco.sim.simulator import READY, Simulator
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .conftest import Program
+    from .conftest import Connect, Program
 
 
 def test_an_input_follows_its_output_after_a_time() -> None:
@@ -66,7 +66,7 @@ def test_a_rule_of_what_is_not_there(rule: tuple[int, int, float], what: str) ->
         SignalRule(*rule)
 
 
-def test_a_gripper_tells_when_it_has_closed(connect: Callable[[Simulator], Program]) -> None:
+def test_a_gripper_tells_when_it_has_closed(connect: Connect) -> None:
     simulator = Simulator(speed=math.inf)
     simulator.rule(output=1, input=3, after=0.5)  # before the start
     with simulator as sim:

@@ -21,9 +21,9 @@ from .conftest import advance_until, standing_time
 from .raw import RawClient
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+    from collections.abc import AsyncIterator, Awaitable, Iterator
 
-    from .conftest import Program
+    from .conftest import Connect
 
 RAIL, TABLE = Axis(-0.5, 3.0, 1.0, 2.0), Axis(-math.pi, math.pi, 2.0, 8.0, jog=1.0)
 AXES: dict[str, Any] = {"scheme_name": "rail", "epose": [1.0, 0.0, 0.0], "eaxis_v": 0.5}
@@ -285,7 +285,7 @@ def test_calls_that_make_no_sense(
 
 @pytest.mark.usefixtures("robot")
 async def test_a_jog_that_stop_manual_move_ends_is_finished(
-    cell: Simulator, connect: Callable[[Simulator], Program]
+    cell: Simulator, connect: Connect
 ) -> None:
     program = connect(cell)
     id_ = program.move_jog_eaxis("table", -1, 2.0, False)

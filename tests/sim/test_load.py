@@ -16,9 +16,7 @@ from aioduco.sim.simulator import Simulator
 from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Program, Started
 
 NOTHING = [0.0] * 6
 
@@ -104,20 +102,18 @@ def test_a_tool_is_carried_as_heavy_as_it_is_told_to_be(sim: Simulator, robot: P
 
 
 @pytest.mark.slow
-def test_a_tool_that_is_there_is_not_carried_twice(connect: Callable[..., Program]) -> None:
-    with Simulator(speed=math.inf, tool=[Rod(length=0.1, mass=1.0)]) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        settle(sim)
-        before = robot.get_actual_joints_torque()
-        # The flange looks down as it is tared; told of its tool, it knows its weight from then on.
-        robot.set_tool_data("rod", [0.0, 0.0, 0.1, 0, 0, 0], [1.0, 0.0, 0.0, 0.05], [0.0] * 6)
-        assert robot.fc_force_set_value([True] * 6, NOTHING) >= 1000
-        settle(sim)
-        assert robot.get_actual_joints_torque() == pytest.approx(before, abs=0.01)
-        robot.to(0.0, 0.2, 1.2, 0.4, -0.8, 0.5)
-        settle(sim)
-        assert robot.get_tcp_force()[:3] == pytest.approx(NOTHING[:3], abs=0.2)
+def test_a_tool_that_is_there_is_not_carried_twice(started: Started) -> None:
+    sim, robot = started(tool=[Rod(length=0.1, mass=1.0)])
+    settle(sim)
+    before = robot.get_actual_joints_torque()
+    # The flange looks down as it is tared; told of its tool, it knows its weight from then on.
+    robot.set_tool_data("rod", [0.0, 0.0, 0.1, 0, 0, 0], [1.0, 0.0, 0.0, 0.05], [0.0] * 6)
+    assert robot.fc_force_set_value([True] * 6, NOTHING) >= 1000
+    settle(sim)
+    assert robot.get_actual_joints_torque() == pytest.approx(before, abs=0.01)
+    robot.to(0.0, 0.2, 1.2, 0.4, -0.8, 0.5)
+    settle(sim)
+    assert robot.get_tcp_force()[:3] == pytest.approx(NOTHING[:3], abs=0.2)
 
 
 @pytest.mark.slow

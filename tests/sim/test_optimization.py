@@ -15,9 +15,7 @@ from aioduco.sim.simulator import READY, Simulator
 from .conftest import advance_until, standing_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Program, Started
 
 
 def duration(sim: Simulator, robot: Program, angle: float, v: float = 0.5) -> float:
@@ -50,28 +48,24 @@ def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Prog
 
 
 @pytest.mark.slow
-def test_vibration_control_takes_time_if_the_simulator_is_told(
-    connect: Callable[..., Program],
-) -> None:
-    with Simulator(speed=math.inf, vibration_time=0.3) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        ids: list[int] = []
+def test_vibration_control_takes_time_if_the_simulator_is_told(started: Started) -> None:
+    sim, robot = started(vibration_time=0.3)
+    ids: list[int] = []
 
-        def ended() -> bool:
-            return robot.get_noneblock_taskstate(ids[-1]) == TaskState.FINISHED
+    def ended() -> bool:
+        return robot.get_noneblock_taskstate(ids[-1]) == TaskState.FINISHED
 
-        # At 1 rad/s and 2 rad/s² each of the ten takes 0.45 s.
-        for switch, least, most in (
-            (robot.enable_vibration_control, 7.4, math.inf),
-            (robot.disable_vibration_control, 4.4, 7.3),
-        ):
-            assert switch() == TaskState.FINISHED
-            with standing_time(sim):
-                begin = sim.time
-                ids[:] = [robot.to(0.1 * (1 - n % 2), *READY[1:], block=False) for n in range(10)]
-                advance_until(sim, ended, 20.0, every=20)
-                assert least <= sim.time - begin < most
+    # At 1 rad/s and 2 rad/s² each of the ten takes 0.45 s.
+    for switch, least, most in (
+        (robot.enable_vibration_control, 7.4, math.inf),
+        (robot.disable_vibration_control, 4.4, 7.3),
+    ):
+        assert switch() == TaskState.FINISHED
+        with standing_time(sim):
+            begin = sim.time
+            ids[:] = [robot.to(0.1 * (1 - n % 2), *READY[1:], block=False) for n in range(10)]
+            advance_until(sim, ended, 20.0, every=20)
+            assert least <= sim.time - begin < most
     with pytest.raises(ValueError, match="vibration_time"):
         Simulator(vibration_time=-0.1)
 

@@ -24,14 +24,12 @@ from .fakes import Bench, impossible, leg
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from concurrent.futures import Future
 
     from aioduco.sim.controller.motion_queue import Planning
     from aioduco.sim.controller.state_machine import Controller
 
-    from .conftest import Program
+    from .conftest import Aside, Connect, Program, Started
 
-    Aside = Callable[..., Future[Any]]
 
 LEFT, RIGHT = [0.3, *READY[1:]], [-0.3, *READY[1:]]
 
@@ -71,7 +69,7 @@ def parking(monkeypatch: pytest.MonkeyPatch) -> Iterator[Parking]:
 
 
 @pytest.fixture
-def real(connect: Callable[..., Program]) -> Iterator[tuple[Simulator, Program]]:
+def real(connect: Connect) -> Iterator[tuple[Simulator, Program]]:
     """A simulator in real time, and a client whose robot is enabled."""
     with Simulator(programs={"weaves": [["movel", HERE, 0.1, 1.0]]}) as sim:
         robot = connect(sim)
@@ -100,28 +98,26 @@ def weave(robot: Program) -> None:
 
 @pytest.mark.parametrize("speed", [1.0, math.inf])
 def test_a_stop_ends_what_is_being_planned(
-    speed: float, connect: Callable[..., Program], aside: Aside, parking: Parking
+    speed: float, started: Started, aside: Aside, parking: Parking
 ) -> None:
-    with Simulator(speed=speed) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        weave(robot)
-        before = robot.get_actual_joints_position()
-        blocking = aside(sim, lambda other: line(other, block=True))
-        parking.wait()
-        assert robot.get_robot_state()[1] == ProgramState.RUNNING  # the motion is queued
-        assert robot.speed(50.0) == TaskState.FINISHED
-        assert not blocking.done()
-        assert robot.stop(True) == TaskState.FINISHED
-        assert blocking.result(30.0) == TaskState.STOPPED
-        turns = parking.turns
-        parking.go.set()
-        # The next motion is planned, and from where the arm stands.
-        assert robot.disable_combine_motion() == TaskState.FINISHED
-        assert parking.turns == turns
-        np.testing.assert_allclose(robot.get_actual_joints_position(), before, atol=1e-6)
-        assert robot.to(*LEFT) == TaskState.FINISHED
-        np.testing.assert_allclose(robot.get_actual_joints_position(), LEFT, atol=1e-3)
+    sim, robot = started(speed=speed)
+    weave(robot)
+    before = robot.get_actual_joints_position()
+    blocking = aside(sim, lambda other: line(other, block=True))
+    parking.wait()
+    assert robot.get_robot_state()[1] == ProgramState.RUNNING  # the motion is queued
+    assert robot.speed(50.0) == TaskState.FINISHED
+    assert not blocking.done()
+    assert robot.stop(True) == TaskState.FINISHED
+    assert blocking.result(30.0) == TaskState.STOPPED
+    turns = parking.turns
+    parking.go.set()
+    # The next motion is planned, and from where the arm stands.
+    assert robot.disable_combine_motion() == TaskState.FINISHED
+    assert parking.turns == turns
+    np.testing.assert_allclose(robot.get_actual_joints_position(), before, atol=1e-6)
+    assert robot.to(*LEFT) == TaskState.FINISHED
+    np.testing.assert_allclose(robot.get_actual_joints_position(), LEFT, atol=1e-3)
 
 
 def test_a_call_that_does_not_block_is_answered_when_its_motion_was_stopped(
@@ -168,7 +164,7 @@ def test_without_a_clock_time_stands_while_a_motion_is_planned(
 
 @pytest.mark.slow
 def test_motions_come_in_the_order_of_their_calls(
-    sim: Simulator, robot: Program, aside: Aside, parking: Parking, connect: Callable[..., Program]
+    sim: Simulator, robot: Program, aside: Aside, parking: Parking, connect: Connect
 ) -> None:
     weave(robot)
     first = aside(sim, line)
@@ -219,9 +215,7 @@ def test_a_program_plans_beside_the_cycle(
     assert running.result(30.0) == TaskState.STOPPED
 
 
-def test_a_simulator_ends_while_it_plans(
-    connect: Callable[..., Program], aside: Aside, parking: Parking
-) -> None:
+def test_a_simulator_ends_while_it_plans(connect: Connect, aside: Aside, parking: Parking) -> None:
     with Simulator(speed=math.inf) as sim:
         robot = connect(sim)
         robot.bring_up()

@@ -14,9 +14,7 @@ import pytest
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Connect
 
 
 def run() -> subprocess.Popen[bytes]:
@@ -34,9 +32,7 @@ def first_line(process: subprocess.Popen[bytes]) -> dict[str, object]:
     return ready
 
 
-def test_a_spawned_simulator_is_served_and_ends_with_its_block(
-    connect: Callable[..., Program],
-) -> None:
+def test_a_spawned_simulator_is_served_and_ends_with_its_block(connect: Connect) -> None:
     with Simulator.spawn(model="gcr10_1300", seed=7) as sim:
         assert psutil.pid_exists(sim.pid)
         assert sim.host == "127.0.0.1"
@@ -55,7 +51,7 @@ def test_a_spawned_simulator_tells_where_everything_is() -> None:
 
 
 @pytest.mark.slow
-async def test_the_same_in_async_code(connect: Callable[..., Program]) -> None:
+async def test_the_same_in_async_code(connect: Connect) -> None:
     async with Simulator.spawn() as sim:
         assert connect(sim).get_robot_state() == [4, 0, 4, 1]
     assert sim.process.returncode == 0
@@ -95,7 +91,7 @@ def test_it_ends_with_the_process_that_started_it_even_if_that_is_killed() -> No
 
 
 @pytest.mark.slow
-def test_a_shutdown_ends_the_process(connect: Callable[..., Program]) -> None:
+def test_a_shutdown_ends_the_process(connect: Connect) -> None:
     with Simulator.spawn(speed=50.0) as sim:
         connect(sim).shutdown(False)
         assert sim.process.wait(30) == 0

@@ -18,10 +18,9 @@ from .conftest import advance_until, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator
-    from concurrent.futures import Future
     from pathlib import Path
 
-    from .conftest import Program
+    from .conftest import Aside, Connect, Program, Started
 
 LEFT, RIGHT = [0.3, *READY[1:]], [-0.3, *READY[1:]]
 FAR = [2.0, *READY[1:]]
@@ -170,7 +169,7 @@ ENDS: list[tuple[str, Callable[[Simulator, Program], Any], TaskState]] = [
 def test_what_ends_motions_ends_it(
     cell: Simulator,
     program: Program,
-    aside: Callable[..., Future[Any]],
+    aside: Aside,
     name: str,
     end: Callable[[Simulator, Program], Any],
     state: TaskState,
@@ -206,7 +205,7 @@ def test_a_popup_pauses_it(cell: Simulator, program: Program) -> None:
 
 
 @pytest.mark.slow
-def test_a_lost_heartbeat_ends_it(cell: Simulator, connect: Callable[..., Program]) -> None:
+def test_a_lost_heartbeat_ends_it(cell: Simulator, connect: Connect) -> None:
     program = connect(cell)
     program.power_off(True)
     program.bring_up()
@@ -269,18 +268,16 @@ def test_programs_are_files_of_the_project(program: Program) -> None:
 # -- where programs come from ----------------------------------------------------------------------
 
 
-def test_a_folder_of_programs(tmp_path: Path, connect: Callable[..., Program]) -> None:
+def test_a_folder_of_programs(tmp_path: Path, started: Started) -> None:
     (tmp_path / "out.json").write_text(json.dumps([["set_standard_digital_out", 1, True]]))
     (tmp_path / "notes.txt").write_text("no program")
-    with Simulator(speed=math.inf, programs=tmp_path) as sim:
-        program = connect(sim)
-        program.bring_up()
-        assert program.get_files_list("program") == {"out": 1}
-        assert program.run_program("out", True) == TaskState.FINISHED
-        assert sim.get_digital_output(1)
-        for path in ("..", str(tmp_path), "program/../..", "/"):
-            assert program.get_files_list(path) == {}
-            assert "not in the project" in sim.view.errors[-1]
+    sim, program = started(programs=tmp_path)
+    assert program.get_files_list("program") == {"out": 1}
+    assert program.run_program("out", True) == TaskState.FINISHED
+    assert sim.get_digital_output(1)
+    for path in ("..", str(tmp_path), "program/../..", "/"):
+        assert program.get_files_list(path) == {}
+        assert "not in the project" in sim.view.errors[-1]
 
 
 def test_links_out_of_the_folder_are_refused(tmp_path: Path) -> None:

@@ -12,9 +12,7 @@ from aioduco.sim.force.noise import SensorNoise
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Connect, Program, Started
 
 
 def of_32_bits(numbers: list[float]) -> bool:
@@ -22,24 +20,20 @@ def of_32_bits(numbers: list[float]) -> bool:
 
 
 @pytest.mark.parametrize("real", [True, False])
-def test_readings_are_of_single_precision_on_request(
-    connect: Callable[..., Program], real: bool
-) -> None:
-    with Simulator(speed=math.inf, real_readings=real) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        assert robot.to(0.1, 0.2, 1.3, 0.1, -1.4, 0.3) == 4
-        sim.wait_until(lambda: sim.view.standing)
-        status = robot.getRobotStatus()
-        joints, pose = robot.get_actual_joints_position(), robot.get_tcp_pose()
-        readings = [joints, pose, status.jointActualPosition, status.cartActualPosition]
-        assert [of_32_bits(each) for each in readings] == [real] * 4
-        # it goes on to settle by some micrometres
-        assert joints == pytest.approx(tuple(sim.joints), abs=1e-4)
+def test_readings_are_of_single_precision_on_request(started: Started, real: bool) -> None:
+    sim, robot = started(real_readings=real)
+    assert robot.to(0.1, 0.2, 1.3, 0.1, -1.4, 0.3) == 4
+    sim.wait_until(lambda: sim.view.standing)
+    status = robot.getRobotStatus()
+    joints, pose = robot.get_actual_joints_position(), robot.get_tcp_pose()
+    readings = [joints, pose, status.jointActualPosition, status.cartActualPosition]
+    assert [of_32_bits(each) for each in readings] == [real] * 4
+    # it goes on to settle by some micrometres
+    assert joints == pytest.approx(tuple(sim.joints), abs=1e-4)
 
 
 def test_a_force_sensor_at_rest_shows_an_offset_and_noise_until_it_is_tared(
-    connect: Callable[..., Program],
+    connect: Connect,
 ) -> None:
     with Simulator(speed=math.inf, real_readings=True, seed=3) as sim:
         robot = connect(sim)

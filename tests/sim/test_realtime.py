@@ -18,9 +18,8 @@ from .conftest import advance_until, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from concurrent.futures import Future
 
-    from .conftest import Program
+    from .conftest import Aside, Program
 
 #: manual 3.8, 1.3.15, the example: joint velocities, a row for each millisecond [rad/s]
 ROWS: list[list[float]] = example("manual/cabinet").JOINTS_VEL
@@ -78,9 +77,7 @@ def _has_come(sim: Simulator, due: float) -> bool:
     return sim.time >= due
 
 
-def test_the_manuals_example_runs(
-    sim: Simulator, robot: Program, aside: Callable[..., Future[int]]
-) -> None:
+def test_the_manuals_example_runs(sim: Simulator, robot: Program, aside: Aside) -> None:
     duco_cobot, start = robot, list(sim.joints)
     with standing_time(sim):
         end = sim.time + 0.2

@@ -18,10 +18,7 @@ from .conftest import advance_until, standing_time
 from .fakes import Bench
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from concurrent.futures import Future
-
-    from .conftest import Program
+    from .conftest import Aside, Program
 
 pytestmark = pytest.mark.usefixtures("real_cycle")
 
@@ -154,7 +151,7 @@ def test_a_restart_ends_the_recording() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", [0, 1])
 def test_a_replay_goes_to_the_start_and_through_the_points(
-    cell: Simulator, program: Program, aside: Callable[..., Future[Any]], mode: int
+    cell: Simulator, program: Program, aside: Aside, mode: int
 ) -> None:
     record(program, BY_POSITION, 1.0)
     track = cell.cabinet.project.tracks["t"]
@@ -209,7 +206,7 @@ def test_a_replay_in_a_work_object_moves_with_it(cell: Simulator, program: Progr
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("mode", [0, 1])
 def test_pause_and_stop_act_on_a_replay(
-    cell: Simulator, program: Program, aside: Callable[..., Future[Any]], mode: int
+    cell: Simulator, program: Program, aside: Aside, mode: int
 ) -> None:
     record(program, BY_POSITION, 1.0)
     run = aside(cell, lambda p: p.replay("t", 2, mode))

@@ -15,9 +15,7 @@ from aioduco.sim.simulator import Simulator
 from .conftest import OUT_OF_RANGE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Connect, Program
 
 #: writer, reader, highest number, a value, zero
 ROWS = [
@@ -40,7 +38,7 @@ VOLTAGE, CURRENT = "set_standard_analog_voltage_out", "set_standard_analog_curre
 
 
 @pytest.fixture
-def program(sim: Simulator, connect: Callable[..., Program]) -> Program:
+def program(sim: Simulator, connect: Connect) -> Program:
     """A program whose robot has no power: none of this needs any."""
     return connect(sim)
 
@@ -175,7 +173,7 @@ NOTHING: dict[str, Any] = {"bool": False, "double": 0.0, "str": "", "list": []}
 
 
 @pytest.mark.parametrize("kind", VALUES)
-def test_system_values_keep_their_type(connect: Callable[..., Program], kind: str) -> None:
+def test_system_values_keep_their_type(connect: Connect, kind: str) -> None:
     with Simulator(values={**VALUES, "cell.poses": [[1, 2], [3]]}) as sim:
         program = connect(sim)
         new = {"bool": False, "double": -1.0, "str": "", "list": []}

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from .conftest import Program
+    from .conftest import Connect, Started
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 FIVE = arm("gcr5_910")
@@ -180,9 +180,7 @@ def test_every_thing_is_mjcf_with_and_without_a_mass() -> None:
 
 
 @pytest.mark.slow
-def test_a_process_of_its_own_takes_scene_tool_and_mounting(
-    connect: Callable[..., Program],
-) -> None:
+def test_a_process_of_its_own_takes_scene_tool_and_mounting(connect: Connect) -> None:
     options: dict[str, Any] = {
         "speed": 1000.0,
         "scene": [Table(at=(0.5, 0.0, 0.3))],
@@ -223,13 +221,9 @@ def test_the_weight_pulls_downwards_however_the_arm_is_mounted(place: Any) -> No
     np.testing.assert_allclose(after - before, [1.0, 2.0, 3.0], atol=0.05)
 
 
-def test_forces_at_the_tool_are_without_the_weight_at_a_wall(
-    connect: Callable[..., Program],
-) -> None:
-    with Simulator(speed=math.inf, mounting="wall") as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        assert robot.set_load_data([3.0, 0.0, 0.02, 0.05]) == 4
-        start = sim.time
-        sim.wait_until(lambda: sim.time > start + 1.0)
-        assert robot.get_tcp_force() == pytest.approx([0.0] * 6, abs=0.05)
+def test_forces_at_the_tool_are_without_the_weight_at_a_wall(started: Started) -> None:
+    sim, robot = started(mounting="wall")
+    assert robot.set_load_data([3.0, 0.0, 0.02, 0.05]) == 4
+    start = sim.time
+    sim.wait_until(lambda: sim.time > start + 1.0)
+    assert robot.get_tcp_force() == pytest.approx([0.0] * 6, abs=0.05)

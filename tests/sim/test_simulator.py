@@ -20,21 +20,15 @@ from aioduco.testing import nothing_forgiven
 from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from concurrent.futures import Future
-
     from aioduco._wire.rpc import RobotStatus
 
-    from .conftest import Program
+    from .conftest import Aside, Connect, Program, Started
 
-    Aside = Callable[[Simulator, Callable[[Program], int]], Future[int]]
 
 SLOW = 0.02
 
 
-def test_a_program_brings_the_robot_up_and_moves_it(
-    sim: Simulator, connect: Callable[..., Program]
-) -> None:
+def test_a_program_brings_the_robot_up_and_moves_it(sim: Simulator, connect: Connect) -> None:
     robot = connect(sim)
     assert robot.get_robot_state() == [4, 0, 4, 1]
     assert robot.to(0, 0, 1.5, 0, -1.5, 0) == TaskState.ILLEGAL
@@ -164,7 +158,7 @@ def test_stop_from_another_connection_ends_a_blocking_move(
 
 
 def test_pause_and_resume_go_on_to_the_same_end(
-    sim: Simulator, robot: Program, connect: Callable[..., Program]
+    sim: Simulator, robot: Program, connect: Connect
 ) -> None:
     control = connect(sim)
     with standing_time(sim):
@@ -369,7 +363,7 @@ def test_a_collision_is_told_and_reset(sim: Simulator, robot: Program) -> None:
         sim.collide(7)
 
 
-def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Callable[..., Program]) -> None:
+def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Connect) -> None:
     with Simulator() as sim:
         robot, heart = connect(sim), connect(sim)
         robot.bring_up()
@@ -382,7 +376,7 @@ def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Callable[..., Program])
 
 @pytest.mark.slow
 def test_a_lost_connection_stops_nothing_without_a_heartbeat(
-    sim: Simulator, robot: Program, connect: Callable[..., Program]
+    sim: Simulator, robot: Program, connect: Connect
 ) -> None:
     id_ = robot.to(0.5, *READY[1:], v=0.1, block=False)
     sim.wait_until(lambda: sim.moving)
@@ -394,9 +388,7 @@ def test_a_lost_connection_stops_nothing_without_a_heartbeat(
 # -- the end -------------------------------------------------------------------------------------
 
 
-def test_shutdown_answers_and_takes_the_network_down(
-    connect: Callable[..., Program],
-) -> None:
+def test_shutdown_answers_and_takes_the_network_down(connect: Connect) -> None:
     told = threading.Event()
     with Simulator(speed=math.inf, on_shutdown=told.set) as sim:
         robot = connect(sim)
@@ -408,18 +400,16 @@ def test_shutdown_answers_and_takes_the_network_down(
 
 
 @pytest.mark.slow
-def test_restart_comes_back_on_the_same_port(connect: Callable[..., Program]) -> None:
-    with Simulator(speed=math.inf) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        with standing_time(sim):  # the answer comes before the network is gone
-            assert robot.restart(False) >= 1000
-            advance_until(sim, lambda: sim.view.robot == 0)
-        sim.wait_until(lambda: sim.view.robot == 4)
-        sim.wait_until(lambda: sim.connections == 0)
-        with pytest.raises(ConnectionLost):
-            robot.get_robot_state()
-        assert connect(sim).get_robot_state() == [4, 0, 4, 1]
+def test_restart_comes_back_on_the_same_port(started: Started, connect: Connect) -> None:
+    sim, robot = started()
+    with standing_time(sim):  # the answer comes before the network is gone
+        assert robot.restart(False) >= 1000
+        advance_until(sim, lambda: sim.view.robot == 0)
+    sim.wait_until(lambda: sim.view.robot == 4)
+    sim.wait_until(lambda: sim.connections == 0)
+    with pytest.raises(ConnectionLost):
+        robot.get_robot_state()
+    assert connect(sim).get_robot_state() == [4, 0, 4, 1]
 
 
 async def test_a_restart_is_awaited_to_its_end() -> None:
@@ -435,7 +425,7 @@ async def test_a_restart_is_awaited_to_its_end() -> None:
 
 
 @pytest.mark.slow
-def test_who_sees_a_controller_started_again_can_connect(connect: Callable[..., Program]) -> None:
+def test_who_sees_a_controller_started_again_can_connect(connect: Connect) -> None:
     seen: list[tuple[bool | None, int]] = []
 
     class Watched(Simulator):
@@ -452,9 +442,7 @@ def test_who_sees_a_controller_started_again_can_connect(connect: Callable[..., 
     assert seen == [(False, RobotState.START), (True, RobotState.INITIALIZE)]
 
 
-def test_closing_ends_blocked_calls_and_leaves_no_thread_or_socket(
-    aside: Aside,
-) -> None:
+def test_closing_ends_blocked_calls_and_leaves_no_thread_or_socket(aside: Aside) -> None:
     def program(robot: Program) -> int:
         robot.bring_up()
         return robot.to(1.0, *READY[1:], v=0.001)
@@ -500,15 +488,11 @@ def test_wrong_options_are_named(options: dict[str, object]) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_program_gives_the_same_joints_at_any_speed(
-    connect: Callable[..., Program],
-) -> None:
+def test_the_same_program_gives_the_same_joints_at_any_speed(started: Started) -> None:
     ends = []
     for speed in (math.inf, 20.0):
-        with Simulator(speed=speed) as sim:
-            robot = connect(sim)
-            robot.bring_up()
-            assert robot.to(0.3, 0.1, 1.5, 0.0, -1.5, 0.0) == TaskState.FINISHED
-            sim.wait_until(lambda sim=sim: not sim.moving)  # type: ignore[misc]
-            ends.append(sim.joints)
+        sim, robot = started(speed=speed)
+        assert robot.to(0.3, 0.1, 1.5, 0.0, -1.5, 0.0) == TaskState.FINISHED
+        sim.wait_until(lambda sim=sim: not sim.moving)  # type: ignore[misc]
+        ends.append(sim.joints)
     assert ends[0].almost_equal(ends[1], 1e-5)

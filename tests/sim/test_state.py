@@ -27,9 +27,7 @@ from aioduco.testing import eventually
 from .conftest import OUT_OF_RANGE, advance_until, standing_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+    from .conftest import Program, Started
 
 ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(np.array)
 
@@ -113,15 +111,13 @@ def turned(sim: Simulator) -> bool:
     return sim.joints[0] > 0.05
 
 
-def test_the_world_is_where_the_arm_is_mounted(connect: Callable[[Simulator], Program]) -> None:
+def test_the_world_is_where_the_arm_is_mounted(started: Started) -> None:
     for mounting in ("wall", (0.5, -0.2, 0.8, 0.3, 0.2, 1.0)):
-        with Simulator(speed=math.inf, mounting=mounting) as sim:
-            robot = connect(sim)
-            robot.bring_up()
-            robot.speedj([0.3] * 6, 5.0, -1, False)
-            sim.wait_until(partial(turned, sim))
-            status = robot.getRobotStatus()
-            robot.stop(True)
+        sim, robot = started(mounting=mounting)
+        robot.speedj([0.3] * 6, 5.0, -1, False)
+        sim.wait_until(partial(turned, sim))
+        status = robot.getRobotStatus()
+        robot.stop(True)
         for kind in ("Expect", "Actual"):
             q = np.array(getattr(status, f"joint{kind}Position"))
             qd = np.array(getattr(status, f"joint{kind}Velocity"))

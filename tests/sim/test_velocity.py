@@ -17,11 +17,9 @@ from aioduco.sim.simulator import READY, Simulator
 from .conftest import standing_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import numpy as np
 
-    from .conftest import Program
+    from .conftest import Program, Started
 
 STILL = [0.0] * 6
 
@@ -185,17 +183,15 @@ def test_a_cartesian_jog_follows_the_axes_of_its_frame(
 
 
 @pytest.mark.slow
-def test_a_jog_along_the_world_of_an_arm_at_a_wall(connect: Callable[..., Program]) -> None:
+def test_a_jog_along_the_world_of_an_arm_at_a_wall(started: Started) -> None:
     step = jog(jog_type=1, axis_num=2, use_step=True, step_cartvalue=0.05)
     moved: list[np.ndarray] = []
     for frame in (JogFrame.WORLD, JogFrame.BASE):
-        with Simulator(speed=math.inf, mounting="wall") as sim:
-            robot = connect(sim)
-            robot.bring_up()
-            start = sim.arm.fkine(sim.joints)[:3, 3]
-            assert robot.move_jog(replace(step, jog_coordinate=frame), True) == TaskState.FINISHED
-            way = sim.arm.fkine(sim.joints)[:3, 3] - start
-            moved.append(sim.mounting.matrix[:3, :3] @ way)
+        sim, robot = started(mounting="wall")
+        start = sim.arm.fkine(sim.joints)[:3, 3]
+        assert robot.move_jog(replace(step, jog_coordinate=frame), True) == TaskState.FINISHED
+        way = sim.arm.fkine(sim.joints)[:3, 3] - start
+        moved.append(sim.mounting.matrix[:3, :3] @ way)
     world, base = moved
     assert world == pytest.approx([0.0, 0.0, 0.05], abs=1e-3)  # up
     assert abs(base[2]) < 1e-3  # away from the wall

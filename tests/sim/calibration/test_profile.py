@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -19,10 +19,10 @@ from sim.conftest import advance_until, standing_time
 from .made import READY, exact, hidden_geometry
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
-    Connect = Callable[[Any], Any]
+    from sim.conftest import Connect, Started
+
 
 GOOD = """
 model = "gcr5_910"
@@ -96,24 +96,21 @@ def test_a_simulator_takes_no_profile_of_another_model(tmp_path: Path) -> None:
         Simulator(profile=tmp_path / "missing.toml")
 
 
-def test_poses_are_those_of_the_profiles_table_and_lines_lead_to_them(connect: Connect) -> None:
+def test_poses_are_those_of_the_profiles_table_and_lines_lead_to_them(started: Started) -> None:
     profile = hidden_geometry(np.random.default_rng(1))
     arm = profile.arm
-    with Simulator(profile=profile, joints=READY, speed=20) as sim:
-        wire = connect(sim)
-        wire.power_on(True)
-        wire.enable(True)
-        here = Pose(*wire.get_flange_pose())
-        assert here.matrix == pytest.approx(arm.fkine(READY), abs=1e-6)
-        goal = Pose(here.x, here.y + 0.05, here.z - 0.03, *here[3:])
-        answer = wire.movel(list(goal), 0.3, 1.0, 0.0, [], "", "", True, Op(), False)
-        assert answer == 4
+    sim, wire = started(profile=profile, joints=READY, speed=20)
+    here = Pose(*wire.get_flange_pose())
+    assert here.matrix == pytest.approx(arm.fkine(READY), abs=1e-6)
+    goal = Pose(here.x, here.y + 0.05, here.z - 0.03, *here[3:])
+    answer = wire.movel(list(goal), 0.3, 1.0, 0.0, [], "", "", True, Op(), False)
+    assert answer == 4
 
-        def is_there() -> bool:
-            reached = Pose(*wire.get_flange_pose())
-            return reached.almost_equal(goal, position=1e-6, rotation=1e-5)
+    def is_there() -> bool:
+        reached = Pose(*wire.get_flange_pose())
+        return reached.almost_equal(goal, position=1e-6, rotation=1e-5)
 
-        sim.wait_until(is_there)  # the arm still settles when its task has ended
+    sim.wait_until(is_there)  # the arm still settles when its task has ended
 
 
 def test_the_flange_of_the_physics_is_where_the_table_puts_it() -> None:
@@ -163,14 +160,11 @@ def test_times_lag_load_and_friction_are_played(connect: Connect) -> None:
             assert wire.get_actual_joints_torque()[0] == pytest.approx(3.0 + 0.5 * 5.0, abs=0.3)
 
 
-def test_readings_are_updated_in_the_profiles_period(connect: Connect) -> None:
+def test_readings_are_updated_in_the_profiles_period(started: Started) -> None:
     profile = ArmProfile("gcr5_910", {"readings": {"period": exact(0.4)}})
-    with Simulator(profile=profile, joints=READY) as sim:
-        wire = connect(sim)
-        wire.power_on(True)
-        wire.enable(True)
-        wire.movej2((READY + 0.5).tolist(), 0.2, 1.0, 0.0, False, Op(), False)
-        sim.wait_until(lambda: sim.joints[0] > READY[0] + 0.05, 10.0)
-        read = [tuple(wire.get_actual_joints_position()) for _ in range(200)]
-        # Some reads of one period have one value, though the arm moves.
-        assert len(set(read)) < 100
+    sim, wire = started(profile=profile, joints=READY, speed=1.0)
+    wire.movej2((READY + 0.5).tolist(), 0.2, 1.0, 0.0, False, Op(), False)
+    sim.wait_until(lambda: sim.joints[0] > READY[0] + 0.05, 10.0)
+    read = [tuple(wire.get_actual_joints_position()) for _ in range(200)]
+    # Some reads of one period have one value, though the arm moves.
+    assert len(set(read)) < 100
