@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 import mujoco
@@ -20,9 +21,15 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+@cache
+def compiled(model: str) -> Any:
+    """MuJoCo's model of an arm; the tests only read it."""
+    return mujoco.MjModel.from_xml_string(mjcf(model))
+
+
 @pytest.mark.parametrize("model", models())
 def test_mujoco_agrees_on_frames_and_inertias(model: str) -> None:
-    loaded, known = mujoco.MjModel.from_xml_string(mjcf(model)), arm(model)
+    loaded, known = compiled(model), arm(model)
     data = mujoco.MjData(loaded)
     agrees(loaded, data, known, data.site("tool0"), data.site("attachment_site"))
     assert np.allclose(loaded.actuator_ctrlrange, loaded.jnt_range)
@@ -56,7 +63,7 @@ def test_it_follows_the_conventions_of_menagerie() -> None:
     order = ["compiler", "option", "default", "asset", "worldbody", "contact", "actuator"]
     assert [element.tag for element in root] == [*order, "keyframe"]
     assert root.find("compiler[@angle='radian']") is not None
-    loaded = mujoco.MjModel.from_xml_string(mjcf("gcr5_910"))
+    loaded = compiled("gcr5_910")
     seen, touched = loaded.geom_group == 2, loaded.geom_group == 3
     assert (seen | touched).all()
     known = arm("gcr5_910")
@@ -104,7 +111,7 @@ def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
     faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in cube) + "".join(f"f {f}\n" for f in faces)
     (tmp_path / "link_3.obj").write_text(text, encoding="utf-8")
-    plain = mujoco.MjModel.from_xml_string(mjcf("gcr5_910"))
+    plain = compiled("gcr5_910")
     loaded = mujoco.MjModel.from_xml_string(mjcf("gcr5_910", meshes=tmp_path))
     names = [loaded.mesh(i).name for i in range(loaded.nmesh)]
     assert [name for name in names if name.startswith("link_3")] == ["link_3"]
@@ -115,7 +122,7 @@ def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
 @pytest.mark.parametrize("model", models())
 def test_the_looks_are_in_the_frames_of_the_links(model: str) -> None:
     """MuJoCo turns each mesh to its own axes; where its points are then must be where they were."""
-    loaded, known = mujoco.MjModel.from_xml_string(mjcf(model)), arm(model)
+    loaded, known = compiled(model), arm(model)
     for number, parts in enumerate(looks(known)):
         body = loaded.body(f"link_{number}" if number else "base_link").id
         for colour, (points, _) in merged(parts).items():

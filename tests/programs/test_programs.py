@@ -173,6 +173,7 @@ def test_a_hand_by_raw_rs_485(make: Make, sim: Simulator) -> None:
     assert state == [1, 1, 0]
 
 
+@pytest.mark.slow
 def test_speedl_upon_speedl(make: Make, sim: Simulator) -> None:
     stick = [0.5, 1.0, 1.0, 0.5, 0.2, 0.5, 1.0, 0.5]
     (stopped, *states), tasks, lifted = speedl_upon_speedl.main(

@@ -99,6 +99,12 @@ def standing_time(sim: Simulator) -> Iterator[None]:
         sim.unlock_time()
 
 
+def let_pass(sim: Simulator, seconds: float) -> None:
+    """Wait for so much simulated time."""
+    end = sim.time + seconds
+    sim.wait_until(lambda: sim.time > end)
+
+
 def advance_until(
     sim: Simulator, predicate: Callable[[], bool], timeout: float = 10.0, *, every: int = 1
 ) -> None:

@@ -21,6 +21,8 @@ from aioduco.sim.planner.segments import joint_move
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import let_pass
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -209,8 +211,7 @@ def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(started:
     offset = sim.arm.jacobian(sim.joints).T @ weight
     assert robot.get_ext_torque() == pytest.approx(offset, abs=0.5)
     assert robot.set_load_data([5.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
-    start = sim.time
-    sim.wait_until(lambda: sim.time > start + 0.5)
+    let_pass(sim, 0.5)
     assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.1)
     assert robot.get_target_joints_torque() == pytest.approx(
         robot.get_actual_joints_torque(), abs=0.3

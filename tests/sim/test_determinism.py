@@ -10,7 +10,7 @@ import pytest
 from aioduco.sim import Simulator, assembly
 from aioduco.sim.physics.world import World
 
-from .conftest import Program, Wire
+from .conftest import Program, Wire, let_pass
 
 if TYPE_CHECKING:
     from aioduco.sim.planner.path import JointSetPoint
@@ -69,8 +69,7 @@ def still(sim: Simulator) -> None:
     one after the other, each to an arm that rests.
     """
     sim.wait_until(lambda: not sim.moving)
-    end = sim.time + 0.4
-    sim.wait_until(lambda: sim.time >= end)
+    let_pass(sim, 0.4)
 
 
 @pytest.mark.slow

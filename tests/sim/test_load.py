@@ -13,7 +13,7 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.scene import Rod
 from aioduco.sim.simulator import Simulator
 
-from .conftest import OUT_OF_RANGE, advance_until, standing_time
+from .conftest import OUT_OF_RANGE, advance_until, let_pass, standing_time
 
 if TYPE_CHECKING:
     from .conftest import Program, Started
@@ -23,8 +23,7 @@ NOTHING = [0.0] * 6
 
 def settle(sim: Simulator) -> None:
     """Let the drives come to rest."""
-    end = sim.time + 0.5
-    sim.wait_until(lambda: sim.time >= end)
+    let_pass(sim, 0.5)
 
 
 def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:

@@ -20,6 +20,7 @@ from aioduco.sim.planning import PlanningThreads
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
+from .conftest import let_pass
 from .fakes import Bench, impossible, leg
 
 if TYPE_CHECKING:
@@ -209,8 +210,7 @@ def test_a_program_plans_beside_the_cycle(
     parking.after = 3
     running = aside(sim, lambda other: other.run_program("weaves", True))
     parking.wait()
-    begun = sim.time
-    sim.wait_until(lambda: sim.time > begun + 0.05)
+    let_pass(sim, 0.05)
     assert robot.stop(True) == TaskState.FINISHED
     assert running.result(30.0) == TaskState.STOPPED
 

@@ -21,7 +21,7 @@ from aioduco.sim.planner.segments import line_move
 from aioduco.sim.scene import Rod, Table, mjcf_of
 from aioduco.sim.simulator import Simulator
 
-from .conftest import Program, Wire
+from .conftest import Program, Wire, let_pass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -283,8 +283,7 @@ def test_a_stop_ends_the_motion_and_the_arm_stands(simulator: Simulator, robot: 
     settle(simulator, robot)
     there = robot.get_tcp_pose()
     assert robot.fc_mode_is_active()
-    begin = simulator.time
-    simulator.wait_until(lambda: simulator.time > begin + 1.0)
+    let_pass(simulator, 1.0)
     assert robot.get_tcp_pose()[:3] == pytest.approx(there[:3], abs=1e-4)
     done(robot, robot.fc_stop())
 

@@ -14,7 +14,7 @@ from aioduco.sim.controller.programs import ProgramRun
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, standing_time
+from .conftest import advance_until, let_pass, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator
@@ -145,8 +145,7 @@ def test_pause_and_resume_act_on_it(cell: Simulator, program: Program, name: str
     assert program.pause(True) == TaskState.FINISHED
     assert program.get_robot_state()[1] == ProgramState.PAUSED
     assert program.get_noneblock_taskstate(id_) == TaskState.PAUSED
-    here = cell.time
-    cell.wait_until(lambda: cell.time > here + 1.0)
+    let_pass(cell, 1.0)
     assert not cell.moving
     assert program.resume(True) == TaskState.FINISHED
     assert program.get_noneblock_taskstate(id_) == TaskState.RUNNING

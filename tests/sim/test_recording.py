@@ -14,7 +14,7 @@ from aioduco.sim.cabinet.project import CAPACITY, RecordedTrack
 from aioduco.sim.controller.recorder import BY_POSITION, BY_TIME, Recorder
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, standing_time
+from .conftest import advance_until, let_pass, standing_time
 from .fakes import Bench
 
 if TYPE_CHECKING:
@@ -72,8 +72,7 @@ def test_poses_are_the_tools_in_the_work_object(cell: Simulator, program: Progra
     program.set_tool_data("gripper", list(tool), [0.0] * 4, [])
     program.set_wobj("table", list(wobj))
     program.start_record_track("t", BY_TIME, "gripper", "table", 0.0)
-    soon = cell.time + 0.1
-    cell.wait_until(lambda: cell.time > soon)
+    let_pass(cell, 0.1)
     program.stop_record_track()
     track = cell.cabinet.project.tracks["t"]
     expected = wobj.inverse() @ Pose.from_matrix(cell.arm.fkine(track.joints[0])) @ tool
@@ -242,8 +241,7 @@ def push(cell: Simulator, program: Program, force: list[float]) -> tuple[np.ndar
     tip, q = np.array(_tip(program)), cell.joints.array
     assert program.teach_mode(True) == TaskState.FINISHED
     cell.push([*force, 0.0, 0.0, 0.0])
-    end = cell.time + 0.3
-    cell.wait_until(lambda: cell.time > end)
+    let_pass(cell, 0.3)
     cell.push([0.0] * 6)
     assert program.end_teach_mode(True) == TaskState.FINISHED
     return np.array(_tip(program)) - tip, np.abs(cell.joints.array - q)

@@ -28,6 +28,8 @@ from aioduco.sim.scene import (
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing.waiting import eventually
 
+from .conftest import let_pass
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
@@ -224,6 +226,5 @@ def test_the_weight_pulls_downwards_however_the_arm_is_mounted(place: Any) -> No
 def test_forces_at_the_tool_are_without_the_weight_at_a_wall(started: Started) -> None:
     sim, robot = started(mounting="wall")
     assert robot.set_load_data([3.0, 0.0, 0.02, 0.05]) == 4
-    start = sim.time
-    sim.wait_until(lambda: sim.time > start + 1.0)
+    let_pass(sim, 1.0)
     assert robot.get_tcp_force() == pytest.approx([0.0] * 6, abs=0.05)

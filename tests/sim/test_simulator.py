@@ -17,7 +17,7 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import nothing_forgiven
 
-from .conftest import OUT_OF_RANGE, advance_until, standing_time
+from .conftest import OUT_OF_RANGE, advance_until, let_pass, standing_time
 
 if TYPE_CHECKING:
     from aioduco._wire.rpc import RobotStatus
@@ -170,8 +170,7 @@ def test_pause_and_resume_go_on_to_the_same_end(
     assert control.get_noneblock_taskstate(id_) == TaskState.PAUSED
     assert not control.robotmoving()
     there = sim.joints
-    begin = sim.time
-    sim.wait_until(lambda: sim.time > begin + 0.5)
+    let_pass(sim, 0.5)
     assert sim.joints.almost_equal(there, 1e-4)
     assert control.resume(True) == TaskState.FINISHED
     sim.wait_until(lambda: control.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)

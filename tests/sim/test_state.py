@@ -24,7 +24,7 @@ from aioduco.sim.physics.tip import tip_motion
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
-from .conftest import OUT_OF_RANGE, advance_until, standing_time
+from .conftest import OUT_OF_RANGE, advance_until, let_pass, standing_time
 
 if TYPE_CHECKING:
     from .conftest import Program, Started
@@ -67,8 +67,7 @@ def test_a_tip_beside_the_flange_moves_as_differences_say(
 
 
 def test_a_standing_robot_is_where_its_joints_put_it(sim: Simulator, robot: Program) -> None:
-    end = sim.time + 0.5  # the brakes let go of the weight, and the arm settles
-    sim.wait_until(lambda: sim.time >= end)
+    let_pass(sim, 0.5)  # the brakes let go of the weight, and the arm settles
     flange = sim.arm.fkine(sim.joints)
     assert Pose.of(robot.get_flange_pose()).almost_equal(Pose.from_matrix(flange), position=1e-5)
     tip_pose = Pose.of(robot.get_tcp_pose())

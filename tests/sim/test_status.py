@@ -14,7 +14,7 @@ from aioduco.models.enums import RobotState
 from aioduco.sim.physics.temperature import AMBIENT, Temperatures
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, standing_time
+from .conftest import advance_until, let_pass, standing_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,11 +22,6 @@ if TYPE_CHECKING:
     from .conftest import Program
 
 TOOL = [0.02, 0.0, 0.15, 0.0, 0.3, 0.0]
-
-
-def after(cell: Simulator, time: float) -> None:
-    end = cell.time + time
-    cell.wait_until(lambda: cell.time > end)
 
 
 # -- the arm -------------------------------------------------------------------------------------
@@ -75,7 +70,7 @@ READERS = [
 
 def test_the_status_agrees_with_the_functions(cell: Simulator, program: Program) -> None:
     program.movej2([0.5, *READY[1:]], 1.0, 2.0, 0.0, True, Op(), False)
-    after(cell, 0.5)  # until the simulation has nothing left to do, and all reads are of one time
+    let_pass(cell, 0.5)  # nothing is left to do then, and all reads are of one time
     status = program.getRobotStatus()
     for field, function in READERS:
         assert getattr(status, field) == pytest.approx(getattr(program, function)(), abs=1e-9)
@@ -118,7 +113,7 @@ def test_temperatures_follow_the_load_slowly() -> None:
 def test_a_loaded_arm_becomes_warm(cell: Simulator, program: Program) -> None:
     before = program.getRobotStatus()
     program.movej2([0.0, 1.2, 1.0, 0.0, -1.5, 0.0], 1.0, 2.0, 0.0, True, Op(), False)
-    after(cell, 0.1)
+    let_pass(cell, 0.1)
     now = program.getRobotStatus()
     # Joint 2 carries the arm that is stretched out; joint 6 carries nothing.
     warmer = np.array(now.jointTemperature) - before.jointTemperature

@@ -14,7 +14,7 @@ from aioduco.models.jog import JogFrame
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import standing_time
+from .conftest import let_pass, standing_time
 
 if TYPE_CHECKING:
     import numpy as np
@@ -256,14 +256,12 @@ def test_wrong_jogs(robot: Program, wrong: dict[str, Any]) -> None:
 def test_hand_guiding_holds_the_arm_and_lets_it_be_pushed(sim: Simulator, robot: Program) -> None:
     assert robot.teach_mode(True) == TaskState.FINISHED
     assert robot.to(*READY) == TaskState.ILLEGAL
-    before = sim.time
-    sim.wait_until(lambda: sim.time > before + 2.0, 10.0)
+    let_pass(sim, 2.0)
     assert max(abs(a - b) for a, b in zip(sim.joints, READY, strict=True)) < 5e-3
     sim.push([0.0, 30.0, 0.0, 0.0, 0.0, 0.0])
     sim.wait_until(lambda: sim.joints[0] > 0.2, 20.0)
     sim.push(STILL)
-    at = sim.time
-    sim.wait_until(lambda: sim.time > at + 2.0, 10.0)
+    let_pass(sim, 2.0)
     assert robot.end_teach_mode(True) == TaskState.FINISHED
     assert robot.get_robot_state() == [6, 0, 5, 1]
     rest = sim.joints

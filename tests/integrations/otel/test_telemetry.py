@@ -192,6 +192,7 @@ async def test_nothing_is_made_where_it_is_not_asked_for(
         await robot.recover()
 
 
+@pytest.mark.slow
 def test_nothing_is_loaded_where_it_is_not_asked_for() -> None:
     program = (
         "import sys, aioduco, aioduco.sync, aioduco.robot; aioduco.connect('127.0.0.1');"

@@ -159,6 +159,7 @@ async def test_force_mode_and_zeroing(node: ArmNode) -> None:
     assert not await node.robot.force.fc_mode_is_active()
 
 
+@pytest.mark.slow
 async def test_freedrive_lasts_as_long_as_it_is_asked_for(node: ArmNode) -> None:
     node.freedrive.take(True)
     await eventually_async(lambda: node.freedrive.active)

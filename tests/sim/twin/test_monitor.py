@@ -77,7 +77,7 @@ def test_an_arm_in_good_order_is_left_alone() -> None:
     arm = PerfectArm()
     arm.torques = rubbing()
     watching = monitor()
-    assert said(watching, work(arm, movej2(*THERE), movej2(*READY), movej2(*THERE))) == []
+    assert said(watching, work(arm, movej2(*THERE), movej2(*READY))) == []
     figures = watching.figures
     assert not figures.blind
     assert figures.path == pytest.approx(0.0, abs=1e-3)
@@ -96,7 +96,7 @@ def test_an_arm_in_good_order_is_left_alone() -> None:
 def test_torques_have_a_cause(torques: Any, cause: Cause) -> None:
     arm = PerfectArm()
     arm.torques = torques
-    found = said(monitor(), work(arm, movej2(*THERE), movej2(*READY), movej2(*THERE)))
+    found = said(monitor(), work(arm, movej2(*THERE), movej2(*READY)))
     assert found
     assert {each.quantity for each in found} == {Quantity.TORQUE}
     assert found[0].cause is cause, str(found[0])

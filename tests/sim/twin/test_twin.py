@@ -96,6 +96,7 @@ async def test_it_reports_only_otherwise(sim: Simulator, robot: aioduco.Robot) -
         await robot.motion.movej2([*READY[:5], 0.2], v=1.0, a=2.0)
 
 
+@pytest.mark.slow
 async def test_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS) as twin:
         assert twin._linked is not None
