@@ -146,11 +146,12 @@ def test_points_of_a_spline_trigger_as_they_are_passed(sim: Simulator, robot: Pr
     sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
 
 
-def test_how_far_motions_are_read_ahead_has_a_range(robot: Program) -> None:
+def test_how_far_motions_are_read_ahead_has_a_range(sim: Simulator, robot: Program) -> None:
     assert robot.set_blend_ahead(50, 0) == TaskState.FINISHED
     assert robot.set_blend_ahead(0, 3) == TaskState.FINISHED
     assert robot.set_blend_ahead(101, 1) == TaskState.PARAMETER_MISMATCH
     assert robot.set_blend_ahead(0, 4) == TaskState.PARAMETER_MISMATCH
+    assert sim._running().controller.read_ahead == (0, 3)
 
 
 # -- triggers ------------------------------------------------------------------------------------
@@ -230,14 +231,18 @@ def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
 ) -> None:
     fired: list[float] = []
     stood: list[float] = []
-    sim.signals.events["stands"] = lambda: fired.append(sim.time)
-    op = Op(time_or_dist_3=1, trig_time_3=-late, trig_event_3="stands")
+    op = Op(time_or_dist_3=1, trig_time_3=-late, trig_io_3=8, trig_value_3=True)
+
+    def look(now: SimulationSnapshot, _: Any) -> None:
+        stood.clear() if now.setpoint.qd.any() else stood.append(now.time)
+        if sim.signals.standard_out[8]:
+            fired.append(now.time)
+
     with standing_time(sim):
         line(robot, op, 0.2, block=False)
         advance_until(sim, robot.robotmoving)
-        sim.observe(
-            lambda now, _: stood.clear() if now.setpoint.qd.any() else stood.append(now.time)
-        )
+        assert not robot.get_standard_digital_out(8)
+        sim.observe(look)
         id_ = getattr(robot, how)(False)
     sim.wait_until(lambda: bool(fired))
     sim.observe(None)
