@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
-from aioduco.kinematics import arm
 from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move, stay
+
+from .motions import CYCLE, FIVE, HOME, trapezoid
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,10 +20,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.segments import Segment
 
-FIVE = arm("gcr5_910")
-HOME = np.radians([0, 0, 90, 0, -90, 0])
 START = FIVE.fkine(HOME)
-CYCLE = 0.001
 RAIL, TABLE = 0, 1
 
 
@@ -49,10 +46,6 @@ def line(
     target = START.copy()
     target[:3, 3] += (x, y, 0.0)
     return lambda q: replace(line_move(FIVE, q, target, v, 1.0, r), axes=axes)
-
-
-def trapezoid(length: float, v: float, a: float) -> float:
-    return length / v + v / a if length > v * v / a else 2 * math.sqrt(length / a)
 
 
 class Run:

@@ -15,12 +15,12 @@ from aioduco.sim.planner.segments import arc_move, line_move
 from aioduco.sim.planner.tracing import NEAR
 from aioduco.sim.planner.weaving import Weave
 
+from .motions import CYCLE, FIVE
+
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.segments import Segment
 
-FIVE = arm("gcr5_910")
-CYCLE = 0.001
 #: joint 5 changes its sign between the two
 BEFORE = np.array([0.0, 0.3, 1.2, 0.0, 0.3, 0.0])
 BEHIND = np.array([0.0, 0.3, 1.2, 0.0, -0.3, 0.0])

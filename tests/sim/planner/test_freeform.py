@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import spiral, spline
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
 
-FIVE = arm("gcr5_910")
-HOME = np.radians([0, 0, 90, 0, -90, 0])
 CENTRE = Pose(0.3, 0.2, 0.4, 0.4, -0.3, 0.7).matrix
 START = CENTRE @ Pose(0.0, -0.1, 0.05, 1.0, 0.2, 0.3).matrix
 

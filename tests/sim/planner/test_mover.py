@@ -22,14 +22,13 @@ from aioduco.sim.planner.mover import Mover, Travel
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, spline_move
 
+from .motions import CYCLE, FIVE, HOME
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
 
-FIVE = arm("gcr5_910")
-HOME = np.radians([0, 0, 90, 0, -90, 0])
-CYCLE = 0.001
 SQUARE = ((0.1, 0.0, 0.0), (0.1, 0.2, 0.0), (-0.1, 0.2, 0.0), (-0.1, 0.2, -0.2))
 
 

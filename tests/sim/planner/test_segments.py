@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from quick import examples
 
-from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim.planner.path import PlanError
@@ -25,11 +24,11 @@ from aioduco.sim.planner.segments import (
 )
 from aioduco.sim.planner.timing import backward, fastest
 
+from .motions import FIVE, HOME, trapezoid
+
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
-FIVE = arm("gcr5_910")
-HOME = np.radians([0, 0, 90, 0, -90, 0])
 OFFSET = st.floats(-0.12, 0.12)  # the reach ends at 0.15 along all three axes
 
 
@@ -44,10 +43,6 @@ def flanges(segment: Segment, count: int = 400) -> Array:
     """Poses of the flange at even distances."""
     assert segment.path is not None
     return FIVE.fkine(segment.path.sample(np.linspace(0, segment.length, count))[:, 0])
-
-
-def trapezoid(length: float, v: float, a: float) -> float:
-    return length / v + v / a if length > v * v / a else 2 * math.sqrt(length / a)
 
 
 def joint_speeds(segment: Segment) -> Array:

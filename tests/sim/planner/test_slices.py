@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from aioduco.kinematics import arm
 from aioduco.kinematics.inverse import closed_form
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.planner import timing, tracing
@@ -21,15 +20,13 @@ from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, in_turn, 
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.weaving import Weave
 
+from .motions import CYCLE, FIVE, HOME
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.segments import Segment
-
-FIVE = arm("gcr5_910")
-HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
-CYCLE = 0.001
 
 
 def shifted(q: Array, *by: float) -> Array:

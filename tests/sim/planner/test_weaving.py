@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from aioduco.kinematics import arm
 from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.planner.mover import Mover
@@ -16,16 +15,15 @@ from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move
 from aioduco.sim.planner.weaving import Weave
 
+from .motions import CYCLE, FIVE, HOME
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.segments import Segment
 
-FIVE = arm("gcr5_910")
-HOME = np.radians([0, 0, 90, 0, -90, 0])
 START = FIVE.fkine(HOME)
-CYCLE = 0.001
 WAY = np.array([0.08, 0.12, 0.06])  # across every plane
 LENGTH = float(np.linalg.norm(WAY))
 BENCH = matrix_from_rotvec(np.array([[0.2, -0.3, 0.4]]))[0]
