@@ -81,7 +81,7 @@ def turns(
     noise: Array,
     *,
     speeds: tuple[float, ...] = (0.15, 0.45, 0.8),
-    rounds: int = 2,
+    rounds: int = 1,
     rate: int = 8,
 ) -> Motions:
     """Each joint turns there and back; samples every `rate` cycles of 1 ms, with their rounding.
@@ -177,7 +177,7 @@ def torqued(
 ) -> Evidence:
     """Turns of the joints with torques read beside them, and torques at rest."""
     gain = np.full(6, 1.0 / lag if lag else 200.0)
-    motions = turns(random, np.full(6, lag), gain, np.zeros(6), rounds=1)
+    motions = turns(random, np.full(6, lag), gain, np.zeros(6))
     rest = np.repeat(configurations(random, 30), 60, axis=0)  # half a second at each
     still = np.zeros_like(rest)
     begin = float(motions.time[-1])

@@ -106,6 +106,7 @@ async def test_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
         await robot.state.get_robot_state()
 
 
+@pytest.mark.slow
 async def test_it_is_started_once_and_closing_the_robot_ends_it(sim: Simulator) -> None:
     async with aioduco.connect(sim.host, sim.port) as robot:
         twin = await robot.twin(LIMITS).start()
