@@ -263,8 +263,8 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
     ("options", "code", "says"),
     [
         (("--render", "out.mp4"), 2, ".gif or .png"),
-        (("--mounting", "roof"), 1, "no mounting is called 'roof'"),
-        (("--mounting", "0,0,0.5"), 1, "6 numbers with commas between them"),
+        (("--mounting", "roof"), 2, "mounting is 'roof', but must be"),
+        (("--mounting", "0,0,0.5"), 2, "mounting is '0,0,0.5', but must be"),
         (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
         (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
     ],
@@ -278,7 +278,7 @@ def test_sim_says_what_it_cannot_show(options: tuple[str, ...], code: int, says:
 def test_a_preflight_says_that_a_mounting_is_no_pose() -> None:
     answer = run("preflight", "program.py", "--mounting", "0,0,0.5")
     assert answer.exit_code == 2
-    assert "6 numbers with commas between them" in answer.output
+    assert "mounting is '0,0,0.5', but must be" in answer.output
 
 
 # -- demo ----------------------------------------------------------------------------------------

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+import enum
+from typing import TYPE_CHECKING
+
+import typer
 
 if TYPE_CHECKING:
     from aioduco.kinematics.mounting import MountingLike
 
-__all__ = ["mounting_option", "numbers"]
+__all__ = ["Mounting", "mounting_option", "numbers"]
+
+
+class Mounting(enum.StrEnum):
+    """Where the arm is mounted."""
+
+    FLOOR = "floor"
+    WALL = "wall"
+    CEILING = "ceiling"
 
 
 def numbers(option: str, text: str, count: int) -> list[float]:
@@ -19,16 +30,16 @@ def numbers(option: str, text: str, count: int) -> list[float]:
         count: how many numbers it must have.
 
     Raises:
-        ParameterError: it is something else.
+        BadParameter: it is something else.
     """
-    from aioduco.errors import ParameterError  # noqa: PLC0415 - quick help
-
     try:
         values = [float(each) for each in text.split(",")]
     except ValueError:
         values = []
     if len(values) != count:
-        raise ParameterError(option, text, f"{count} numbers with commas between them")
+        raise typer.BadParameter(
+            f"{option} is {text!r}, but must be {count} numbers with commas between them"
+        )
     return values
 
 
@@ -36,6 +47,11 @@ def mounting_option(text: str) -> MountingLike:
     """The mounting that an option names, or the pose that it gives.
 
     Raises:
-        ParameterError: it is a list, but not of six numbers. The names are not checked.
+        BadParameter: it is neither a name nor six numbers.
     """
-    return numbers("mounting", text, 6) if "," in text else cast("MountingLike", text)
+    if "," in text:
+        return numbers("mounting", text, 6)
+    if text not in tuple(Mounting):
+        names = ", ".join(Mounting)
+        raise typer.BadParameter(f"mounting is {text!r}, but must be {names} or six numbers")
+    return Mounting(text).value

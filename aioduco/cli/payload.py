@@ -13,6 +13,7 @@ from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import FAILED, ended_by_errors
 from aioduco.cli.extras import arm as arm_named
+from aioduco.cli.number_lists import Mounting
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask, typed_line
 from aioduco.cli.sessions import control_session
@@ -48,14 +49,6 @@ class Sensor(enum.StrEnum):
 
     TORQUE = "torque"
     FORCE = "force"
-
-
-class Mounting(enum.StrEnum):
-    """Where the arm is mounted."""
-
-    FLOOR = "floor"
-    WALL = "wall"
-    CEILING = "ceiling"
 
 
 def payload(

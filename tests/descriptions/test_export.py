@@ -176,7 +176,7 @@ def test_options_are_those_of_the_description(tmp_path: Path) -> None:
     ("options", "said"),
     [
         (["--model", "ur5e"], "one of gcr3_618"),
-        (["--mounting", "roof"], '"floor", "wall", "ceiling" or a pose'),
+        (["--mounting", "roof"], "must be floor, wall, ceiling"),
         (["--mounting", "0,0,1"], "6 numbers"),
         (["--tcp", "up"], "6 numbers"),
         (["--tool-capsule", "0,0,0,0,0,1"], "7 numbers"),
