@@ -33,11 +33,10 @@ from aioduco.sim.view.render import PictureProcess
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
     from aioduco.kinematics import Arm
     from aioduco.models.gripper_models import GripperModel
     from aioduco.models.pose import Pose
+    from aioduco.models.rotation import Array
     from aioduco.models.status_frame import StatusFrame
     from aioduco.sim.cabinet import Cabinet
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
@@ -64,7 +63,7 @@ class SimulatorSettings:
     #: duration of one cycle [s]
     cycle: float
     #: joints at the start [rad]
-    joints: NDArray[np.float64]
+    joints: Array
     #: pose of the base in the world
     mounting: Pose
     #: whether the arm stands on a column
@@ -228,7 +227,7 @@ def _drives(settings: SimulatorSettings) -> dict[str, Any]:
 
 def _encoders(
     settings: SimulatorSettings,
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
+) -> Callable[[Array], Array] | None:
     """Noise of the measured joints, if the profile has it."""
     profile = settings.profile
     if profile is None or not profile.has("noise"):
@@ -258,7 +257,7 @@ def _corners(settings: SimulatorSettings) -> Corners:
 def _controller(settings: SimulatorSettings) -> Controller:
     arm, cycle, corners = settings.arm, settings.cycle, _corners(settings)
 
-    def mover(q: NDArray[np.float64]) -> Mover:
+    def mover(q: Array) -> Mover:
         return Mover(arm, q, cycle, settling=settling, corners=corners)
 
     def settling() -> float:

@@ -11,13 +11,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from aioduco.models.pose import PoseLike
+    from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["DriveCommand", "Plant", "PlantReading", "SensedState"]
 
@@ -43,10 +40,10 @@ class SensedState(NamedTuple):
 
     time: float
     now: float
-    q: Vector
-    qd: Vector
-    wrench: Vector
-    external: Vector
+    q: Array
+    qd: Array
+    wrench: Array
+    external: Array
     touched: Callable[[], str] = untouched
 
 
@@ -64,14 +61,14 @@ class PlantReading(NamedTuple):
         external_torque: torques that the motion needed beyond those of the drives [N m]. (6,)
     """
 
-    positions: Vector
-    q: Vector
-    qd: Vector
-    qdd: Vector
-    torque: Vector
-    wrench: Vector
-    target_torque: Vector
-    external_torque: Vector
+    positions: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    torque: Array
+    wrench: Array
+    target_torque: Array
+    external_torque: Array
 
 
 class DriveCommand(NamedTuple):
@@ -95,7 +92,7 @@ class Plant(Protocol):
     def step(self, setpoint: JointSetPoint) -> None:
         """Simulate one cycle."""
 
-    def arrange(self, q: Vector, things: Mapping[str, PoseLike]) -> None:
+    def arrange(self, q: Array, things: Mapping[str, PoseLike]) -> None:
         """Place the arm at q [rad] and things of the scene at their poses [m, rad], at once."""
 
     @property

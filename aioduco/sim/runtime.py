@@ -36,17 +36,14 @@ from aioduco.sim.snapshot import SimulationSnapshot
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from aioduco.models.enums import TaskState
     from aioduco.models.pose import PoseLike
+    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
     from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.cycle import Plant
 
-    Vector = NDArray[np.float64]
     #: called with the state after a cycle, and with a function that describes the arm's contacts
     Observer = Callable[[SimulationSnapshot, Callable[[], str]], None]
 
@@ -119,8 +116,8 @@ class SimulationRuntime(PlantChanges):
         cycle: float = 0.001,
         effort: Sequence[float] = _NO_EFFORT_LIMIT,
         speed: float = 1.0,
-        sense: Callable[[Vector], Vector] | None = None,
-        encode: Callable[[Vector], Vector] | None = None,
+        sense: Callable[[Array], Array] | None = None,
+        encode: Callable[[Array], Array] | None = None,
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
@@ -667,7 +664,7 @@ class SimulationRuntime(PlantChanges):
             finally:
                 self._lock.acquire()
 
-    def _warm(self, at: float, torque: Vector) -> None:
+    def _warm(self, at: float, torque: Array) -> None:
         """Update the temperatures for the torques since the last update."""
         powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
         self._warmth.tick(at - self._warm_at, torque, powered=powered)

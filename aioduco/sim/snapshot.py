@@ -13,13 +13,11 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import ControllerState
     from aioduco.sim.cycle import PlantReading, SensedState
     from aioduco.sim.planner.path import JointSetPoint
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["SimulationSnapshot"]
 
@@ -46,15 +44,15 @@ class SimulationSnapshot:
         self,
         known: SensedState,
         reading: PlantReading,
-        qdd: Vector,
+        qdd: Array,
         setpoint: JointSetPoint,
         view: ControllerState,
         external: Sequence[float],
-        warmth: tuple[Vector, Vector],
+        warmth: tuple[Array, Array],
     ) -> None:
         self._known = known
         self._reading = reading
-        self.qdd: Vector = qdd
+        self.qdd: Array = qdd
         self.setpoint: JointSetPoint = setpoint
         self.view: ControllerState = view
         self._external = external
@@ -80,46 +78,46 @@ class SimulationSnapshot:
         return self._known.time
 
     @property
-    def q(self) -> Vector:
+    def q(self) -> Array:
         """Actual joints [rad]. Shape (6,)."""
         return self._known.q
 
     @property
-    def qd(self) -> Vector:
+    def qd(self) -> Array:
         """Actual joint speeds [rad/s]. Shape (6,)."""
         return self._known.qd
 
     @property
-    def wrench(self) -> Vector:
+    def wrench(self) -> Array:
         """Force and torque on the flange, in its frame, with the load's weight [N, N m]. (6,)"""
         return self._known.wrench
 
     @property
-    def positions(self) -> Vector:
+    def positions(self) -> Array:
         """Positions of all moving parts, the joints first [rad, m]."""
         return self._reading.positions
 
     @property
-    def torque(self) -> Vector:
+    def torque(self) -> Array:
         """Actual joint torques [N m]. Shape (6,)."""
         return self._reading.torque
 
     @property
-    def target_torque(self) -> Vector:
+    def target_torque(self) -> Array:
         """Joint torques that the motion of the set-point needs [N m]. Shape (6,)."""
         return self._reading.target_torque
 
     @property
-    def external_torque(self) -> Vector:
+    def external_torque(self) -> Array:
         """Observed external torques at the joints [N m]. Shape (6,)."""
         return np.array(self._external)
 
     @property
-    def joint_temperature(self) -> Vector:
+    def joint_temperature(self) -> Array:
         """Temperatures of the joints [°C]. Shape (6,)."""
         return self._warmth[0]
 
     @property
-    def board_temperature(self) -> Vector:
+    def board_temperature(self) -> Array:
         """Temperatures of the drive boards [°C]. Shape (6,)."""
         return self._warmth[1]

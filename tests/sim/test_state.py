@@ -19,8 +19,9 @@ from aioduco.kinematics.forward import bias_acceleration, fkine, jacobian
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.signals import Bank, Signals
-from aioduco.sim.cabinet.tools import FrameTable, UnknownName
+from aioduco.sim.cabinet.tools import FrameTable
 from aioduco.sim.physics.tip import tip_motion
+from aioduco.sim.refusal import Rejected
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
@@ -194,9 +195,9 @@ def test_a_tool_that_makes_no_sense_changes_nothing(
 
 def test_names_that_are_not_defined_list_those_that_are() -> None:
     frames = FrameTable()
-    with pytest.raises(UnknownName, match="there are: default"):
+    with pytest.raises(Rejected, match="there are: default"):
         frames.tool("gripper")
-    with pytest.raises(UnknownName, match="there are: default"):
+    with pytest.raises(Rejected, match="there are: default"):
         frames.wobj("pallet")
 
 

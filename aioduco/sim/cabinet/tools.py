@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
+    from aioduco.models.rotation import Array
 
-    Matrix = NDArray[np.float64]
 
 __all__ = [
     "DEFAULT",
@@ -21,17 +21,12 @@ __all__ = [
     "FrameTable",
     "PointLoad",
     "Tool",
-    "UnknownName",
     "WorkObject",
 ]
 
 DEFAULT = "default"
 MAX_NAME = 32
 _ORIGIN = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-class UnknownName(Exception):
-    """No tool or work object has this name."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,8 +44,8 @@ class Tool:
 
     name: str
     offset: Pose
-    matrix: Matrix
-    inverse: Matrix
+    matrix: Array
+    inverse: Array
     payload: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     inertia: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -81,8 +76,8 @@ class WorkObject:
 
     name: str
     pose: Pose
-    matrix: Matrix
-    inverse: Matrix
+    matrix: Array
+    inverse: Array
 
     @classmethod
     def at(cls, pose: Pose, name: str = "") -> WorkObject:
@@ -112,24 +107,22 @@ class FrameTable:
         """Find a tool by its name; an empty name means the tool in use.
 
         Raises:
-            UnknownName: No tool has this name.
+            Rejected: No tool has this name.
         """
         if not name:
             return self.current_tool
         if name not in self._tools:
-            raise UnknownName(f"there is no tool {name!r}; there are: {', '.join(self._tools)}")
+            raise _unknown(f"there is no tool {name!r}", self._tools)
         return self._tools[name]
 
     def wobj(self, name: str = "") -> WorkObject:
         """Find a work object by its name, with the offset in use; no name means the one in use.
 
         Raises:
-            UnknownName: No work object has this name.
+            Rejected: No work object has this name.
         """
         if name and name not in self._wobjs:
-            raise UnknownName(
-                f"there is no work object {name!r}; there are: {', '.join(self._wobjs)}"
-            )
+            raise _unknown(f"there is no work object {name!r}", self._wobjs)
         return self._moved(self._wobjs[name]) if name else self.current_wobj
 
     def set_tool(self, tool: Tool) -> None:
@@ -152,7 +145,11 @@ class FrameTable:
         return WorkObject.at(wobj.pose @ self._offset, wobj.name)
 
 
-def _frozen(matrix: Matrix) -> Matrix:
+def _unknown(message: str, known: Iterable[str]) -> Rejected:
+    return Rejected(TaskState.ILLEGAL, f"{message}; there are: {', '.join(known)}")
+
+
+def _frozen(matrix: Array) -> Array:
     matrix.flags.writeable = False
     return matrix
 

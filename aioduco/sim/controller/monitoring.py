@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.cycle import SensedState
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["LEVELS", "CollisionDetector", "Standstill"]
 
@@ -89,7 +86,7 @@ class CollisionDetector:
         torque: smoothed external torques of the six joints [N m]; never changed in place.
     """
 
-    def __init__(self, effort: Vector, ignored: Callable[[], bool] | None = None) -> None:
+    def __init__(self, effort: Array, ignored: Callable[[], bool] | None = None) -> None:
         self.level: int = 3
         self.axis: int = 0
         self.torque: Sequence[float] = _NONE
@@ -103,7 +100,7 @@ class CollisionDetector:
         self.torque = _NONE
         self._time = None
 
-    def update(self, time: float, external: Vector) -> int:
+    def update(self, time: float, external: Array) -> int:
         """Process the torques of one cycle.
 
         Args:

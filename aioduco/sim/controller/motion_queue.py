@@ -14,9 +14,7 @@ from aioduco.sim.planner.path import PlanError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.tasks import TaskTable
     from aioduco.sim.controller.triggers import MotionTriggers
     from aioduco.sim.planner.follower import FollowError, TargetFollower
@@ -24,9 +22,8 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.path import JointSetPoint
     from aioduco.sim.planner.segments import Segment
 
-    Vector = NDArray[np.float64]
     #: makes the segment of one motion, given the joints [rad] from which it starts
-    Plan = Callable[[Vector], Segment]
+    Plan = Callable[[Array], Segment]
 
 __all__ = ["Following", "Planning"]
 
@@ -51,19 +48,19 @@ class Following:
     """
 
     kind: str
-    make: Callable[[Vector], TargetFollower] = field(compare=False)
+    make: Callable[[Array], TargetFollower] = field(compare=False)
     aim: Callable[[Any], None] = field(compare=False)
     alone: bool = field(default=False, compare=False)
     idle: bool = field(default=False, compare=False)
     settings: tuple[object, ...] = ()
 
     @classmethod
-    def behind(cls, kind: str, make: Callable[[Vector], TargetFollower]) -> Following:
+    def behind(cls, kind: str, make: Callable[[Array], TargetFollower]) -> Following:
         """A motion that waits for the motions before it; those behind it wait for it."""
         return cls(kind, make, _no_target, settings=(object(),))
 
     @classmethod
-    def once(cls, kind: str, make: Callable[[Vector], TargetFollower]) -> Following:
+    def once(cls, kind: str, make: Callable[[Array], TargetFollower]) -> Following:
         """A motion that excludes all others: no other motion runs, waits or takes over."""
         return cls(kind, make, _no_target, alone=True, idle=True, settings=(object(),))
 
@@ -109,7 +106,7 @@ class MotionQueue:
         failures, faults: messages for the error list, and of safety stops, until they are taken.
     """
 
-    def __init__(self, tasks: TaskTable, mover: Callable[[Vector], Mover], q: Vector) -> None:
+    def __init__(self, tasks: TaskTable, mover: Callable[[Array], Mover], q: Array) -> None:
         self._tasks = tasks
         self._make = mover
         self._mover = mover(q)
@@ -180,14 +177,14 @@ class MotionQueue:
         """The latest set-point."""
         return self._mover.setpoint if self._follower is None else self._follower.setpoint
 
-    def reset(self, q: Vector) -> None:
+    def reset(self, q: Array) -> None:
         """Restart at q [rad], where brakes have held the arm. The queue must be empty."""
         assert not self._queue
         self._at_rest = True
         self._leave(q)
         self.phase = _IDLE
 
-    def _leave(self, q: Vector) -> None:
+    def _leave(self, q: Array) -> None:
         """Drop the follower, and restart the mover at q [rad], where the arm stands."""
         self._follower = self._following = None
         self._mover = self._make(q)
@@ -220,7 +217,7 @@ class MotionQueue:
             self.unplanned.append((id_, plan))
             return
 
-        def checked(start: Vector) -> Segment:
+        def checked(start: Array) -> Segment:
             # Checked here, not at the mover's event: it may plan the next motion before the event.
             if id_ not in self._queue:
                 raise PlanError("parameter", "the motion before it failed")
@@ -373,7 +370,7 @@ class MotionQueue:
         endless = self._follower is not None
         self.stop(TaskState.FINISHED if endless else TaskState.INTERRUPT, message)
 
-    def yield_to(self, q: Vector) -> None:
+    def yield_to(self, q: Array) -> None:
         """Stand at q [rad], where the arm is, instead of decelerating along the path.
 
         Only for motions that are being stopped: their tasks end when the arm stands.
@@ -381,7 +378,7 @@ class MotionQueue:
         assert self.phase is MotionPhase.STOPPING or not self._queue
         self._leave(q)
 
-    def cut(self, message: str, q: Vector) -> None:
+    def cut(self, message: str, q: Array) -> None:
         """End every motion with an error at once: the brakes have closed at q [rad]."""
         self._ending = (TaskState.ERROR, message)
         self._end_all()
@@ -412,7 +409,7 @@ class MotionQueue:
                 self._tasks.set(id_, TaskState.RUNNING)
         self._finish_waiting(TaskState.INTERRUPT)
 
-    def tick(self, time: float, q: Vector, qd: Vector, *, at_rest: bool) -> JointSetPoint:
+    def tick(self, time: float, q: Array, qd: Array, *, at_rest: bool) -> JointSetPoint:
         """The set-point of the next cycle.
 
         Args:
@@ -439,7 +436,7 @@ class MotionQueue:
             self._at_standstill()
         return tick.setpoint
 
-    def _tick_follower(self, follower: TargetFollower, q: Vector, qd: Vector) -> JointSetPoint:
+    def _tick_follower(self, follower: TargetFollower, q: Array, qd: Array) -> JointSetPoint:
         failed = follower.failure
         setpoint = follower.tick(q, qd)
         failure = follower.failure

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["OptimizationSwitches", "WeaveSelection"]
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class OptimizationSwitches:
     """The switches of the optimization.
 

@@ -10,11 +10,9 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.project import RecordedTrack
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["BY_POSITION", "BY_TIME", "Recorder"]
 
@@ -26,9 +24,9 @@ class _Recording:
     track: RecordedTrack
     mode: int
     interval: float
-    pose: Callable[[Vector], tuple[float, ...]]
+    pose: Callable[[Array], tuple[float, ...]]
     on_finished: Callable[[RecordedTrack], None]
-    last: Vector | None = None
+    last: Array | None = None
     due: float = 0.0
 
 
@@ -48,7 +46,7 @@ class Recorder:
         track: RecordedTrack,
         mode: int,
         interval: float,
-        pose: Callable[[Vector], tuple[float, ...]],
+        pose: Callable[[Array], tuple[float, ...]],
         on_finished: Callable[[RecordedTrack], None],
     ) -> None:
         """Record from the next cycle on. No other recording may be active.
@@ -71,7 +69,7 @@ class Recorder:
         if recording is not None:
             recording.on_finished(recording.track)
 
-    def tick(self, time: float, q: Vector) -> bool:
+    def tick(self, time: float, q: Array) -> bool:
         """Record a point if one is due.
 
         Args:

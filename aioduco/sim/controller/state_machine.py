@@ -43,8 +43,7 @@ from aioduco.sim.planner.track_pool import TrackPool
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.tools import Tool, WorkObject
     from aioduco.sim.controller.motion_queue import Following, Plan, Planning
     from aioduco.sim.controller.programs import RunningProgram
@@ -54,7 +53,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.mover import Drafted, Mover
     from aioduco.sim.planner.path import PlanError
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["DEVIATION", "Controller", "ControllerState"]
 
@@ -132,7 +130,7 @@ class Controller:
         sensed: measurements of the arm in this cycle; of the simulated arm while there is one.
     """
 
-    def __init__(self, mover: Callable[[Vector], Mover], q: Vector, force: ForceControl) -> None:
+    def __init__(self, mover: Callable[[Array], Mover], q: Array, force: ForceControl) -> None:
         self.tasks: TaskTable = TaskTable()
         self.signals: Signals = Signals()
         self.frames: FrameTable = FrameTable()
@@ -698,7 +696,7 @@ class Controller:
             self.fault(SafetyState.STOP2, message)
 
 
-def _deviation(wanted: Vector, q: Vector) -> str:
+def _deviation(wanted: Array, q: Array) -> str:
     """Text about the joint that is too far from its set-point; empty if none is."""
     if math.dist(wanted.tolist(), q.tolist()) <= DEVIATION:
         return ""  # then each joint is near enough; for six, plain floats are faster than arrays

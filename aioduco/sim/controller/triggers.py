@@ -19,15 +19,13 @@ from aioduco.sim.refusal import Rejected
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import Op
+    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.signals import Signals
     from aioduco.sim.forgiving import Forgiving
     from aioduco.sim.planner.mover import Travel
     from aioduco.sim.planner.path import JointSetPoint
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["MotionTriggers", "PathTrigger", "Triggers", "motion_triggers", "point_trigger"]
 
@@ -68,12 +66,12 @@ class MotionTriggers:
         flange: gives the position of the flange for joints [rad].
     """
 
-    tip: Callable[[Vector], Vector]
+    tip: Callable[[Array], Array]
     start: PathTrigger | None = None
     end: PathTrigger | None = None
     halt: PathTrigger | None = None
-    points: deque[tuple[Vector, Callable[[], None]]] = field(default_factory=deque)
-    flange: Callable[[Vector], Vector] | None = None
+    points: deque[tuple[Array, Callable[[], None]]] = field(default_factory=deque)
+    flange: Callable[[Array], Array] | None = None
     _distance: float = math.inf  # from the next point
 
     def travel(self, travel: Travel) -> None:
@@ -90,7 +88,7 @@ class MotionTriggers:
                 self.end = None
                 end.fire()
 
-    def pass_points(self, q: Vector) -> None:
+    def pass_points(self, q: Array) -> None:
         """Fire at a point that is passed: where the flange is nearest to it."""
         if not self.points or self.flange is None:
             return
@@ -218,7 +216,7 @@ class _Behind:
 
     triggers: MotionTriggers
     since: float
-    at: Vector
+    at: Array
     way: float = 0.0
 
     def tick(self, time: float, setpoint: JointSetPoint) -> None:
@@ -232,7 +230,7 @@ class _Behind:
 def motion_triggers(
     op: Op,
     signals: Signals,
-    tip: Callable[[Vector], Vector],
+    tip: Callable[[Array], Array],
     forgiving: Forgiving,
     *,
     distance: bool,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from aioduco.models.rotation import Array
 
-    Vector: TypeAlias = NDArray[np.float64]
 
 __all__ = ["SensorNoise"]
 
@@ -32,9 +31,9 @@ class SensorNoise:
 
     def __init__(self, seed: int) -> None:
         self._random = np.random.default_rng(seed)
-        self.offset: Vector = self._random.uniform(-_OFFSET, _OFFSET)
+        self.offset: Array = self._random.uniform(-_OFFSET, _OFFSET)
 
-    def __call__(self, signal: Vector) -> Vector:
+    def __call__(self, signal: Array) -> Array:
         """Give the signal with the offset and a new sample of the noise [N, N m]. Shape (6,)."""
-        noise: Vector = self._random.standard_normal(6) * (_NOISE / 3.0)
+        noise: Array = self._random.standard_normal(6) * (_NOISE / 3.0)
         return signal + self.offset + noise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +12,8 @@ from aioduco.kinematics.mounting import GRAVITY
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from aioduco.models.rotation import Array
 
-    Vector: TypeAlias = NDArray[np.float64]
-    Matrix: TypeAlias = NDArray[np.float64]
 
 __all__ = ["DOWN", "ForceAxes", "ForceSensor"]
 
@@ -35,24 +33,24 @@ class ForceAxes:
         of_tool: whether the axes are the tool's, rather than the work object's.
     """
 
-    tip: Matrix
-    wobj: Matrix
+    tip: Array
+    wobj: Array
     of_tool: bool = True
     _at: list[float] = field(init=False, repr=False)
     _axes: list[list[float]] = field(init=False, repr=False)
-    _turn: Matrix = field(init=False, repr=False)
+    _turn: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_at", self.tip[:3, 3].tolist())
         object.__setattr__(self, "_axes", self.tip[:3, :3].tolist())
         object.__setattr__(self, "_turn", (self.tip if self.of_tool else self.wobj)[:3, :3])
 
-    def turn(self, flange: Matrix) -> Matrix:
+    def turn(self, flange: Array) -> Array:
         """Give the axes as columns in the base frame, (3, 3), for the flange's rotation there."""
-        turned: Matrix = flange.dot(self._turn) if self.of_tool else self._turn
+        turned: Array = flange.dot(self._turn) if self.of_tool else self._turn
         return turned
 
-    def seen(self, wrench: Sequence[float], flange: Matrix) -> list[float]:
+    def seen(self, wrench: Sequence[float], flange: Array) -> list[float]:
         """Convert a wrench on the flange to one on the tip, along the axes.
 
         Args:
@@ -99,15 +97,15 @@ class ForceSensor:
     centre: tuple[float, ...] = (0.0, 0.0, 0.0)
     gravity: tuple[float, ...] = DOWN
 
-    def reading(self, signal: Vector) -> list[float]:
+    def reading(self, signal: Array) -> list[float]:
         """Give the signal after taring (fc_get_ft)."""
         return _less(signal.tolist(), self.zero)
 
-    def felt(self, signal: Vector) -> list[float]:
+    def felt(self, signal: Array) -> list[float]:
         """Give the sum of the load's weight and the external force."""
         return _less(signal.tolist(), self.bare)
 
-    def external(self, signal: Vector, flange: Matrix) -> list[float]:
+    def external(self, signal: Array, flange: Array) -> list[float]:
         """Give the external force.
 
         Args:
@@ -117,7 +115,7 @@ class ForceSensor:
         felt = self.felt(signal)
         return felt if self.mass == 0.0 else _less(felt, self.weight(flange))
 
-    def weight(self, flange: Matrix) -> tuple[float, ...]:
+    def weight(self, flange: Array) -> tuple[float, ...]:
         """Give the weight of the known load, as a wrench on the flange, in its frame."""
         if self.mass == 0.0:
             return _NOTHING
@@ -131,8 +129,8 @@ class ForceSensor:
 
     def tared(
         self,
-        signal: Vector,
-        flange: Matrix,
+        signal: Array,
+        flange: Array,
         direction: Sequence[bool] = (True,) * 6,
         value: Sequence[float] = _NOTHING,
     ) -> ForceSensor:

@@ -9,13 +9,11 @@ from aioduco.errors import ParameterError
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import UnknownName
 from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Container, Sequence
 
-    from aioduco.sim.cabinet.tools import FrameTable, Tool, WorkObject
     from aioduco.sim.forgiving import Forgiving
 
 
@@ -32,6 +30,12 @@ def number(name: str, value: float, low: float, high: float, unit: str) -> float
     if not least(low) <= value <= most(high):
         raise mismatch(f"{name} is {value}, but must be {_range(low, high)} {unit}")
     return min(max(value, low), high)
+
+
+def choice(name: str, value: int, allowed: Container[int], words: str) -> None:
+    """Check that a number is one of some, which `words` names."""
+    if value not in allowed:
+        raise mismatch(f"{name} is {value}, but must be {words}")
 
 
 def _range(low: float, high: float) -> str:
@@ -94,19 +98,3 @@ def name_of(name: str, value: str, max_bytes: int) -> str:
     if not 0 < len(value.encode()) <= max_bytes:
         raise mismatch(f"{name} must have 1 to {max_bytes} bytes")
     return value
-
-
-def tool(frames: FrameTable, name: str) -> Tool:
-    """Find a tool by its name; an empty name means the tool in use."""
-    try:
-        return frames.tool(name)
-    except UnknownName as exc:
-        raise Rejected(TaskState.ILLEGAL, str(exc)) from None
-
-
-def wobj(frames: FrameTable, name: str) -> WorkObject:
-    """Find a work object by its name; an empty name means the one in use."""
-    try:
-        return frames.wobj(name)
-    except UnknownName as exc:
-        raise Rejected(TaskState.ILLEGAL, str(exc)) from None

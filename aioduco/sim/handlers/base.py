@@ -98,8 +98,14 @@ class HandlerSection:
         self._forgiving = context.forgiving
         self._context = context
 
-    def _task(self, name: str, block: bool, command: Callable[[Controller], int]) -> int:
+    def _task(self, name: str, block: bool, command: Callable[[Controller], int | None]) -> int:
         """Give the controller a command that makes a task.
+
+        Args:
+            name: name of the function.
+            block: whether to wait for the end of the task.
+            command: returns the id of its task; None if what it did is finished, by a task of its
+                own.
 
         Returns:
             The state in which the task ended, or the task's id when the call does not block; 0
@@ -107,7 +113,8 @@ class HandlerSection:
         """
         with self._runtime.command() as controller:
             try:
-                id_ = command(controller)
+                made = command(controller)
+                id_ = controller.finish(name) if made is None else made
             except Rejected as exc:
                 id_ = controller.reject(name, exc.state, str(exc))
                 if exc.state is TaskState.PARAMETER_MISMATCH and name in ZERO_OUT_OF_RANGE:
@@ -126,10 +133,9 @@ class HandlerSection:
             put: puts the points in, and returns whether they fit.
         """
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             if not put(controller):
                 raise QueueFull
-            return controller.finish(name)
 
         try:
             return self._task(name, block, command)

@@ -117,11 +117,10 @@ class BusHandlers(HandlerSection):
             return port.write(b"".join(map(_bytes, parts)), self._runtime.snapshot.time)
 
     def _rate(self, name: str, value: int, block: bool, change: Callable[[int], None]) -> int:
-        def command(controller: Controller) -> int:
+        def command(_: Controller) -> None:
             if value < 1:
                 raise mismatch(f"value is {value}, but must be from 1 bit/s")
             change(value)
-            return controller.finish(name)
 
         return self._task(name, block, command)
 
@@ -227,7 +226,7 @@ class BusHandlers(HandlerSection):
         return self._change(function, change)
 
     def _change(self, name: str, change: Callable[[], None]) -> int:
-        def command(controller: Controller) -> int:
+        def command(_: Controller) -> None:
             try:
                 with self._cabinet.lock:
                     change()
@@ -235,7 +234,6 @@ class BusHandlers(HandlerSection):
                 raise mismatch(str(exc)) from None
             except NoAnswer as exc:
                 raise Rejected(TaskState.ERROR, str(exc)) from None
-            return controller.finish(name)
 
         return self._task(name, True, command)
 

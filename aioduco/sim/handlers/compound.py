@@ -41,11 +41,9 @@ class CompoundHandlers(HandlerSection):
     ) -> int:
         """Set the weave that the next enable_combine_motion switches on."""
 
-        def command(controller: Controller) -> int:
-            if type not in tuple(WeaveShape):
-                raise mismatch(f"type is {type}, but must be from 1 to 5")
-            if ref_plane not in tuple(WeavePlane):
-                raise mismatch(f"ref_plane is {ref_plane}, but must be from 0 to 5")
+        def command(controller: Controller) -> None:
+            arguments.choice("type", type, tuple(WeaveShape), "from 1 to 5")
+            arguments.choice("ref_plane", ref_plane, tuple(WeavePlane), "from 0 to 5")
             if not all(map(math.isfinite, (el_offset, az_offset, up_height))):
                 raise mismatch("el_offset, az_offset and up_height must be finite")
             left, right = _dwells(time)
@@ -61,29 +59,26 @@ class CompoundHandlers(HandlerSection):
                 right,
                 path_dwell,
             )
-            return controller.finish("combine_motion_config")
 
         return self._task("combine_motion_config", True, command)
 
     def enable_combine_motion(self) -> int:
         """Add the weave that was set last to later paths."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             _check_idle(controller)
             if controller.weaving.chosen is None:
                 raise Rejected(TaskState.ILLEGAL, "no combined motion has been set")
             controller.weaving.active = controller.weaving.chosen
-            return controller.finish("enable_combine_motion")
 
         return self._task("enable_combine_motion", True, command)
 
     def disable_combine_motion(self) -> int:
         """Add no weave to later paths."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             _check_idle(controller)
             controller.weaving.active = None
-            return controller.finish("disable_combine_motion")
 
         return self._task("disable_combine_motion", True, command)
 

@@ -12,20 +12,17 @@ from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.paths import PathSection
 from aioduco.sim.planner.segments import stay
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam, Op
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
 
-    Vector = NDArray[np.float64]
 
 _FARTHEST = 1e4  # stands for an unlimited range [rad or m]
 _SPEEDS = (1e-6, 1e4, "rad/s or m/s")  # least above zero, and largest finite
@@ -42,57 +39,37 @@ class ExternalAxisHandlers(PathSection):
 
     def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
         """Set up an axis; parameters of drives and encoders have no effect here."""
-
-        def command(controller: Controller) -> int:
-            controller.external_axes.set_axis(num, _axis(param))
-            return controller.finish("set_eaxis_param")
-
-        return self._task("set_eaxis_param", block, command)
+        return self._task(
+            "set_eaxis_param", block, lambda c: c.external_axes.set_axis(num, _axis(param))
+        )
 
     def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
         """Set which axes belong to a scheme; their placement has no effect here."""
-
-        def command(controller: Controller) -> int:
-            controller.external_axes.link(num, param.axis_link)
-            return controller.finish("set_eaxiss_scheme_param")
-
-        return self._task("set_eaxiss_scheme_param", block, command)
+        return self._task(
+            "set_eaxiss_scheme_param", block, lambda c: c.external_axes.link(num, param.axis_link)
+        )
 
     def add_eaxis_scheme(self, num: int, block: bool) -> int:
         """Add a scheme. It is called "scheme<num>" and has no axes yet."""
-
-        def command(controller: Controller) -> int:
-            controller.external_axes.add(num)
-            return controller.finish("add_eaxis_scheme")
-
-        return self._task("add_eaxis_scheme", block, command)
+        return self._task("add_eaxis_scheme", block, lambda c: c.external_axes.add(num))
 
     def delete_eaxis_scheme(self, num: int, block: bool) -> int:
         """Delete a scheme that is not active."""
-
-        def command(controller: Controller) -> int:
-            controller.external_axes.delete(num)
-            return controller.finish("delete_eaxis_scheme")
-
-        return self._task("delete_eaxis_scheme", block, command)
+        return self._task("delete_eaxis_scheme", block, lambda c: c.external_axes.delete(num))
 
     def enable_eaxis_scheme(self, scheme_name: str) -> int:
         """启动外部轴方案."""
-
-        def command(controller: Controller) -> int:
-            controller.external_axes.enable(scheme_name)
-            return controller.finish("enable_eaxis_scheme")
-
-        return self._task("enable_eaxis_scheme", True, command)
+        return self._task(
+            "enable_eaxis_scheme", True, lambda c: c.external_axes.enable(scheme_name)
+        )
 
     def disable_eaxis_scheme(self, scheme_name: str) -> int:
         """结束外部轴方案, only while nothing moves."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             if not controller.idle:
                 raise Rejected(TaskState.ILLEGAL, "motions are running")
             controller.external_axes.disable(scheme_name)
-            return controller.finish("disable_eaxis_scheme")
 
         return self._task("disable_eaxis_scheme", True, command)
 
@@ -117,8 +94,7 @@ class ExternalAxisHandlers(PathSection):
         """Jog the first axis of a scheme, until stop_manual_move or the end of its range."""
 
         def command(controller: Controller) -> int:
-            if direction not in (-1, 1):
-                raise mismatch(f"direction is {direction}, but must be -1 or 1")
+            arguments.choice("direction", direction, (-1, 1), "-1 or 1")
             share = arguments.positive("vel", vel, 100.0, "%") / 100.0
             axes = controller.external_axes.jog(name, direction, share)
             return controller.jog(
@@ -265,7 +241,7 @@ class ExternalAxisHandlers(PathSection):
         external = self._runtime.external_axes
         external.check_active(scheme_name)
 
-        def both(start: Vector) -> Segment:
+        def both(start: Array) -> Segment:
             return replace(plan(start), axes=external.to(scheme_name, target, speed))
 
         return both

@@ -12,14 +12,14 @@ from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.force.conditions import Condition
 from aioduco.sim.force.control import AdmittanceLaw, ForceGuard
 from aioduco.sim.force.sensor import ForceAxes
-from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import number, numbers
+from aioduco.sim.handlers.arguments import choice, number, numbers
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.follower import StandingFollower
 from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from enum import IntEnum
 
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.force.conditions import Quantity
@@ -63,7 +63,7 @@ class ForceHandlers(HandlerSection):
     ) -> int:
         """配置机器人末端力控参数; `value` is the manual's `type`."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             on = _directions(direction)
             damping = numbers("damp", damp, 6)
             for i in range(6):
@@ -77,7 +77,6 @@ class ForceHandlers(HandlerSection):
                 tuple(map(abs, _within("number_list", number_list, _FORCE))),
                 self._axes_of(tool, wobj, value),
             )
-            return controller.finish("fc_config")
 
         return self._task("fc_config", False, command)
 
@@ -104,23 +103,21 @@ class ForceHandlers(HandlerSection):
     ) -> int:
         """力安全监控."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             on, limit = _directions(direction), _amounts("ref_ft", ref_ft)
-            _choice("force_property", force_property, tuple(GuardedForce))
+            _choice("force_property", force_property, GuardedForce)
             axes = self._axes_of(tool, wobj, type)
             controller.force.control.guard = ForceGuard(
                 on, limit, axes, force_property == GuardedForce.WITH_LOAD
             )
-            return controller.finish("fc_guard_act")
 
         return self._task("fc_guard_act", False, command)
 
     def fc_guard_deact(self) -> int:
         """禁用力安全监控."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             controller.force.control.guard = None
-            return controller.finish("fc_guard_deact")
 
         return self._task("fc_guard_deact", False, command)
 
@@ -185,7 +182,7 @@ class ForceHandlers(HandlerSection):
             if len(value) != 3:
                 raise mismatch(f"logic has {len(value)} numbers, but must have 3")
             for how in value:
-                _choice("logic", how, tuple(ForceLogic))
+                _choice("logic", how, ForceLogic)
             return controller.force.combine(value)
 
         return self._task("fc_wait_logic", False, command)
@@ -204,9 +201,9 @@ class ForceHandlers(HandlerSection):
     # -- shared parts --------------------------------------------------------------------------
 
     def _axes_of(self, tool: str, wobj: str, kind: int) -> ForceAxes:
-        _choice("type", kind, tuple(ForceFrame))
-        tip = arguments.tool(self._frames, tool).matrix
-        return ForceAxes(tip, arguments.wobj(self._frames, wobj).matrix, kind == ForceFrame.TOOL)
+        _choice("type", kind, ForceFrame)
+        tip = self._frames.tool(tool).matrix
+        return ForceAxes(tip, self._frames.wobj(wobj).matrix, kind == ForceFrame.TOOL)
 
     def _condition(
         self,
@@ -219,7 +216,7 @@ class ForceHandlers(HandlerSection):
     ) -> int:
         name = f"fc_wait_{quantity}"
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             condition = Condition(
                 middle(),
                 _amounts("range", spread),
@@ -228,7 +225,6 @@ class ForceHandlers(HandlerSection):
                 number("timeout", timeout, 0, math.inf, "ms") / 1000.0,
             )
             controller.force.control.conditions.set(quantity, condition)
-            return controller.finish(name)
 
         return self._task(name, False, command)
 
@@ -251,6 +247,5 @@ def _amounts(name: str, values: Sequence[float]) -> tuple[float, ...]:
     return tuple(values)
 
 
-def _choice(name: str, value: int, choices: tuple[int, ...]) -> None:
-    if value not in choices:
-        raise mismatch(f"{name} is {value}, but must be one of {', '.join(map(str, choices))}")
+def _choice(name: str, value: int, choices: type[IntEnum]) -> None:
+    choice(name, value, tuple(choices), f"one of {', '.join(map(str, choices))}")

@@ -8,7 +8,7 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool, UnknownName
+from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
 from aioduco.sim.handlers.base import HandlerSection
@@ -17,11 +17,8 @@ from aioduco.sim.refusal import Rejected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
-
-    Matrix = NDArray[np.float64]
 
 
 class FrameHandlers(HandlerSection):
@@ -36,7 +33,7 @@ class FrameHandlers(HandlerSection):
     ) -> int:
         """Define a tool, and use it."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             tool = Tool.at(
                 pose("tool_offset", tool_offset),
                 name_of("name", name, MAX_NAME),
@@ -45,27 +42,24 @@ class FrameHandlers(HandlerSection):
             )
             controller.frames.set_tool(tool)
             self._carry(controller)
-            return controller.finish("set_tool_data")
 
         return self._task("set_tool_data", True, command)
 
     def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
         """Define a work object, and use it; on the wire, not in the manual."""
-
-        def command(controller: Controller) -> int:
-            controller.frames.set_wobj(name_of("name", name, MAX_NAME), pose("wobj", wobj))
-            return controller.finish("set_wobj")
-
-        return self._task("set_wobj", True, command)
+        return self._task(
+            "set_wobj",
+            True,
+            lambda c: c.frames.set_wobj(name_of("name", name, MAX_NAME), pose("wobj", wobj)),
+        )
 
     def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> int:
         """Offset the frames of work objects, multiplied from the right."""
-
-        def command(controller: Controller) -> int:
-            controller.frames.set_wobj_offset(pose("wobj", wobj) if active else None)
-            return controller.finish("set_wobj_offset")
-
-        return self._task("set_wobj_offset", True, command)
+        return self._task(
+            "set_wobj_offset",
+            True,
+            lambda c: c.frames.set_wobj_offset(pose("wobj", wobj) if active else None),
+        )
 
     def get_tcp_offset(self) -> list[float]:
         """末端工具的偏移量 [m, rad]."""
@@ -120,12 +114,12 @@ class FrameHandlers(HandlerSection):
             return list(near)
         return found
 
-    def _tool(self, offset: Sequence[float]) -> tuple[Matrix, Matrix]:
+    def _tool(self, offset: Sequence[float]) -> tuple[Array, Array]:
         """A tool's tip in the flange's frame, and the flange in the tip's."""
         tool = Tool.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
         return tool.matrix, tool.inverse
 
-    def _wobj(self, frame: Sequence[float]) -> tuple[Matrix, Matrix]:
+    def _wobj(self, frame: Sequence[float]) -> tuple[Array, Array]:
         """A work object in the base frame, and the base in the work object's."""
         if frame:
             given = pose("wobj", frame)
@@ -136,13 +130,12 @@ class FrameHandlers(HandlerSection):
     def set_load_data(self, value: Sequence[float]) -> int:
         """抓取负载 [kg, m], centre of gravity in the tool's frame; the physics mount it, too."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             mass, *centre = load("value", value)
             tool = controller.frames.tool().matrix
             at = tool[:3, :3] @ centre + tool[:3, 3]
             self._cabinet.held = PointLoad(mass, tuple(at.tolist()))
             self._carry(controller)
-            return controller.finish("set_load_data")
 
         return self._task("set_load_data", True, command)
 
@@ -154,7 +147,7 @@ class FrameHandlers(HandlerSection):
         """Force and torque on a tool's tip along its own axes [N, N m]."""
         try:
             matrix = self._frames.tool(tool).matrix
-        except UnknownName as exc:
+        except Rejected as exc:
             return self._invalid_arguments("get_tcp_force_tool", exc, [])
         return self._external(ForceAxes(matrix, np.eye(4)))
 

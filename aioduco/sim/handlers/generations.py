@@ -21,14 +21,12 @@ from aioduco.sim.refusal import Refusal, Rejected, mismatch
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import EAxissInfo, MoveJogTaskParam, Op, RobotStatus
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.handlers.paths import Range
     from aioduco.sim.planner.servo_follower import ServoTuning
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["NewerHandlers", "OlderHandlers"]
 
@@ -157,7 +155,7 @@ class NewerHandlers(Handlers):
     def _paces(self, name: str) -> tuple[Range, Range]:
         return (_TOOL_SPEED, _TOOL_ACCELERATION) if name in _BY_TOOL else super()._paces(name)
 
-    def _by_joints(self, name: str, tuning: ServoTuning, at: Vector, to: Vector) -> ServoTuning:
+    def _by_joints(self, name: str, tuning: ServoTuning, at: Array, to: Array) -> ServoTuning:
         if name not in _BY_TOOL:
             return tuning
         tool = self._frames.tool().matrix

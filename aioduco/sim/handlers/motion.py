@@ -21,16 +21,13 @@ from aioduco.sim.refusal import mismatch
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import Op, PointOp
+    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.tools import Tool
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
 
-    Matrix = NDArray[np.float64]
-    Vector = NDArray[np.float64]
 
 _MOST_POINTS = 50
 _SPLINES = ("spline", "spline_op")
@@ -211,11 +208,10 @@ class MotionHandlers(PathSection):
         """Move along a spiral about the z axis of p1, to a radius and a height or to p2."""
 
         def plan() -> Plan:
-            if mode not in (_BY_PARAMETERS, _BY_END):
-                raise mismatch(f"mode is {mode}, but must be 0 or 1")
-            base = arguments.wobj(self._frames, wobj)
+            arguments.choice("mode", mode, (_BY_PARAMETERS, _BY_END), "0 or 1")
+            base = self._frames.wobj(wobj)
             centre = base.matrix @ arguments.pose("p1", p1).matrix
-            tip = arguments.tool(self._frames, tool).matrix
+            tip = self._frames.tool(tool).matrix
             target = self._target("p2", p2, tool, wobj)[0] if mode == _BY_END else None
             turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
             axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
@@ -272,7 +268,7 @@ class MotionHandlers(PathSection):
         def_acc: bool,
     ) -> int:
         """The same as spline, with triggers at the poses."""
-        fires: list[tuple[Matrix, Callable[[], None]]] = []
+        fires: list[tuple[Array, Callable[[], None]]] = []
 
         def plan() -> Plan:
             poses = [point.pos for point in pose_list]
@@ -297,13 +293,13 @@ class MotionHandlers(PathSection):
     ) -> Plan:
         if not 1 <= len(poses) <= _MOST_POINTS:
             raise mismatch(f"pose_list has {len(poses)} poses, but must have 1 to {_MOST_POINTS}")
-        used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj).matrix
+        used, base = self._frames.tool(tool), self._frames.wobj(wobj).matrix
         tip, flange = used.matrix, used.inverse
         given = [arguments.pose("pose_list", p) for p in poses]
         radius, options = blend(r), self._path_options(wobj)
         apart = self._runtime.last_motion in _SPLINES
 
-        def path(start: Vector) -> Segment:
+        def path(start: Array) -> Segment:
             # Computed here, without the controller's lock: fifty poses take a millisecond.
             targets = in_turn(lambda pose: base @ pose.matrix @ flange, given)
             return spline_move(
@@ -328,7 +324,7 @@ class MotionHandlers(PathSection):
         """Move by an offset in the tool's frame."""
 
         def plan() -> Plan:
-            used = arguments.tool(self._frames, tool)
+            used = self._frames.tool(tool)
             step = arguments.pose("pose_offset", pose_offset).matrix
             return self._offset_move(lambda tip: tip @ step, used, v, a, r, def_acc)
 
@@ -350,8 +346,8 @@ class MotionHandlers(PathSection):
         """Move by the displacement from p1 to p2, in the tool's frame: tip · p1⁻¹ · p2."""
 
         def plan() -> Plan:
-            used = arguments.tool(self._frames, tool)
-            arguments.wobj(self._frames, wobj)  # it cancels out, but must exist
+            used = self._frames.tool(tool)
+            self._frames.wobj(wobj)  # it cancels out, but must exist
             first, second = arguments.pose("p1", p1), arguments.pose("p2", p2)
             step = first.inverse().matrix @ second.matrix
             return self._offset_move(lambda tip: tip @ step, used, v, a, r, def_acc, wobj)
@@ -373,7 +369,7 @@ class MotionHandlers(PathSection):
 
         def plan() -> Plan:
             step = arguments.pose("pose_offset", pose_offset).matrix
-            axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
+            axes = self._frames.wobj(wobj).matrix[:3, :3]
             used = self._frames.tool()
             return self._offset_move(
                 lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj
@@ -397,8 +393,8 @@ class MotionHandlers(PathSection):
         """Move by the displacement from p1 to p2, along and about the axes of the work object."""
 
         def plan() -> Plan:
-            used = arguments.tool(self._frames, tool)
-            axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
+            used = self._frames.tool(tool)
+            axes = self._frames.wobj(wobj).matrix[:3, :3]
             first, second = arguments.pose("p1", p1).matrix, arguments.pose("p2", p2).matrix
             step = np.eye(4)
             step[:3, 3] = second[:3, 3] - first[:3, 3]
@@ -412,20 +408,17 @@ class MotionHandlers(PathSection):
     def set_blend_ahead(self, per: int, num: int) -> int:
         """Set how far programs read motions ahead, and when blocking calls are answered."""
 
-        def command(controller: Controller) -> int:
-            if not 0 <= per <= 100:
-                raise mismatch(f"per is {per}, but must be from 0 to 100 %")
+        def command(controller: Controller) -> None:
+            arguments.choice("per", per, range(101), "from 0 to 100 %")
             # A client may leave `num` out: then it is 0 on the wire, which means 1.
-            if not 0 <= num <= 3:
-                raise mismatch(f"num is {num}, but must be from 1 to 3")
+            arguments.choice("num", num, range(4), "from 1 to 3")
             controller.read_ahead = per, max(num, 1)
-            return controller.finish("set_blend_ahead")
 
         return self._task("set_blend_ahead", True, command)
 
     def _offset_move(
         self,
-        moved: Callable[[Matrix], Matrix],
+        moved: Callable[[Array], Array],
         tool: Tool,
         v: float,
         a: float,
@@ -435,14 +428,14 @@ class MotionHandlers(PathSection):
     ) -> Plan:
         pace, radius, options = self._line_pace(v, a, def_acc), blend(r), self._path_options(wobj)
 
-        def from_there(start: Vector) -> Segment:
+        def from_there(start: Array) -> Segment:
             target = moved(self._arm.fkine(start) @ tool.matrix) @ tool.inverse
             return line_move(self._arm, start, target, *pace, radius, tool=tool.matrix, **options)
 
         return from_there
 
 
-def _along(tip: Matrix, axes: Matrix, step: Matrix) -> Matrix:
+def _along(tip: Array, axes: Array, step: Array) -> Array:
     """Move a tip along given axes, and turn it in place about them."""
     moved = tip.copy()
     moved[:3, 3] += axes @ step[:3, 3]

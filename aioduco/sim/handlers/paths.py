@@ -24,21 +24,17 @@ from aioduco.sim.planner.segments import (
     joint_move,
     line_move,
 )
-from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import Op
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
     from aioduco.sim.planner.weaving import Weave
 
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
 
 #: lowest, highest and unit
 Range: TypeAlias = tuple[float, float, str]
@@ -83,7 +79,7 @@ class PathSection(HandlerSection):
         block: bool,
         *,
         line: bool = True,
-        points: Sequence[tuple[Vector, Callable[[], None]]] = (),
+        points: Sequence[tuple[Array, Callable[[], None]]] = (),
     ) -> int:
         """Queue a motion.
 
@@ -99,7 +95,7 @@ class PathSection(HandlerSection):
         def command(controller: Controller) -> int:
             tool = self._frames.tool().matrix
 
-            def tip(q: Vector) -> Vector:
+            def tip(q: Array) -> Array:
                 return (self._arm.fkine(q) @ tool)[:3, 3]
 
             planned = plan()
@@ -149,7 +145,7 @@ class PathSection(HandlerSection):
         """Options of paths at a work object, by the settings that are switched on."""
         weave = self._runtime.weaving.active
         if weave is not None:
-            axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
+            axes = self._frames.wobj(wobj).matrix[:3, :3]
             weave = replace(weave, work_object=axes)
         around = self._runtime.optimization.avoids
         return {"weave": weave, "around": around}
@@ -174,7 +170,7 @@ class PathSection(HandlerSection):
         target, tip = self._target("p", p, tool, wobj)
         reference, radius = near(q_near), blend(r)
 
-        def inverse(start: Vector) -> Segment:
+        def inverse(start: Array) -> Segment:
             try:
                 end = self._arm.ikine(target, start if reference is None else reference)
             except Unreachable as exc:
@@ -217,8 +213,7 @@ class PathSection(HandlerSection):
         """Plan a motion along an arc through p1 to p2."""
         via, tip = self._target("p1", p1, tool, wobj)
         target, _ = self._target("p2", p2, tool, wobj)
-        if mode not in (0, 1, 2):
-            raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
+        arguments.choice("mode", mode, (0, 1, 2), "0, 1 or 2")
         radius, options = blend(r), self._path_options(wobj)
         return self._verified(
             lambda start: arc_move(
@@ -241,8 +236,7 @@ class PathSection(HandlerSection):
         """Plan a motion once round the circle through p1 and p2."""
         first, tip = self._target("p1", p1, tool, wobj)
         second, _ = self._target("p2", p2, tool, wobj)
-        if mode not in (1, 2):
-            raise mismatch(f"mode is {mode}, but must be 1 or 2")
+        arguments.choice("mode", mode, (1, 2), "1 or 2")
         radius, options = blend(r), self._path_options(wobj)
         return self._verified(
             lambda start: circle_move(
@@ -258,7 +252,7 @@ class PathSection(HandlerSection):
             return plan
         wanted = singular_values(self._arm.geometry, reference)
 
-        def verified(start: Vector) -> Segment:
+        def verified(start: Array) -> Segment:
             segment = plan(start)
             found = singular_values(self._arm.geometry, segment.q_end)
             other = (np.sign(wanted) != np.sign(found)) & (
@@ -276,14 +270,14 @@ class PathSection(HandlerSection):
 
         return verified
 
-    def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Matrix, Matrix]:
+    def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Array, Array]:
         """Pose of the flange in the base frame, and of the tool's tip in the flange's."""
-        used = arguments.tool(self._frames, tool)
-        base = arguments.wobj(self._frames, wobj)
+        used = self._frames.tool(tool)
+        base = self._frames.wobj(wobj)
         return base.matrix @ arguments.pose(name, p).matrix @ used.inverse, used.matrix
 
 
-def near(q_near: Sequence[float]) -> Vector | None:
+def near(q_near: Sequence[float]) -> Array | None:
     """Reference joints; None if none are given."""
     return np.array(arguments.joints("q_near", q_near)) if q_near else None
 

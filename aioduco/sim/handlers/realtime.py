@@ -17,13 +17,10 @@ from aioduco.sim.refusal import mismatch
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import RealTimeControlData
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
 
-    Vector = NDArray[np.float64]
 
 _KIND = "realtime control"
 #: the manual's defaults, for a client that leaves the arguments out
@@ -36,11 +33,10 @@ class RealtimeHandlers(HandlerSection):
     def start_realtime_mode(self, mode: int, fileter_bandwidth: float, com_lost_time: float) -> int:
         """Follow the queue, one point per cycle; the task is done as soon as that has begun."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> int | None:
             if mode == RealtimeMode.JOINT_TORQUE:
                 raise mismatch("mode is 2, joint torques, which the manual calls reserved")
-            if mode not in list(Follow):
-                raise mismatch(f"mode is {mode}, but must be 0, 1, 3 or 4")
+            arguments.choice("mode", mode, tuple(Follow), "0, 1, 3 or 4")
             what = Follow(mode)
             bandwidth = arguments.positive(
                 "fileter_bandwidth", fileter_bandwidth or _BANDWIDTH, 1e6, "Hz"
@@ -54,10 +50,10 @@ class RealtimeHandlers(HandlerSection):
 
     def _start(
         self, controller: Controller, what: Follow, bandwidth: float, patience: float
-    ) -> int:
+    ) -> int | None:
         tool, wobj = self._frames.tool().matrix, self._frames.wobj().matrix
 
-        def make(q: Vector) -> RealtimeFollower:
+        def make(q: Array) -> RealtimeFollower:
             return RealtimeFollower(
                 self._arm,
                 q,
@@ -80,7 +76,7 @@ class RealtimeHandlers(HandlerSection):
             if wrong:
                 controller.fault(SafetyState.STOP2, f"{_KIND}: {wrong}")
                 return id_
-        return controller.finish("start_realtime_mode")
+        return None
 
     def end_realtime_mode(self) -> int:
         """Bring the arm to rest and leave the mode."""
@@ -101,11 +97,7 @@ class RealtimeHandlers(HandlerSection):
     def clear_realtime_data_queue(self) -> int:
         """Empty the queue."""
 
-        def command(controller: Controller) -> int:
-            controller.commands.clear()
-            return controller.finish("clear_realtime_data_queue")
-
-        return self._task("clear_realtime_data_queue", True, command)
+        return self._task("clear_realtime_data_queue", True, lambda c: c.commands.clear())
 
     def get_realtime_data_queue_size(self) -> int:
         """Number of points in the queue."""

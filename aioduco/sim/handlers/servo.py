@@ -18,12 +18,10 @@ from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.handlers.paths import Range
 
-    Vector = NDArray[np.float64]
 
 #: the vendor's values, for a client that leaves them out: all four are then zero on the wire
 _GAINS = (200.0, 25.0, 10.0, 1.0)
@@ -45,7 +43,7 @@ class ServoHandlers(HandlerSection):
     ) -> int:
         """Move to joint angles, each joint independently."""
 
-        def target() -> Callable[[Vector], Vector]:
+        def target() -> Callable[[Array], Array]:
             goal = np.array(arguments.joints("joints_list", joints_list))
             return lambda _last: goal
 
@@ -67,7 +65,7 @@ class ServoHandlers(HandlerSection):
     ) -> int:
         """Move to a pose of the tool, each joint independently."""
 
-        def target() -> Callable[[Vector], Vector]:
+        def target() -> Callable[[Array], Array]:
             return self._at_pose(pose_list, q_near, tool, wobj)
 
         return self._servo("servoj_pose", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
@@ -86,8 +84,8 @@ class ServoHandlers(HandlerSection):
     ) -> int:
         """Move by an offset in the tool's frame, relative to the present target."""
 
-        def target() -> Callable[[Vector], Vector]:
-            used = arguments.tool(self._frames, tool)
+        def target() -> Callable[[Array], Array]:
+            used = self._frames.tool(tool)
             step = used.matrix @ arguments.pose("pose_offset", pose_offset).matrix @ used.inverse
             return lambda last: self._inverse(self._arm.fkine(last) @ step, last)
 
@@ -109,7 +107,7 @@ class ServoHandlers(HandlerSection):
     ) -> int:
         """Move to a pose of the tool, each joint independently, as the manual's text says."""
 
-        def target() -> Callable[[Vector], Vector]:
+        def target() -> Callable[[Array], Array]:
             return self._at_pose(pose_list, q_near, tool, wobj)
 
         return self._servo("servol", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
@@ -119,7 +117,7 @@ class ServoHandlers(HandlerSection):
     def _servo(
         self,
         name: str,
-        target: Callable[[], Callable[[Vector], Vector]],
+        target: Callable[[], Callable[[Array], Array]],
         numbers: tuple[float, ...],
         block: bool,
     ) -> int:
@@ -145,8 +143,8 @@ class ServoHandlers(HandlerSection):
         self,
         name: str,  # noqa: ARG002 - others differ by it
         tuning: ServoTuning,
-        at: Vector,  # noqa: ARG002 - as above
-        to: Vector,  # noqa: ARG002 - as above
+        at: Array,  # noqa: ARG002 - as above
+        to: Array,  # noqa: ARG002 - as above
     ) -> ServoTuning:
         """Return the tuning with the v and a of the joints, for a target `to` from `at` [rad]."""
         return tuning
@@ -192,13 +190,13 @@ class ServoHandlers(HandlerSection):
 
     def _at_pose(
         self, p: Sequence[float], q_near: Sequence[float], tool: str, wobj: str
-    ) -> Callable[[Vector], Vector]:
-        used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj)
+    ) -> Callable[[Array], Array]:
+        used, base = self._frames.tool(tool), self._frames.wobj(wobj)
         flange = base.matrix @ arguments.pose("pose_list", p).matrix @ used.inverse
         near = np.array(arguments.joints("q_near", q_near)) if q_near else None
         return lambda last: self._inverse(flange, last if near is None else near)
 
-    def _inverse(self, flange: Vector, near: Vector) -> Vector:
+    def _inverse(self, flange: Array, near: Array) -> Array:
         try:
             return self._arm.ikine(flange, near)
         except Unreachable as exc:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from aioduco._wire.rpc import ReachabilityParam
 from aioduco.errors import Unreachable
 from aioduco.models.enums import OperationMode, TaskState
-from aioduco.sim.handlers.arguments import joints, number, pose
+from aioduco.sim.handlers.arguments import choice, joints, number, pose
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.refusal import Rejected, mismatch
 
@@ -27,11 +27,7 @@ class SettingHandlers(HandlerSection):
 
     def speed(self, val: float) -> int:
         """机器人全局速度百分比 [%]."""
-
-        def command(controller: Controller) -> int:
-            return controller.set_speed(number("val", val, 1.0, 100.0, "%"))
-
-        return self._task("speed", True, command)
+        return self._task("speed", True, lambda c: c.set_speed(number("val", val, 1.0, 100.0, "%")))
 
     def get_global_speed(self) -> int:
         """全局速度的百分比 [%], in whole numbers on the wire."""
@@ -41,8 +37,7 @@ class SettingHandlers(HandlerSection):
         """Set manual (0) or automatic mode (1); refused if a switch at the cabinet decides it."""
 
         def command(controller: Controller) -> int:
-            if mode not in (OperationMode.MANUAL, OperationMode.AUTO):
-                raise mismatch(f"mode is {mode}, but must be 0 or 1")
+            choice("mode", mode, (OperationMode.MANUAL, OperationMode.AUTO), "0 or 1")
             if self._cabinet.mode_switch:
                 raise Rejected(TaskState.ILLEGAL, "a switch at the cabinet decides the mode")
             return controller.switch_mode(OperationMode(mode))
@@ -51,12 +46,7 @@ class SettingHandlers(HandlerSection):
 
     def collision_detection_reset(self) -> int:
         """重置碰撞检测警告."""
-
-        def command(controller: Controller) -> int:
-            controller.reset_collision()
-            return controller.finish("collision_detection_reset")
-
-        return self._task("collision_detection_reset", True, command)
+        return self._task("collision_detection_reset", True, lambda c: c.reset_collision())
 
     def get_robot_version(self) -> str:
         """Version of the controller's software: that of the manual, then this package's."""
@@ -90,9 +80,8 @@ class SettingHandlers(HandlerSection):
     def collision_detect(self, value: int) -> int:
         """碰撞检测等级: 0 for off, 1 to 5."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> None:
             controller.collisions.level = int(number("level", value, 0, 5, "in whole numbers"))
-            return controller.finish("collision_detect")
 
         return self._task("collision_detect", True, command)
 
@@ -163,8 +152,7 @@ class SettingHandlers(HandlerSection):
         return self._cabinet.dynamics
 
     def _keep(self, name: str, change: Callable[[], None]) -> int:
-        def command(controller: Controller) -> int:
+        def command(_: Controller) -> None:
             change()
-            return controller.finish(name)
 
         return self._task(name, True, command)

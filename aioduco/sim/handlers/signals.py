@@ -9,7 +9,7 @@ from aioduco._wire.rpc import IOStatus
 from aioduco.models.enums import OutputMode
 from aioduco.sim.cabinet.signals import LEVEL, Pulses
 from aioduco.sim.cabinet.values import UndefinedValue
-from aioduco.sim.handlers.arguments import number
+from aioduco.sim.handlers.arguments import choice, number
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.refusal import mismatch
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco.sim.cabinet.signals import Bank
+    from aioduco.sim.cabinet.values import SystemValues
     from aioduco.sim.controller.state_machine import Controller
 
 
@@ -94,19 +95,17 @@ class SignalHandlers(HandlerSection):
     def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:  # noqa: A002 - the name on the wire
         """Make a general output a level (0) or pulses (1)."""
 
-        def command(controller: Controller) -> int:
+        def command(_: Controller) -> None:
             outputs = self._signals.standard_out
             if num not in outputs:
                 raise mismatch(f"there is no output {num}; there are 1 to {len(outputs)}")
-            if type not in tuple(OutputMode):
-                raise mismatch(f"type is {type}, but must be 0 or 1")
+            choice("type", type, tuple(OutputMode), "0 or 1")
             pulses = LEVEL
             if type == OutputMode.PULSES:
                 number("freq", freq, 1, 100, "Hz")
                 number("duty_cycle", duty_cycle, 1, 100, "%")
                 pulses = Pulses(freq, duty_cycle)
             outputs.choose(num, pulses)
-            return controller.finish("set_digital_output_mode")
 
         return self._task("set_digital_output_mode", True, command)
 
@@ -166,12 +165,11 @@ class SignalHandlers(HandlerSection):
         block: bool,
         check: Callable[[], object] = lambda: None,
     ) -> int:
-        def command(controller: Controller) -> int:
+        def command(_: Controller) -> None:
             if num not in bank:
                 raise mismatch(f"there is no output {num}; there are 1 to {len(bank)}")
             check()
             bank[num] = value
-            return controller.finish(name)
 
         return self._task(name, block, command)
 
@@ -229,31 +227,23 @@ class SignalHandlers(HandlerSection):
 
     def get_system_value_bool(self, name: str) -> bool:
         """系统变量."""
-        return self._defined(
-            "get_system_value_bool", False, lambda: self._cabinet.values.get(name, bool)
-        )
+        return self._value("get_system_value_bool", False, lambda values: values.get(name, bool))
 
     def get_system_value_double(self, name: str) -> float:
         """系统变量."""
-        return self._defined(
-            "get_system_value_double", 0.0, lambda: self._cabinet.values.get(name, float)
-        )
+        return self._value("get_system_value_double", 0.0, lambda values: values.get(name, float))
 
     def get_system_value_str(self, name: str) -> str:
         """系统变量."""
-        return self._defined(
-            "get_system_value_str", "", lambda: self._cabinet.values.get(name, str)
-        )
+        return self._value("get_system_value_str", "", lambda values: values.get(name, str))
 
     def get_system_value_list(self, name: str) -> list[float]:
         """系统变量."""
-        return self._defined(
-            "get_system_value_list", [], lambda: self._cabinet.values.numbers(name)
-        )
+        return self._value("get_system_value_list", [], lambda values: values.numbers(name))
 
     def get_system_value_lists(self, name: str) -> list[list[float]]:
         """A list of poses; on the wire, in manual 4.3."""
-        return self._defined("get_system_value_lists", [], lambda: self._cabinet.values.lists(name))
+        return self._value("get_system_value_lists", [], lambda values: values.lists(name))
 
     def _set_value(self, function: str, name: str, value: bool | float | str | list[float]) -> int:
         with self._runtime.command() as controller:
@@ -265,19 +255,18 @@ class SignalHandlers(HandlerSection):
         return 0
 
     def _write(self, name: str, bank: Bank[T], num: int, value: T, fits: bool = True) -> int:
-        def command(controller: Controller) -> int:
+        def command(_: Controller) -> None:
             if num not in bank:
                 raise mismatch(f"there is no register {num}; there are 1 to {len(bank)}")
             if not fits:
                 raise mismatch(f"{value} does not fit into the register")
             bank[num] = value
-            return controller.finish(name)
 
         return self._task(name, True, command)
 
-    def _defined(self, function: str, nothing: T, read: Callable[[], T]) -> T:
+    def _value(self, function: str, nothing: T, read: Callable[[SystemValues], T]) -> T:
         try:
-            return read()
+            return read(self._cabinet.values)
         except UndefinedValue as exc:
             return self._invalid_arguments(function, exc, nothing)
 

@@ -9,9 +9,9 @@ import numpy as np
 from aioduco._wire.rpc import RobotStatus
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import UnknownName
 from aioduco.sim.handlers.base import HandlerContext, HandlerSection
 from aioduco.sim.physics.tip import TipMotion, tip_motion
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -99,7 +99,7 @@ class StateHandlers(HandlerSection):
         """Pose of a tool's tip in the frame of a work object, both given by name [m, rad]."""
         try:
             offset, base = self._frames.tool(tool), self._frames.wobj(wobj)
-        except UnknownName as exc:
+        except Rejected as exc:
             return self._invalid_arguments("get_tcp_pose_coord", exc, [])
         flange = self._arm.fkine(self._snapshot.q)
         return list(Pose.from_matrix(base.inverse @ flange @ offset.matrix))

@@ -26,15 +26,12 @@ from aioduco.sim.refusal import Rejected, mismatch
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import PointOp
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.follower import TargetFollower
 
-    Vector = NDArray[np.float64]
-    _Part = Callable[[Vector], TargetFollower]
+    _Part = Callable[[Array], TargetFollower]
 
 _JOINT_ACCELERATION = (math.radians(0.01), 12.5 * math.pi, "rad/s²")
 _LINE_SPEED = (1e-5, 5.0, "m/s")
@@ -70,11 +67,7 @@ class TrackHandlers(HandlerSection):
     def trackClearQueue(self) -> int:  # noqa: N802 - the name on the wire
         """清空轨迹池; an arm that follows the pool slows down."""
 
-        def command(controller: Controller) -> int:
-            controller.pool.clear()
-            return controller.finish("trackClearQueue")
-
-        return self._task("trackClearQueue", True, command)
+        return self._task("trackClearQueue", True, lambda c: c.pool.clear())
 
     def getQueueSize(self) -> int:  # noqa: N802 - the name on the wire
         """轨迹池未被提取的点位数量."""
@@ -88,7 +81,7 @@ class TrackHandlers(HandlerSection):
             v = arguments.number("speed", speed, *JOINT_SPEED)
             a = arguments.number("acc", acc, *_JOINT_ACCELERATION)
 
-            def make(q: Vector) -> TargetFollower:
+            def make(q: Array) -> TargetFollower:
                 return JointTrack(
                     self._arm, q, self._runtime.cycle, controller.pool, v, a, _reached
                 )
@@ -106,9 +99,9 @@ class TrackHandlers(HandlerSection):
             v = arguments.number("speed", speed, *_LINE_SPEED)
             a = min(arguments.number("acc", acc, *_LINE_ACCELERATION), _UNLIMITED_ACCELERATION)
             arguments.number("radius", radius, 0.0, math.inf, "m")
-            used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj)
+            used, base = self._frames.tool(tool), self._frames.wobj(wobj)
 
-            def make(q: Vector) -> TargetFollower:
+            def make(q: Array) -> TargetFollower:
                 return ToolTrack(
                     self._arm,
                     q,
@@ -134,19 +127,18 @@ class TrackHandlers(HandlerSection):
     ) -> int:
         """轨迹记录. Returns the id of a task that is done once the recording has begun."""
 
-        def command(controller: Controller) -> int:
-            if mode not in _INTERVALS:
-                raise mismatch(f"mode is {mode}, but must be 0 or 1")
+        def command(controller: Controller) -> None:
+            arguments.choice("mode", mode, _INTERVALS, "0 or 1")
             arguments.name_of("name", name, _LONGEST_NAME)
             if "/" in name or "\\" in name or name in (".", ".."):
                 raise mismatch(f"name is {name!r}, which is no name of a file")
             step = interval or _INTERVALS[mode]
             arguments.positive("interval", step, 1e9, "degrees" if mode == BY_POSITION else "s")
-            used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj)
+            used, base = self._frames.tool(tool), self._frames.wobj(wobj)
             if controller.recorder.active:
                 raise Rejected(TaskState.ILLEGAL, "a track is being recorded")
 
-            def pose(q: Vector) -> tuple[float, ...]:
+            def pose(q: Array) -> tuple[float, ...]:
                 return tuple(Pose.from_matrix(base.inverse @ self._arm.fkine(q) @ used.matrix))
 
             controller.recorder.start(
@@ -156,26 +148,20 @@ class TrackHandlers(HandlerSection):
                 pose,
                 partial(self._cabinet.project.tracks.__setitem__, name),
             )
-            return controller.finish("start_record_track")
 
         return self._task("start_record_track", False, command)
 
     def stop_record_track(self) -> int:
         """停止轨迹记录."""
 
-        def command(controller: Controller) -> int:
-            controller.recorder.stop()
-            return controller.finish("stop_record_track")
-
-        return self._task("stop_record_track", True, command)
+        return self._task("stop_record_track", True, lambda c: c.recorder.stop())
 
     def replay(self, name: str, value: int, mode: int) -> int:
         """轨迹复现: move to the first point, then through all of them; `value` is the speed [%]."""
 
         def command(controller: Controller) -> int:
             share = arguments.number("value", value, 1, 100, "%") / 100.0
-            if mode not in (0, 1):
-                raise mismatch(f"mode is {mode}, but must be 0 or 1")
+            arguments.choice("mode", mode, (0, 1), "0 or 1")
             track = self._cabinet.project.tracks.get(name)
             if track is None:
                 raise mismatch(f"there is no track {name!r}")
@@ -200,8 +186,8 @@ class TrackHandlers(HandlerSection):
 
     def _poses(self, track: RecordedTrack, share: float) -> _Part:
         pool = _pool(track.poses)
-        tool = arguments.tool(self._frames, track.tool)
-        wobj = arguments.wobj(self._frames, track.wobj)
+        tool = self._frames.tool(track.tool)
+        wobj = self._frames.wobj(track.wobj)
         return lambda q: ToolTrack(
             self._arm,
             q,

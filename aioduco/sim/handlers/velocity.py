@@ -21,15 +21,13 @@ from aioduco.sim.refusal import mismatch
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from aioduco._wire.rpc import MoveJogTaskParam
+    from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.follower import TargetFollower
     from aioduco.sim.planner.segments import Segment
 
-    Vector = NDArray[np.float64]
 
 _FASTEST_JOINT = 1.25 * math.pi
 _FASTEST_TOOL = 5.0
@@ -68,7 +66,7 @@ class VelocityHandlers(HandlerSection):
             change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _UNLIMITED_ACCELERATION)
             left, tool = _time(time), self._frames.tool().matrix
 
-            def make(q: Vector) -> ToolVelocity:
+            def make(q: Array) -> ToolVelocity:
                 return ToolVelocity(self._arm, q, self._runtime.cycle, tool)
 
             def aim(follower: ToolVelocity) -> None:
@@ -104,7 +102,7 @@ class VelocityHandlers(HandlerSection):
     def teach_mode(self, block: bool) -> int:
         """Begin hand guiding; the task is done when that has begun."""
 
-        def command(controller: Controller) -> int:
+        def command(controller: Controller) -> int | None:
             giving = self._cabinet.hand_teaching
             id_ = controller.follow(
                 "teach_mode",
@@ -113,7 +111,7 @@ class VelocityHandlers(HandlerSection):
                     lambda q: HandGuidingFollower(self._arm, q, self._runtime.cycle, giving),
                 ),
             )
-            return id_ if controller.tasks.state(id_).ended else controller.finish("teach_mode")
+            return id_ if controller.tasks.state(id_).ended else None
 
         return self._task("teach_mode", block, command)
 
@@ -132,10 +130,9 @@ class VelocityHandlers(HandlerSection):
     ) -> int:
         """牵引参数, from the next hand guiding on: a scale of 0 blocks, all others act alike."""
 
-        def command(controller: Controller) -> int:
-            for name, value, allowed in (("space", space, 2), ("coord_type", coord_type, 4)):
-                if value not in range(allowed):
-                    raise mismatch(f"{name} is {value}, but must be from 0 to {allowed - 1}")
+        def command(_: Controller) -> None:
+            arguments.choice("space", space, range(2), "from 0 to 1")
+            arguments.choice("coord_type", coord_type, range(4), "from 0 to 3")
             for name, values in (("joint_scale", joint_scale), ("cart_scale", cart_scale)):
                 if len(values) != 6 or min(values) < 0:
                     raise mismatch(f"{name} must be six whole numbers from 0")
@@ -148,7 +145,6 @@ class VelocityHandlers(HandlerSection):
                 tool, frame = self._frames.tool().matrix, self._axes(coord_type)
                 giving = cartesian_giving(self._arm, active, tool, frame)
             self._cabinet.hand_teaching = giving
-            return controller.finish("set_hand_teach_parameter")
 
         return self._task("set_hand_teach_parameter", True, command)
 
@@ -158,7 +154,7 @@ class VelocityHandlers(HandlerSection):
         """Return a jog in the numbers of manual 3.8."""
         return param
 
-    def _joint_velocity(self, q: Vector) -> JointVelocity:
+    def _joint_velocity(self, q: Array) -> JointVelocity:
         return JointVelocity(self._arm, q, self._runtime.cycle)
 
     def _jog(self, param: MoveJogTaskParam) -> Following:
@@ -167,7 +163,7 @@ class VelocityHandlers(HandlerSection):
         if param.jog_type == _JOINTS:
             velocity[axis] = share * _JOG_JOINT
 
-            def begin(q: Vector) -> TargetFollower:
+            def begin(q: Array) -> TargetFollower:
                 joints = self._joint_velocity(q)
                 joints.aim(velocity, _JOG_JOINT_ACCELERATION)
                 return joints
@@ -176,7 +172,7 @@ class VelocityHandlers(HandlerSection):
         velocity[axis] = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
         tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
 
-        def begin_tool(q: Vector) -> TargetFollower:
+        def begin_tool(q: Array) -> TargetFollower:
             follower = ToolVelocity(
                 self._arm,
                 q,
@@ -194,14 +190,14 @@ class VelocityHandlers(HandlerSection):
         """Speed of a jog as a share of the highest: its own percent of the teaching speed."""
         return param.vel / 100.0 * self._cabinet.teach_speed / 100.0
 
-    def _axes(self, frame: int) -> Vector | None:
+    def _axes(self, frame: int) -> Array | None:
         """Axes of a frame, by its number, in the base frame; None for those of the tool."""
         if frame == JogFrame.TOOL:
             return None
         if frame == JogFrame.WORK_OBJECT:
             return self._frames.wobj().matrix[:3, :3]
         if frame == JogFrame.WORLD:
-            world: Vector = self._context.mounting.matrix[:3, :3].T
+            world: Array = self._context.mounting.matrix[:3, :3].T
             return world
         return np.eye(3)
 
@@ -218,7 +214,7 @@ class VelocityHandlers(HandlerSection):
         tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
         speed = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
 
-        def line(start: Vector) -> Segment:
+        def line(start: Array) -> Segment:
             tip = self._arm.fkine(start) @ tool
             axes = tip[:3, :3] if frame is None else frame
             goal = tip.copy()
@@ -244,8 +240,7 @@ def _check_jog(param: MoveJogTaskParam) -> None:
         ("axis_num", param.axis_num, range(6)),
         ("jog_coordinate", param.jog_coordinate, range(4)),
     ):
-        if value not in allowed:
-            raise mismatch(f"{name} is {value}, but must be one of {list(allowed)}")
+        arguments.choice(name, value, allowed, f"one of {list(allowed)}")
     arguments.positive("vel", param.vel, 100.0, "%")
     if param.use_step:
         step = ("step_jointValue", param.step_jointValue)
@@ -254,7 +249,7 @@ def _check_jog(param: MoveJogTaskParam) -> None:
         arguments.positive(*step, 2 * math.pi, "m or rad")
 
 
-def _speeds(name: str, values: Sequence[float], most: Sequence[float]) -> Vector:
+def _speeds(name: str, values: Sequence[float], most: Sequence[float]) -> Array:
     numbers = arguments.numbers(name, values, 6)
     for value, limit in zip(numbers, most, strict=True):
         arguments.number(name, value, -limit, limit, "rad/s or m/s")

@@ -14,9 +14,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from aioduco.models.rotation import Array
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["AMBIENT", "Temperatures"]
 
@@ -46,10 +45,10 @@ class Temperatures:
 
     def __init__(self, effort: Sequence[float]) -> None:
         self._effort = np.array(effort)
-        self.joints: Vector = np.full(6, AMBIENT)
-        self.boards: Vector = np.full(6, AMBIENT)
+        self.joints: Array = np.full(6, AMBIENT)
+        self.boards: Array = np.full(6, AMBIENT)
 
-    def tick(self, passed: float, torque: Vector, *, powered: bool) -> None:
+    def tick(self, passed: float, torque: Array, *, powered: bool) -> None:
         """Advance by some time; the arrays are replaced, not changed.
 
         Args:

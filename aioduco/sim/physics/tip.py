@@ -12,13 +12,9 @@ from aioduco.kinematics.forward import frames
 from aioduco.models.rotation import rpy_from_matrix
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from aioduco.kinematics import Geometry
+    from aioduco.models.rotation import Array
 
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
     Triple = tuple[float, float, float]
 
 
@@ -36,7 +32,7 @@ class TipMotion(NamedTuple):
     acceleration: list[float]
 
 
-def tip_motion(geometry: Geometry, q: Vector, qd: Vector, qdd: Vector, offset: Matrix) -> TipMotion:
+def tip_motion(geometry: Geometry, q: Array, qd: Array, qdd: Array, offset: Array) -> TipMotion:
     """Compute the motion of a point along the chain of joints.
 
     Args:

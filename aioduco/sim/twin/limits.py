@@ -21,14 +21,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from typing import Self
 
-    from numpy.typing import NDArray
-
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
+    from aioduco.models.rotation import Array
     from aioduco.sim.twin.data import Six, TwinSample
     from aioduco.sim.twin.predictor import Deviation
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["TwinLimits", "deviations", "learn"]
 
@@ -249,12 +247,12 @@ class _Average:
     def __init__(self) -> None:
         self._value = np.zeros(6)
 
-    def of(self, values: Vector, step: float) -> Vector:
+    def of(self, values: Array, step: float) -> Array:
         self._value = self._value + step / (step + _AVERAGED) * (values - self._value)
         return self._value
 
 
-def _friction(moving: Sequence[Deviation], effort: Vector) -> tuple[Friction, Vector]:
+def _friction(moving: Sequence[Deviation], effort: Array) -> tuple[Friction, Array]:
     """Fit dry and viscous friction, offset and noise of each joint while it slides."""
     dry, viscous, offset = np.zeros(6), np.zeros(6), np.zeros(6)
     noise = _NOISE * effort
@@ -278,9 +276,9 @@ def _friction(moving: Sequence[Deviation], effort: Vector) -> tuple[Friction, Ve
     return Friction(dry, viscous, offset), noise
 
 
-def _lag(moving: Sequence[Deviation]) -> Vector:
+def _lag(moving: Sequence[Deviation]) -> Array:
     """Fit the time by which each joint follows its set-point [s]."""
     tracking = np.array([each.tracking for each in moving])
     speeds = np.array([each.expected_speeds for each in moving])
-    lag: Vector = np.sum(tracking * speeds, axis=0) / np.maximum(np.sum(speeds**2, axis=0), 1e-9)
+    lag: Array = np.sum(tracking * speeds, axis=0) / np.maximum(np.sum(speeds**2, axis=0), 1e-9)
     return lag

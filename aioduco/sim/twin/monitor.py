@@ -20,8 +20,6 @@ from aioduco.sim.twin.predictor import Predictor
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
     from aioduco.sim.twin.data import TwinCommand, TwinSample
@@ -29,7 +27,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.patterns import Patterns
     from aioduco.sim.twin.predictor import Deviation
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["TwinFigures", "TwinMonitor"]
 

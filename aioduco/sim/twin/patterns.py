@@ -12,11 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from aioduco.models.rotation import Array
     from aioduco.sim.twin.predictor import Deviation
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["Friction", "PatternFit", "Patterns"]
 
@@ -49,20 +47,20 @@ class Friction(NamedTuple):
         offset: torque without motion [N m]. Shape (6,).
     """
 
-    dry: Vector
-    viscous: Vector
-    offset: Vector
+    dry: Array
+    viscous: Array
+    offset: Array
 
-    def torque(self, speeds: Vector) -> Vector:
+    def torque(self, speeds: Array) -> Array:
         """External torques that friction shows at these speeds [N m]. Shape (6,)."""
-        felt: Vector = -(self.dry * np.clip(speeds / _STICKING, -1.0, 1.0) + self.viscous * speeds)
+        felt: Array = -(self.dry * np.clip(speeds / _STICKING, -1.0, 1.0) + self.viscous * speeds)
         return felt
 
-    def residual(self, external: Vector, speeds: Vector) -> Vector:
+    def residual(self, external: Array, speeds: Array) -> Array:
         """What remains of external torques [N m]. Shape (6,)."""
         rest = external - self.offset - self.torque(speeds)
         stuck = np.where(np.abs(speeds) < _STICKING, _STUCK * self.dry, 0.0)
-        found: Vector = np.sign(rest) * np.maximum(np.abs(rest) - stuck, 0.0)
+        found: Array = np.sign(rest) * np.maximum(np.abs(rest) - stuck, 0.0)
         return found
 
 
@@ -77,7 +75,7 @@ class Patterns(NamedTuple):
     """
 
     mass: float
-    force: Vector
+    force: Array
     friction: float
     by_mass: float
     by_force: float
@@ -116,14 +114,14 @@ class PatternFit:
         noise: standard deviations of the torques [N m]. Shape (6,).
     """
 
-    def __init__(self, friction: Friction, noise: Vector) -> None:
+    def __init__(self, friction: Friction, noise: Array) -> None:
         self._friction = friction
         self._weight = 1.0 / noise**2
         self._a = np.zeros((5, 5))
         self._b = np.zeros(5)
         self._prior = 1.0 / np.array([_MASS, _FORCE, _FORCE, _FORCE, _SHARE]) ** 2
 
-    def update(self, deviation: Deviation) -> tuple[Vector, Patterns] | None:
+    def update(self, deviation: Deviation) -> tuple[Array, Patterns] | None:
         """Take a sample; return the residual torques [N m] and the fits.
 
         Returns:
@@ -154,7 +152,7 @@ class PatternFit:
 
     def _fits(self) -> Patterns:
         a, b = self._a + np.diag(self._prior), self._b
-        force: Vector = np.asarray(np.linalg.solve(a[1:4, 1:4], b[1:4]), dtype=np.float64)
+        force: Array = np.asarray(np.linalg.solve(a[1:4, 1:4], b[1:4]), dtype=np.float64)
         mass, friction = b[0] / a[0, 0], b[4] / a[4, 4]
         return Patterns(
             float(mass), force, float(friction),

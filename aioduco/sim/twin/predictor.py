@@ -12,13 +12,11 @@ from aioduco.models.pose import Pose
 from aioduco.sim.twin.rehearsal import PATHS, Rehearsal
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
     from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
     from aioduco.sim.twin.rehearsal import Match
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["AHEAD", "Deviation", "Predictor"]
 
@@ -57,13 +55,13 @@ class Deviation(NamedTuple):
 
     time: float
     step: float
-    speeds: Vector
-    expected_speeds: Vector
-    external: Vector | None
-    force: Vector | None
-    jacobian: Vector
-    acceleration: Vector
-    tracking: Vector
+    speeds: Array
+    expected_speeds: Array
+    external: Array | None
+    force: Array | None
+    jacobian: Array
+    acceleration: Array
+    tracking: Array
     position: float | None
     angle: float | None
     match: Match | None
@@ -87,9 +85,9 @@ class Predictor:
         self.rehearsal: Rehearsal = Rehearsal(arm)
         self._tool = None if tool is None else tool.matrix
         self._base = None if mounting is None or not any(mounting) else mounting.matrix
-        self._before: tuple[float, Vector] | None = None
+        self._before: tuple[float, Array] | None = None
         self._acceleration = np.zeros(3)
-        self._bare: Vector | None = None
+        self._bare: Array | None = None
         #: motions that were commanded while the rehearsal was blind
         self._waiting: list[TwinCommand] = []
         self._count = 0
@@ -162,7 +160,7 @@ class Predictor:
             for command in waiting:
                 rehearsal.command(command)
 
-    def _accelerate(self, time: float, speed: Vector) -> float:
+    def _accelerate(self, time: float, speed: Array) -> float:
         before, self._before = self._before, (time, speed)
         step = 0.0 if before is None else time - before[0]
         if before is None or not 0.0 < step <= _GAP:
@@ -174,7 +172,7 @@ class Predictor:
             self._acceleration = self._acceleration + share * (now - self._acceleration)
         return min(max(step, 0.0), _GAP)
 
-    def _apart(self, flange: Vector, pose: Six) -> tuple[float, float]:
+    def _apart(self, flange: Array, pose: Six) -> tuple[float, float]:
         there = Pose(*pose).matrix
         if self._base is not None:
             flange = self._base @ flange
@@ -186,7 +184,7 @@ class Predictor:
         return position, 2.0 * np.arcsin(min(1.0, turned / 8.0**0.5))
 
 
-def _lever(chain: Vector) -> Vector:
+def _lever(chain: Array) -> Array:
     """Speed of the flange for each joint's speed, by the frames of the links. Shape (3, 6)."""
     x, y, z = chain[:6, :3, 2].T
     a, b, c = chain[6, :3, 3, None] - chain[:6, :3, 3].T

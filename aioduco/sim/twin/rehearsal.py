@@ -28,15 +28,13 @@ from aioduco.sim.snapshot import SimulationSnapshot
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
     from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
     from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.runtime import SimulationRuntime
     from aioduco.sim.twin.data import Six, TwinCommand
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["CYCLE", "PATHS", "Match", "Rehearsal"]
 
@@ -131,7 +129,7 @@ class Rehearsal:
         return run is not None and self.idle and run.place(np.array(expected)).distance < _THERE
 
     @property
-    def setpoint(self) -> tuple[Vector, Vector] | None:
+    def setpoint(self) -> tuple[Array, Array] | None:
         """Joints of the set-point and their speeds [rad, rad/s]; None while it is blind."""
         return None if self._run is None else self._run.setpoint
 
@@ -191,7 +189,7 @@ class Rehearsal:
 class _Run:
     """A controller from one begin to the next."""
 
-    def __init__(self, arm: Arm, q: Vector, time: float) -> None:
+    def __init__(self, arm: Arm, q: Array, time: float) -> None:
         self.controller = Controller(
             lambda at: Mover(arm, at, CYCLE), q, ForceControl(arm, CYCLE, DOWN)
         )
@@ -220,7 +218,7 @@ class _Run:
         )
 
     @property
-    def setpoint(self) -> tuple[Vector, Vector]:
+    def setpoint(self) -> tuple[Array, Array]:
         """Joints of the set-point and their speeds [rad, rad/s]."""
         return self._q, self._qd
 
@@ -271,13 +269,13 @@ class _Run:
                 self._path[row], self._times[row] = self._q, self.time
             self._next = (self._next + 1) % _ROWS
 
-    def place(self, q: Vector) -> Match:
+    def place(self, q: Array) -> Match:
         """Compare a set-point with the present one."""
         apart = np.abs(self._q - q)
         joint = int(apart.argmax())
         return Match(float(apart[joint]), joint + 1, 0.0, False)
 
-    def match(self, q: Vector) -> Match:
+    def match(self, q: Array) -> Match:
         moving = self.time - self.moved_at < _KEPT
         if not moving:
             return self.place(q)
@@ -288,7 +286,7 @@ class _Run:
         self._near = min(_ROWS - 2, round(found.delay / CYCLE))
         return found
 
-    def _nearest(self, q: Vector, first: int) -> Match:
+    def _nearest(self, q: Array, first: int) -> Match:
         """The nearest place among the kept set-points from one on, the oldest being number 0."""
         path = self._path[self._next + first : self._next + _ROWS]
         times = self._times[self._next + first : self._next + _ROWS]

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from aioduco.models.rotation import Array
 
-    Vector = NDArray[np.float64]
 
 __all__ = ["Film", "Frame"]
 
@@ -25,7 +24,7 @@ class Frame(NamedTuple):
         duration: time for which it is shown [s].
     """
 
-    positions: Vector
+    positions: Array
     duration: float
 
 
@@ -45,10 +44,10 @@ class Film:
         self._rest = rest
         self._interval = 0.0
         self._times: list[float] = []
-        self._positions: list[Vector] = []
+        self._positions: list[Array] = []
         self._end = 0.0
 
-    def add(self, time: float, positions: Vector) -> None:
+    def add(self, time: float, positions: Array) -> None:
         """Add an instant, if it differs visibly from the last frame.
 
         Args:
