@@ -142,7 +142,7 @@ class SimulatorAssembly:
         if (profile := settings.profile) is not None and profile.has("load"):
             mass, *centre = (profile.value("load", name, 0.0) for name in ("mass", *"xyz"))
             self.runtime.load(mass, centre)
-        settings.rules.devices.clear()
+        settings.rules.gripper = None
         if self.world.hand is not None:
             self._connect_gripper(self.world.hand, settings)
         handlers = _handlers(settings, self.controller, self.runtime)
@@ -170,7 +170,7 @@ class SimulatorAssembly:
     def _connect_gripper(self, hand: Hand, settings: SimulatorSettings) -> None:
         slave = slave_of(hand)
         if slave is None:
-            settings.rules.devices.append(ValveGripper(hand))
+            settings.rules.gripper = ValveGripper(hand)
         else:
             settings.cabinet.tool_serial.peer = slave
         # The gripped thing itself is the load, whatever load the program sets.

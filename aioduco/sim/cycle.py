@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.path import JointSetPoint
 
 
-__all__ = ["DriveCommand", "Plant", "PlantReading", "SensedState"]
+__all__ = ["DriveCommand", "GripperReading", "Plant", "PlantReading", "SensedState"]
 
 
 def untouched() -> str:
@@ -69,6 +69,24 @@ class PlantReading(NamedTuple):
     wrench: Array
     target_torque: Array
     external_torque: Array
+
+
+class GripperReading(NamedTuple):
+    """State of a gripper.
+
+    Attributes:
+        number: number of the order that it carries out.
+        opening: distance between the fingers [m].
+        moving: whether the order is still being carried out.
+        caught: 1 if something stopped it while it closed, -1 while it opened, 0 if nothing did.
+        lost: whether it has lost what it had caught.
+    """
+
+    number: int
+    opening: float
+    moving: bool
+    caught: int
+    lost: bool
 
 
 class DriveCommand(NamedTuple):

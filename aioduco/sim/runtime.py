@@ -121,7 +121,6 @@ class SimulationRuntime(PlantChanges):
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
-        self._plant = plant
         self.cycle = cycle
         self._pace = CycleSchedule(cycle, speed)
         self._speed = speed
@@ -132,7 +131,7 @@ class SimulationRuntime(PlantChanges):
         self.planning: PlanningThreads = PlanningThreads(
             controller, self._lock, self._changing, self._fail
         )
-        super().__init__()
+        super().__init__(plant)
         self._batches = Batches(self._pace, self._wake, self._has_waiters)
         self._snapshot_ready = threading.Condition()
         self._watchers = 0
@@ -497,7 +496,7 @@ class SimulationRuntime(PlantChanges):
                 if begun is None:
                     now = clock()
                     continue
-                if self._dirty or self._braked is not self._drive.brake:
+                if self._changes or self._braked is not self._drive.brake:
                     self._change_plant()
                 self._plant.step(self._drive.setpoint)
                 pace.ran()
@@ -537,8 +536,8 @@ class SimulationRuntime(PlantChanges):
         return bool(self._waiters) and self._controller.time_left < self._batches.longest
 
     def _change_plant(self) -> None:
-        """Pass the changes since the last cycle to the physics."""
-        self._pass_on(self._plant)
+        """Make the changes since the last cycle, the brakes' included."""
+        self._make_changes()
         if self._braked is not self._drive.brake:
             self._braked = self._drive.brake
             self._plant.brake(self._braked)

@@ -15,37 +15,9 @@ if TYPE_CHECKING:
 
     from aioduco.models.gripper_models import GripperModel
     from aioduco.sim.cabinet.signals import Signals
+    from aioduco.sim.cycle import GripperReading
 
 __all__ = ["DhSlave", "Fingers", "RobotiqSlave", "ValveGripper", "slave_of"]
-
-
-class FingerReading(Protocol):
-    """State of the fingers: see `physics.gripper.GripperReading`."""
-
-    @property
-    def number(self) -> int:
-        """Number of the order that is being carried out."""
-        ...
-
-    @property
-    def opening(self) -> float:
-        """Distance between the fingers [m]."""
-        ...
-
-    @property
-    def moving(self) -> bool:
-        """Whether the order is still being carried out."""
-        ...
-
-    @property
-    def caught(self) -> int:
-        """1 if something stopped the fingers while they closed, -1 while they opened."""
-        ...
-
-    @property
-    def lost(self) -> bool:
-        """Whether the fingers have lost what they had caught."""
-        ...
 
 
 class Fingers(Protocol):
@@ -57,7 +29,7 @@ class Fingers(Protocol):
         ...
 
     @property
-    def reading(self) -> FingerReading:
+    def reading(self) -> GripperReading:
         """State of the fingers."""
         ...
 

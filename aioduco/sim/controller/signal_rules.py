@@ -4,22 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from aioduco.sim.cabinet.grippers import ValveGripper
     from aioduco.sim.cabinet.signals import Bank, Outputs, Signals
 
-__all__ = ["SignalDevice", "SignalRule", "SignalRules", "place"]
+__all__ = ["SignalRule", "SignalRules", "place"]
 
 _TOOL = "tool"
-
-
-class SignalDevice(Protocol):
-    """A device that is wired to signals, such as a gripper on a valve."""
-
-    def tick(self, time: float, signals: Signals, /) -> None:
-        """Run one cycle: read the outputs, set the inputs."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +58,11 @@ class SignalRules:
     """Carries out rules in each cycle; from the first cycle on, an input has its rule's state.
 
     Attributes:
-        devices: further devices that are wired to the signals; rules override them.
+        gripper: a gripper on a valve that is wired to the signals; rules override it.
     """
 
     def __init__(self) -> None:
-        self.devices: list[SignalDevice] = []
+        self.gripper: ValveGripper | None = None
         self._last: dict[SignalRule, bool | None] = {}
         self._due: list[tuple[float, SignalRule, bool]] = []
 
@@ -92,10 +85,10 @@ class SignalRules:
             time: simulated time [s].
             signals: signals whose outputs are watched and whose inputs are set.
         """
-        if not self._last and not self.devices:
+        if not self._last and self.gripper is None:
             return
-        for device in self.devices:
-            device.tick(time, signals)
+        if self.gripper is not None:
+            self.gripper.tick(time, signals)
         for rule, before in self._last.items():
             tool, num = place(rule.output)
             outputs: Outputs | Bank[bool] = signals.tool_out if tool else signals.standard_out

@@ -12,12 +12,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from aioduco.sim.cycle import GripperReading
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco.models.gripper_models import GripperModel
 
-__all__ = ["FingerControl", "GripperOrder", "GripperReading", "Hand", "gripper_mjcf"]
+__all__ = ["FingerControl", "GripperOrder", "Hand", "gripper_mjcf"]
 
 #: friction between finger tips, or cup, and a thing that they hold; an assumption, as of rubber
 FRICTION = 0.8
@@ -55,24 +57,6 @@ class GripperOrder(NamedTuple):
     targets: tuple[float, ...]
     speed: float
     force: float
-
-
-class GripperReading(NamedTuple):
-    """State of a gripper.
-
-    Attributes:
-        number: number of the order that it carries out.
-        opening: distance between the fingers [m].
-        moving: whether the order is still being carried out.
-        caught: 1 if something stopped it while it closed, -1 while it opened, 0 if nothing did.
-        lost: whether it has lost what it had caught.
-    """
-
-    number: int
-    opening: float
-    moving: bool
-    caught: int
-    lost: bool
 
 
 class FingerControl:
