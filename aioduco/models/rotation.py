@@ -26,6 +26,7 @@ __all__ = [
     "rotvec_from_matrix",
     "rpy_from_matrix",
     "slerp",
+    "transform",
     "turn_between",
 ]
 
@@ -168,6 +169,23 @@ def matrix_from_rotvec(rotvec: Array) -> Array:
     return matrix_from_quaternion(
         np.concatenate([np.cos(angle), half * np.sinc(angle / np.pi)], axis=-1)
     )
+
+
+def transform(rotation: Array, position: Array) -> Array:
+    """Return the homogeneous transforms of rotations and positions.
+
+    Args:
+        rotation: rotation matrices. Shape (..., 3, 3).
+        position: positions [m]. Shape (..., 3).
+
+    Returns:
+        Transforms. Shape (..., 4, 4).
+    """
+    made = np.zeros((*np.shape(position)[:-1], 4, 4))
+    made[..., :3, :3] = rotation
+    made[..., :3, 3] = position
+    made[..., 3, 3] = 1.0
+    return made
 
 
 def slerp(start: Array, end: Array, t: Array) -> Array:

@@ -5,17 +5,13 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
-import anyio
-import anyio.to_thread
-
-from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.models.controller_clock import ScaledClock
+from aioduco.sim.startable import Startable
 
 if TYPE_CHECKING:
     import subprocess
-    from types import TracebackType
     from typing import Self
 
     import numpy as np
@@ -27,7 +23,7 @@ _START, _END = 60.0, 20.0
 _PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
-class SimulatorProcess(Uncopied):
+class SimulatorProcess(Startable):
     """A simulator in a process of its own.
 
     The process ends when its channel to this one closes. The system closes that when this process
@@ -121,26 +117,3 @@ class SimulatorProcess(Uncopied):
         linked, self._linked = self._linked, None
         if linked is not None:
             linked.close()
-
-    def __enter__(self) -> Self:
-        return self.start()
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    async def __aenter__(self) -> Self:
-        return await anyio.to_thread.run_sync(self.start)
-
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        with anyio.CancelScope(shield=True):
-            await anyio.to_thread.run_sync(self.close)

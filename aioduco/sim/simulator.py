@@ -12,7 +12,6 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
-from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
@@ -37,12 +36,12 @@ from aioduco.sim.profile import ArmProfile
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS
+from aioduco.sim.startable import Startable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from os import PathLike
     from pathlib import Path
-    from types import TracebackType
     from typing import Self
 
     from numpy.typing import NDArray
@@ -68,7 +67,7 @@ HEARTBEAT_SLACK = 0.5
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
 
-class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
+class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
     """A simulated controller with its arm, on a TCP port of this computer.
 
     It runs in threads of this process, from entering its context to leaving it:
@@ -276,29 +275,6 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Uncopied):
             self._assembly.close()
         finally:
             self._assembly, self._closing = None, False
-
-    def __enter__(self) -> Self:
-        return self.start()
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    async def __aenter__(self) -> Self:
-        return await anyio.to_thread.run_sync(self.start)
-
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        with anyio.CancelScope(shield=True):
-            await anyio.to_thread.run_sync(self.close)
 
     @staticmethod
     def spawn(**options: Any) -> SimulatorProcess:

@@ -15,7 +15,7 @@ import numpy as np
 from aioduco.errors import ParameterError, RecordingError
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
 from aioduco.recording.run import read
 
 if TYPE_CHECKING:
@@ -312,11 +312,9 @@ def _poses(calls: Sequence[_Call]) -> Poses:
 
 
 def _mean_pose(poses: Array) -> Array:
-    mean: Array = poses[0].copy()
-    mean[:3, 3] = poses[:, :3, 3].mean(axis=0)
     turns = rotvec_from_matrix(poses[:, :3, :3] @ poses[0, :3, :3].T)
-    mean[:3, :3] = matrix_from_rotvec(turns.mean(axis=0)) @ poses[0, :3, :3]
-    return mean
+    turn = matrix_from_rotvec(turns.mean(axis=0)) @ poses[0, :3, :3]
+    return transform(turn, poses[:, :3, 3].mean(axis=0))
 
 
 def _motions(run: RecordedRun) -> Motions:

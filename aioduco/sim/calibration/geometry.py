@@ -22,7 +22,7 @@ from aioduco.errors import CalibrationError
 from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import fkine, jacobian
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
 from aioduco.sim.calibration.findings import Findings
 from aioduco.sim.profile import ANGLE_BOUND, GEOMETRY, LENGTH_BOUND, Estimate
 
@@ -164,10 +164,7 @@ class _Problem:
         corrected = self._geometry._replace(corrections=DhCorrections(*columns))
         tool = self._tool
         if self._count == 30:
-            nudge = np.eye(4)
-            nudge[:3, :3] = matrix_from_rotvec(x[27:30])
-            nudge[:3, 3] = x[24:27]
-            tool = tool @ nudge
+            tool = tool @ transform(matrix_from_rotvec(x[27:30]), x[24:27])
         there = fkine(corrected, self._joints) @ tool
         turn = self._poses[:, :3, :3] @ np.swapaxes(there[:, :3, :3], -1, -2)
         return np.concatenate(

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from aioduco.models.rotation import transform
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.paths import (
@@ -396,9 +395,7 @@ class MotionHandlers(PathSection):
             used = self._frames.tool(tool)
             axes = self._frames.wobj(wobj).matrix[:3, :3]
             first, second = arguments.pose("p1", p1).matrix, arguments.pose("p2", p2).matrix
-            step = np.eye(4)
-            step[:3, 3] = second[:3, 3] - first[:3, 3]
-            step[:3, :3] = second[:3, :3] @ first[:3, :3].T
+            step = transform(second[:3, :3] @ first[:3, :3].T, second[:3, 3] - first[:3, 3])
             return self._offset_move(
                 lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj
             )
@@ -437,7 +434,5 @@ class MotionHandlers(PathSection):
 
 def _along(tip: Array, axes: Array, step: Array) -> Array:
     """Move a tip along given axes, and turn it in place about them."""
-    moved = tip.copy()
-    moved[:3, 3] += axes @ step[:3, 3]
-    moved[:3, :3] = axes @ step[:3, :3] @ axes.T @ tip[:3, :3]
-    return moved
+    turned = axes @ step[:3, :3] @ axes.T @ tip[:3, :3]
+    return transform(turned, tip[:3, 3] + axes @ step[:3, 3])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.models.jog import JogFrame
-from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.models.rotation import matrix_from_rotvec, transform
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection
@@ -217,18 +217,10 @@ class VelocityHandlers(HandlerSection):
         def line(start: Array) -> Segment:
             tip = self._arm.fkine(start) @ tool
             axes = tip[:3, :3] if frame is None else frame
-            goal = tip.copy()
-            goal[:3, 3] += axes @ step[:3]
-            goal[:3, :3] = matrix_from_rotvec(axes @ step[3:]) @ tip[:3, :3]
+            turned = matrix_from_rotvec(axes @ step[3:]) @ tip[:3, :3]
+            goal = transform(turned, tip[:3, 3] + axes @ step[:3])
             flange = goal @ np.linalg.inv(tool)
-            return line_move(
-                self._arm,
-                start,
-                flange,
-                speed,
-                _JOG_LINE_ACCELERATION,
-                tool=tool,
-            )
+            return line_move(self._arm, start, flange, speed, _JOG_LINE_ACCELERATION, tool=tool)
 
         return line
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matrix
+from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matrix, transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,10 +48,7 @@ class PartPlace(NamedTuple):
 
 def pose_of(position: Array) -> Pose:
     """Give the pose of a thing from its part of `World.positions`: see `World.place`."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = matrix_from_quaternion(position[3:])
-    matrix[:3, 3] = position[:3]
-    return Pose.from_matrix(matrix)
+    return Pose.from_matrix(transform(matrix_from_quaternion(position[3:]), position[:3]))
 
 
 def add_welds(spec: Any) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
+from aioduco.models.rotation import transform
 from aioduco.sim.cycle import PlantReading
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
 from aioduco.sim.physics.gripper import Hand, gripper_mjcf
@@ -55,11 +56,9 @@ def camera_of(model: Any, name: str, positions: Array) -> tuple[float, Array]:
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_camlight(model, data)
-    pose = np.eye(4)
     # MuJoCo's cameras look along -z, with y up.
-    pose[:3, :3] = data.cam_xmat[found[0]].reshape(3, 3) * (1.0, -1.0, -1.0)
-    pose[:3, 3] = data.cam_xpos[found[0]]
-    return float(np.radians(model.cam_fovy[found[0]])), pose
+    turn = data.cam_xmat[found[0]].reshape(3, 3) * (1.0, -1.0, -1.0)
+    return float(np.radians(model.cam_fovy[found[0]])), transform(turn, data.cam_xpos[found[0]])
 
 
 class World:
@@ -418,7 +417,5 @@ class World:
         """Give the pose of the flange in the base frame. Shape (4, 4)."""
         # After a step, the frames are still those of its beginning.
         mujoco.mj_kinematics(self.model, self.data)
-        pose = np.eye(4)
-        pose[:3, :3] = self.data.site_xmat[self._flange].reshape(3, 3)
-        pose[:3, 3] = self.data.site_xpos[self._flange]
-        return self._base @ pose
+        turn = self.data.site_xmat[self._flange].reshape(3, 3)
+        return self._base @ transform(turn, self.data.site_xpos[self._flange])

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from aioduco.models.rotation import transform
 from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import PlanError
@@ -196,11 +197,8 @@ class _Corner:
         one, two = self._distances(s)
         first, second = self._first.curve.poses(one), self._second.curve.poses(two)
         corner = self._second.curve.poses(np.zeros(1))[0]
-        both = np.zeros_like(first)
-        both[:, :3, :3] = first[:, :3, :3] @ corner[:3, :3].T @ second[:, :3, :3]
-        both[:, :3, 3] = first[:, :3, 3] + second[:, :3, 3] - corner[:3, 3]
-        both[:, 3, 3] = 1.0
-        return both
+        rotations = first[:, :3, :3] @ corner[:3, :3].T @ second[:, :3, :3]
+        return transform(rotations, first[:, :3, 3] + second[:, :3, 3] - corner[:3, 3])
 
 
 def _reach(segment: Segment, radius: float, *, backwards: bool) -> float | None:

@@ -18,6 +18,7 @@ from aioduco.models.rotation import (
     matrix_from_rotvec,
     quaternion_from_matrix,
     rotvec_from_matrix,
+    transform,
 )
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
@@ -67,14 +68,6 @@ class Curve(Protocol):
         ...
 
 
-def _poses(rotations: Array, points: Array) -> Array:
-    poses = np.zeros((len(points), 4, 4))
-    poses[:, :3, :3] = rotations
-    poses[:, :3, 3] = points
-    poses[:, 3, 3] = 1.0
-    return poses
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class StraightLine:
     """A straight line; the orientation turns at a constant rate the shorter way.
@@ -116,7 +109,7 @@ class StraightLine:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""
         part = (s / self.length)[:, None]
         rotations = self.start[:3, :3] @ matrix_from_rotvec(part * self.turn)
-        return _poses(rotations, (1.0 - part) * self.start[:3, 3] + part * self.end[:3, 3])
+        return transform(rotations, (1.0 - part) * self.start[:3, 3] + part * self.end[:3, 3])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,7 +153,7 @@ class Arc:
         spoke = self.start[:3, 3] - self.centre
         around = matrix_from_rotvec(part * self.angle * self.axis)
         rotations = matrix_from_rotvec(part * self.turn) @ self.start[:3, :3]
-        return _poses(rotations, self.centre + around @ spoke)
+        return transform(rotations, self.centre + around @ spoke)
 
 
 class Orientation:
@@ -305,10 +298,8 @@ def spiral(
             [wide * np.cos(around), wide * np.sin(around), first[2] + axial * u, np.ones_like(u)],
             axis=-1,
         )
-        out = np.zeros((len(u), 4, 4))
-        out[:, :3, :3] = matrix_from_rotvec(u[:, None] * twist) @ start[:3, :3]
-        out[:, :, 3] = points @ centre.T
-        return out
+        rotations = matrix_from_rotvec(u[:, None] * twist) @ start[:3, :3]
+        return transform(rotations, (points @ centre.T)[:, :3])
 
     return ByLength(poses)
 
@@ -348,11 +339,7 @@ def spline(start: Array, targets: Sequence[Array]) -> ByLength:
         found = a * values[i] + b * values[i + 1]
         found += ((a**3 - a) * bends[i] + (b**3 - b) * bends[i + 1]) * step**2 / 6.0
         unit = found[:, 3:] / np.linalg.norm(found[:, 3:], axis=1, keepdims=True)
-        out = np.zeros((len(u), 4, 4))
-        out[:, :3, :3] = matrix_from_quaternion(unit)
-        out[:, :3, 3] = found[:, :3]
-        out[:, 3, 3] = 1.0
-        return out
+        return transform(matrix_from_quaternion(unit), found[:, :3])
 
     return ByLength(poses)
 

@@ -28,6 +28,7 @@ from aioduco.models.rotation import (
     matrix_from_quaternion,
     quaternion_from_matrix,
     rotvec_from_matrix,
+    transform,
 )
 from aioduco.sim.planner.follower import MAX_JUMP, FollowError, TargetFollower
 from aioduco.sim.planner.path import JointSetPoint
@@ -429,9 +430,7 @@ class ToolTrack(_Track):
         return x, q, float(np.linalg.norm(rotvec_from_matrix(between)))
 
     def _joints(self, x: Array) -> Array:
-        goal = np.eye(4)
-        goal[:3, :3] = _rotation(x)
-        goal[:3, 3] = x[:3]
+        goal = transform(_rotation(x), x[:3])
         try:
             return self._arm.ikine(goal @ self._untool, self._setpoint.q, max_jump=MAX_JUMP)
         except Unreachable as exc:

@@ -17,7 +17,6 @@ from aioduco.sim import trial
 from aioduco.sim.server.processor import CallInbox, Malformed, Message, Processor
 
 if TYPE_CHECKING:
-    from types import TracebackType
     from typing import Self
 
     from aioduco.sim.server.generations import Wire
@@ -148,12 +147,7 @@ class Server:
         self.start()
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _accept(self, listener: socket.socket, wake: socket.socket) -> None:
