@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from aioduco.sim.calibration.findings import Findings
+from aioduco.sim.calibration.findings import Findings, mean_of
 from aioduco.sim.profile import RANGES, Estimate
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def estimate_blends(arm: Arm, runs: Sequence[Evidence]) -> Findings:
                 "in another way than the simulator"
             )
             continue
-        reach = _mean([cut.reach for cut in found], _LEAST[0])
+        reach = mean_of([cut.reach for cut in found], _LEAST[0])
         if (played := _played(f"{kind}_reach", reach)) is None:
             missing.append(
                 f"blends, {kind}: corners begin at {reach.value:.2f} of the radius, which the "
@@ -117,7 +117,7 @@ def estimate_blends(arm: Arm, runs: Sequence[Evidence]) -> Findings:
                 f"blends, share of the acceleration, {kind}: corners differ by up to "
                 f"{100 * _held_out(shares):.0f} % of it"
             )
-        elif (played := _played(f"{kind}_share", _mean(shares, _LEAST[1]))) is None:
+        elif (played := _played(f"{kind}_share", mean_of(shares, _LEAST[1]))) is None:
             missing.append(
                 f"blends, share of the acceleration, {kind}: corners take {np.mean(shares):.2f} of "
                 "it, which the simulator does not play"
@@ -125,14 +125,6 @@ def estimate_blends(arm: Arm, runs: Sequence[Evidence]) -> Findings:
         else:
             values[f"{kind}_share"] = played
     return Findings("blends", values, tuple(notes), tuple(missing))
-
-
-def _mean(values: Sequence[float], least: float) -> Estimate:
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
-
-    factor = float(student.ppf(0.975, len(values) - 1))
-    half = factor * float(np.std(values, ddof=1)) / len(values) ** 0.5
-    return Estimate.around(float(np.mean(values)), half + least)
 
 
 def _played(name: str, found: Estimate) -> Estimate | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from aioduco.sim.calibration.findings import Findings
+from aioduco.sim.calibration.findings import Findings, deviations
 from aioduco.sim.profile import Estimate
 
 if TYPE_CHECKING:
@@ -102,8 +102,6 @@ def estimate_drives(sets: Sequence[Motions]) -> Findings:
     Args:
         sets: samples of one or more recordings.
     """
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
-
     values: dict[str, Estimate] = {}
     missing: list[str] = []
     judged = []
@@ -124,8 +122,7 @@ def estimate_drives(sets: Sequence[Motions]) -> Findings:
             )
             continue
         judged.append(ratio)
-        factor = float(student.ppf(0.975, data.motions - 2))
-        halves = factor * np.sqrt(np.diag(data.spread(found, inverse)))
+        halves = deviations(data.motions - 2) * np.sqrt(np.diag(data.spread(found, inverse)))
         lag = Estimate.around(float(found[0]), max(float(halves[0]), _LEAST_LAG))
         values[f"lag{joint + 1}"] = lag._replace(value=max(lag.value, 0.0), high=max(lag.high, 0.0))
         time = float(found[1])

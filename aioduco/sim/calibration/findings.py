@@ -1,17 +1,35 @@
-"""What an estimator returns: values that the data carry, and words for what they do not."""
+"""What an estimator returns: values that the data carry, and words for what they do not.
+
+The intervals of the values are those of 95 %.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from aioduco.sim.profile import Estimate
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import Self
 
-    from aioduco.sim.profile import Estimate
+__all__ = ["Findings", "deviations", "mean_of"]
 
-__all__ = ["Findings"]
+
+def deviations(free: float) -> float:
+    """Half width of an interval in standard deviations, by its degrees of freedom."""
+    from scipy.stats import t as student  # noqa: PLC0415 - an extra
+
+    return float(student.ppf(0.975, free))
+
+
+def mean_of(values: Sequence[float], least: float) -> Estimate:
+    """The mean of some values, with an interval by their spread and a least half width."""
+    half = deviations(len(values) - 1) * float(np.std(values, ddof=1)) / len(values) ** 0.5
+    return Estimate.around(float(np.mean(values)), half + least)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import fkine, jacobian
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
-from aioduco.sim.calibration.findings import Findings
+from aioduco.sim.calibration.findings import Findings, deviations
 from aioduco.sim.profile import ANGLE_BOUND, GEOMETRY, LENGTH_BOUND, Estimate
 
 if TYPE_CHECKING:
@@ -290,11 +290,8 @@ class _Problem:
 def _judged(
     model: str, fit: _Fit, used: int, count: int, ratio: float, joints: Array, *, tip: bool
 ) -> Findings:
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
-
     nominal = arm_of(model).geometry
-    factor = float(student.ppf(0.975, fit.free))
-    half = factor * fit.deviations[:24]
+    half = deviations(fit.free) * fit.deviations[:24]
     half = np.maximum(half, np.where(_LENGTHS, _LEAST_LENGTH, _LEAST_ANGLE))
     values: dict[str, Estimate] = {}
     lost: list[str] = []

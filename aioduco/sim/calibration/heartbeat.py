@@ -37,10 +37,7 @@ def estimate_slack(runs: Sequence[Evidence]) -> Findings:
     """
     bounds = [found for run in runs for beat in _last_beats(run) if (found := _lapse(run, beat))]
     if not bounds:
-        return Findings.none(
-            "heartbeat",
-            "heartbeat, slack: no heartbeat lapsed in mid motion",
-        )
+        return Findings.none("heartbeat", "heartbeat, slack: no heartbeat lapsed in mid motion")
     lows, highs = np.array(bounds).T
     # Lapses may differ; the interval holds all of them if they do.
     low, high = float(lows.max()), float(highs.min())

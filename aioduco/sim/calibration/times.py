@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from aioduco.models.enums import RobotState
-from aioduco.sim.calibration.findings import Findings
+from aioduco.sim.calibration.findings import Findings, mean_of
 from aioduco.sim.profile import Estimate
 
 if TYPE_CHECKING:
@@ -118,8 +118,6 @@ def estimate_period(sets: Sequence[Reads]) -> Findings:
     Args:
         sets: reads of the joints, of one or more recordings.
     """
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
-
     name = "readings, period"
     windows: list[Array] = []
     interval = 0.0
@@ -133,19 +131,11 @@ def estimate_period(sets: Sequence[Reads]) -> Findings:
                 windows.append(0.5 * (begin[moved] + end[moved + 1]))
     periods = _periods(windows, 0.8 / interval) if len(windows) >= _WINDOWS else []
     if periods:
-        factor = float(student.ppf(0.975, len(periods) - 1))
-        half = factor * float(np.std(periods, ddof=1)) / math.sqrt(len(periods))
-        return Findings(
-            "readings", {"period": Estimate.around(float(np.mean(periods)), half + _LEAST_PERIOD)}
-        )
+        return Findings("readings", {"period": mean_of(periods, _LEAST_PERIOD)})
     if not interval:
-        return Findings.none(
-            "readings",
-            f"{name}: too few reads of the joints in one motion",
-        )
+        return Findings.none("readings", f"{name}: too few reads of the joints in one motion")
     return Findings.none(
-        "readings",
-        f"{name}: none above twice the {1000 * interval:.1f} ms between two reads",
+        "readings", f"{name}: none above twice the {1000 * interval:.1f} ms between two reads"
     )
 
 

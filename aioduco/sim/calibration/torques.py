@@ -19,7 +19,7 @@ from aioduco.errors import CalibrationError
 from aioduco.kinematics.forward import frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.kinematics.payload import identify_load_by_torques
-from aioduco.sim.calibration.findings import Findings
+from aioduco.sim.calibration.findings import Findings, deviations
 from aioduco.sim.profile import Estimate
 
 if TYPE_CHECKING:
@@ -168,8 +168,6 @@ def fit_by_motion(
         The k values of `between`, and the half widths of their intervals; None if there are fewer
         than two motions more than values.
     """
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
-
     count = np.bincount(motions)
     rows, other = _means(between, motions), _means(within, motions)
     mean = _means(torque[:, None], motions)[:, 0]
@@ -186,7 +184,7 @@ def fit_by_motion(
     of_motions = np.sqrt(off @ off / free * np.square(inverse).sum(axis=1))
     # By chance the few motions may agree better than their reads allow.
     of_reads = np.sqrt(np.square(inverse) @ (left @ left / reads / count))
-    halves = [student.ppf(0.975, n) * each for n, each in ((free, of_motions), (reads, of_reads))]
+    halves = [deviations(n) * each for n, each in ((free, of_motions), (reads, of_reads))]
     return found, np.maximum(*halves)
 
 

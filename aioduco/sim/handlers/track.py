@@ -77,50 +77,28 @@ class TrackHandlers(HandlerSection):
     def trackJointMotion(self, speed: float, acc: float, block: bool) -> int:  # noqa: N802
         """Move through the points as joints, until the pool is empty."""
 
-        def following(controller: Controller) -> Following:
+        def track(controller: Controller) -> _Part:
             v = arguments.number("speed", speed, *JOINT_SPEED)
             a = arguments.number("acc", acc, *_JOINT_ACCELERATION)
+            return self._joints(controller.pool, v, a)
 
-            def make(q: Array) -> TargetFollower:
-                return JointTrack(
-                    self._arm, q, self._runtime.cycle, controller.pool, v, a, _reached
-                )
-
-            return Following.behind("trackJointMotion", make)
-
-        return self._follow("trackJointMotion", following, block)
+        return self._follow("trackJointMotion", track, block)
 
     def trackCartMotion(  # noqa: N802 - the name on the wire
         self, speed: float, acc: float, block: bool, tool: str, wobj: str, radius: float
     ) -> int:
         """Move through the points as poses of the tool in the work object, until none is left."""
 
-        def following(controller: Controller) -> Following:
+        def track(controller: Controller) -> _Part:
             v = arguments.number("speed", speed, *_LINE_SPEED)
             a = min(arguments.number("acc", acc, *_LINE_ACCELERATION), _UNLIMITED_ACCELERATION)
             arguments.number("radius", radius, 0.0, math.inf, "m")
-            used, base = self._frames.tool(tool), self._frames.wobj(wobj)
+            return self._poses(controller.pool, v, a, tool, wobj)
 
-            def make(q: Array) -> TargetFollower:
-                return ToolTrack(
-                    self._arm,
-                    q,
-                    self._runtime.cycle,
-                    controller.pool,
-                    v,
-                    a,
-                    _reached,
-                    tool=used.matrix,
-                    wobj=base.matrix,
-                    matrix=lambda values: Pose(*values).matrix,
-                )
+        return self._follow("trackCartMotion", track, block)
 
-            return Following.behind("trackCartMotion", make)
-
-        return self._follow("trackCartMotion", following, block)
-
-    def _follow(self, name: str, following: Callable[[Controller], Following], block: bool) -> int:
-        return self._task(name, block, lambda c: c.follow(name, following(c)))
+    def _follow(self, name: str, track: Callable[[Controller], _Part], block: bool) -> int:
+        return self._task(name, block, lambda c: c.follow(name, Following.behind(name, track(c))))
 
     def start_record_track(
         self, name: str, mode: int, tool: str, wobj: str, interval: float
@@ -159,46 +137,32 @@ class TrackHandlers(HandlerSection):
     def replay(self, name: str, value: int, mode: int) -> int:
         """轨迹复现: move to the first point, then through all of them; `value` is the speed [%]."""
 
-        def command(controller: Controller) -> int:
+        def chain(_: Controller) -> _Part:
             share = arguments.number("value", value, 1, 100, "%") / 100.0
             arguments.choice("mode", mode, (0, 1), "0 or 1")
             track = self._cabinet.project.tracks.get(name)
             if track is None:
                 raise mismatch(f"there is no track {name!r}")
+            points = track.joints if mode == 0 else track.joints[:1]
             speed = share * min(self._arm.velocity)
-            if mode == 0:
-                parts = [self._joints(track.joints, speed)]
-            else:
-                parts = [self._joints(track.joints[:1], speed), self._poses(track, share)]
-            cycle = self._runtime.cycle
-            return controller.follow(
-                "replay",
-                Following.behind("replay", lambda q: FollowerChain(self._arm, q, cycle, parts)),
-            )
+            parts = [self._joints(_pool(points), speed, DEFAULT_JOINT_ACCELERATION)]
+            if mode == 1:
+                speed = share * _REPLAY_SPEED
+                pool = _pool(track.poses)
+                parts.append(
+                    self._poses(pool, speed, DEFAULT_LINE_ACCELERATION, track.tool, track.wobj)
+                )
+            return lambda q: FollowerChain(self._arm, q, self._runtime.cycle, parts)
 
-        return self._task("replay", True, command)
+        return self._follow("replay", chain, True)
 
-    def _joints(self, points: Sequence[tuple[float, ...]], speed: float) -> _Part:
-        pool = _pool(points)
-        return lambda q: JointTrack(
-            self._arm, q, self._runtime.cycle, pool, speed, DEFAULT_JOINT_ACCELERATION, _passed
-        )
+    def _joints(self, pool: TrackPool, v: float, a: float) -> _Part:
+        return lambda q: JointTrack(self._arm, q, self._runtime.cycle, pool, v, a)
 
-    def _poses(self, track: RecordedTrack, share: float) -> _Part:
-        pool = _pool(track.poses)
-        tool = self._frames.tool(track.tool)
-        wobj = self._frames.wobj(track.wobj)
+    def _poses(self, pool: TrackPool, v: float, a: float, tool: str, wobj: str) -> _Part:
+        tip, base = self._frames.tool(tool).matrix, self._frames.wobj(wobj).matrix
         return lambda q: ToolTrack(
-            self._arm,
-            q,
-            self._runtime.cycle,
-            pool,
-            share * _REPLAY_SPEED,
-            DEFAULT_LINE_ACCELERATION,
-            _passed,
-            tool=tool.matrix,
-            wobj=wobj.matrix,
-            matrix=lambda values: Pose(*values).matrix,
+            self._arm, q, self._runtime.cycle, pool, v, a, tool=tip, wobj=base
         )
 
 
@@ -210,17 +174,9 @@ def _point(values: Sequence[float]) -> tuple[float, ...]:
     )
 
 
-def _reached(fire: Callable[[], None]) -> None:
-    fire()
-
-
 def _pool(points: Sequence[tuple[float, ...]]) -> TrackPool:
     """Put the points of a track into a pool; a track never has more points than fit."""
     pool = TrackPool()
     fits = pool.put((point, None) for point in points)
     assert fits
     return pool
-
-
-def _passed(_event: object) -> None:
-    """Nothing is triggered at a recorded point."""

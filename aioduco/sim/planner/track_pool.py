@@ -18,12 +18,13 @@ import math
 from abc import abstractmethod
 from collections import deque
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.kinematics.forward import fkine
+from aioduco.models.pose import Pose
 from aioduco.models.rotation import (
     matrix_from_quaternion,
     quaternion_from_matrix,
@@ -46,6 +47,8 @@ CAPACITY = 1000
 """Largest number of points: of the track pool by manual 1.3.12, of others by assumption."""
 
 T = TypeVar("T")
+#: six numbers, and what is done when the point is reached
+TrackPoint: TypeAlias = "tuple[tuple[float, ...], Callable[[], None] | None]"
 _ACROSS = 0.5  # share of the acceleration for the bends of the path; the rest is along it
 _SAME = 1e-9  # points nearer than this are the same [m, rad]
 _MARGIN = 0.95  # share of the joints' largest speeds, as the curve differs from the chords
@@ -82,8 +85,8 @@ class Fifo(Generic[T]):
         return self._points.popleft() if self._points else None
 
 
-class TrackPool(Fifo[tuple[tuple[float, ...], Any]]):
-    """The track pool (轨迹池): points, each with an event, or with None.
+class TrackPool(Fifo[TrackPoint]):
+    """The track pool (轨迹池): points, each with an action, or with None.
 
     Attributes:
         taken: number of points that were removed from its front, or dropped.
@@ -101,7 +104,7 @@ class TrackPool(Fifo[tuple[tuple[float, ...], Any]]):
         self.cleared += 1
         super().clear()
 
-    def get(self, number: int) -> tuple[tuple[float, ...], Any] | None:
+    def get(self, number: int) -> TrackPoint | None:
         """The point with a number, counted from the very first; None if there is none yet.
 
         Raises:
@@ -127,7 +130,7 @@ class _Node:
         x: the interpolated quantity. Shape (n,).
         q: joints [rad]. Shape (6,).
         at: distance from the start of the path.
-        event: event of the point.
+        action: what is done when it is reached.
         slope: slope of x over the distance; None while the next point is not known.
         most: square of the largest speed there, for its bend and its two chords.
         stretch: largest ratio of lengths along the curve and along the chord, on the way to it.
@@ -137,7 +140,7 @@ class _Node:
     x: Array
     q: Array
     at: float
-    event: Any = None
+    action: Callable[[], None] | None = None
     slope: Array | None = None
     most: float = math.inf
     stretch: float = 1.0
@@ -152,12 +155,10 @@ class _Track(TargetFollower):
         pool: TrackPool,
         speed: float,
         acceleration: float,
-        reached: Callable[[Any], None],
     ) -> None:
         super().__init__(arm, q, cycle)
         self._pool = pool
         self._v, self._a = speed, acceleration
-        self._reached = reached
         self._cleared = pool.cleared
         self._rate = 0.0  # speed along the path
         self._at = 0.0  # distance
@@ -196,14 +197,14 @@ class _Track(TargetFollower):
             found = None if self._underrun else self._pool.get(last.number + 1)
             if found is None:
                 return
-            values, event = found
+            values, action = found
             x, q, length = self._place(values, last)
-            node = _Node(last.number + 1, x, q, last.at + length, event)
+            node = _Node(last.number + 1, x, q, last.at + length, action)
             if length < _SAME:
                 last.number += 1
                 self._pool.take_to(last.number)
-                if event is not None:
-                    self._reached(event)
+                if action is not None:
+                    action()
                 continue
             self._join(last, node, length)
             self._nodes.append(node)
@@ -337,8 +338,8 @@ class _Track(TargetFollower):
         if self._window and self._window[0] is self._here:
             self._window.popleft()
         self._pool.take_to(self._here.number)
-        if self._here.event is not None:
-            self._reached(self._here.event)
+        if self._here.action is not None:
+            self._here.action()
         if not self._nodes:
             self._here.slope = None
 
@@ -387,10 +388,8 @@ class ToolTrack(_Track):
         pool: pool of the points.
         speed: speed of the tool [m/s].
         acceleration: acceleration of the tool [m/s²].
-        reached: called with the event of a point when the point is passed.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         wobj: work object in the base frame. Shape (4, 4).
-        matrix: converts the six numbers of a pose to a matrix.
     """
 
     def __init__(
@@ -401,21 +400,18 @@ class ToolTrack(_Track):
         pool: TrackPool,
         speed: float,
         acceleration: float,
-        reached: Callable[[Any], None],
         *,
         tool: Array,
         wobj: Array,
-        matrix: Callable[[tuple[float, ...]], Array],
     ) -> None:
         self._tool, self._untool, self._wobj = tool, np.linalg.inv(tool), wobj
-        self._matrix = matrix
-        super().__init__(arm, q, cycle, pool, speed, acceleration, reached)
+        super().__init__(arm, q, cycle, pool, speed, acceleration)
 
     def _first(self, q: Array) -> tuple[Array, Array]:
         return _numbers(fkine(self._arm.geometry, q) @ self._tool), q
 
     def _place(self, values: tuple[float, ...], last: _Node) -> tuple[Array, Array, float]:
-        goal = self._wobj @ self._matrix(values)
+        goal = self._wobj @ Pose(*values).matrix
         x = _numbers(goal)
         if x[3:] @ last.x[3:] < 0.0:
             x[3:] = -x[3:]

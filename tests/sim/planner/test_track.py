@@ -27,8 +27,8 @@ def pool(points: Iterable[Any]) -> TrackPool:
     return filled
 
 
-def joints(filled: TrackPool, v: float = 1.0, a: float = 5.0, reached: Any = print) -> JointTrack:
-    return JointTrack(ARM, Q, CYCLE, filled, v, a, reached)
+def joints(filled: TrackPool, v: float = 1.0, a: float = 5.0) -> JointTrack:
+    return JointTrack(ARM, Q, CYCLE, filled, v, a)
 
 
 def at(offset: list[float]) -> np.ndarray:
@@ -133,10 +133,15 @@ def test_a_pool_that_is_emptied_lets_the_arm_come_to_rest() -> None:
 
 def test_events_of_points_are_told_when_they_are_reached() -> None:
     seen: list[tuple[str, float]] = []
-    filled = TrackPool()
-    filled.put([(tuple(at([0.1, 0, 0, 0, 0, 0])), "a"), (tuple(at([0.2, 0, 0, 0, 0, 0])), "b")])
     rows: list[float] = []
-    follower = joints(filled, reached=lambda name: seen.append((name, rows[-1])))
+    filled = TrackPool()
+    filled.put(
+        (
+            (tuple(at([0.1, 0, 0, 0, 0, 0])), lambda: seen.append(("a", rows[-1]))),
+            (tuple(at([0.2, 0, 0, 0, 0, 0])), lambda: seen.append(("b", rows[-1]))),
+        )
+    )
+    follower = joints(filled)
     while not follower.ended:
         rows.append(follower.tick(NONE, NONE).q[0])
     assert [name for name, _ in seen] == ["a", "b"]
@@ -169,10 +174,7 @@ def test_a_tool_goes_through_poses() -> None:
         start.shifted(x=0.1 * np.sin(a), z=0.1 * (np.cos(a) - 1)) @ Pose(0, 0, 0, 0, 0, 0.3 * a)
         for a in angles
     ]
-    follower = ToolTrack(
-        ARM, Q, CYCLE, pool(goals), 0.2, 1.0, print,
-        tool=np.eye(4), wobj=np.eye(4), matrix=lambda values: Pose(*values).matrix,
-    )  # fmt: skip
+    follower = ToolTrack(ARM, Q, CYCLE, pool(goals), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4))
     rows = run(follower)
     points = ARM.fkine(rows[:, 0])[:, :3, 3]
     centre = np.array([start.x, start.y, start.z - 0.1])
@@ -186,9 +188,8 @@ def test_a_tool_goes_through_poses() -> None:
 
 def test_a_point_out_of_reach_ends_it() -> None:
     follower = ToolTrack(
-        ARM, Q, CYCLE, pool([[5.0, 0, 0, 0, 0, 0]]), 0.2, 1.0, print,
-        tool=np.eye(4), wobj=np.eye(4), matrix=lambda values: Pose(*values).matrix,
-    )  # fmt: skip
+        ARM, Q, CYCLE, pool([[5.0, 0, 0, 0, 0, 0]]), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4)
+    )
     follower.tick(NONE, NONE)
     assert follower.failure is not None
     assert "reach" in str(follower.failure)
