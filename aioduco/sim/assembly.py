@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -89,7 +90,8 @@ class SimulatorSettings:
     external_axes: SimulatedExternalAxes
     rules: SignalRules
     forgiving: Forgiving
-    profile: ArmProfile | None
+    #: what is known of the arm; empty for nothing
+    profile: ArmProfile
 
 
 class SimulatorAssembly:
@@ -139,7 +141,8 @@ class SimulatorAssembly:
             encode=_encoders(settings),
             on_network=on_network,
         )
-        if (profile := settings.profile) is not None and profile.has("load"):
+        profile = settings.profile
+        if profile.has("load"):
             mass, *centre = (profile.value("load", name, 0.0) for name in ("mass", *"xyz"))
             self.runtime.load(mass, centre)
         settings.rules.gripper = None
@@ -149,21 +152,24 @@ class SimulatorAssembly:
         self.server: Server = Server(
             handlers, host=settings.host, port=settings.port, wire=wire_of(settings.generation)
         )
-        self.server.start()
         self.status: StatusServer | None = None
         self.forces: ForceServer | None = None
+        self._ports: list[Server | StatusServer | ForceServer] = [self.server]
+        if settings.status_port is not None:
+            self.status = StatusServer(
+                partial(self._frame, handlers), host=settings.host, port=settings.status_port
+            )
+            self._ports.append(self.status)
+        if settings.force_port is not None:
+            self.forces = ForceServer(
+                partial(force_sample_of, handlers), host=settings.host, port=settings.force_port
+            )
+            self._ports.append(self.forces)
         try:
-            if settings.status_port is not None:
-                self.status = self._status(handlers, settings.host, settings.status_port)
-            if settings.force_port is not None:
-                self.forces = ForceServer(
-                    lambda: force_sample_of(handlers), host=settings.host, port=settings.force_port
-                )
-                self.forces.start()
+            for port in self._ports:
+                port.start()
         except OSError:
-            if self.status is not None:
-                self.status.close()
-            self.server.close()
+            self._close_ports()
             raise
         self.pictures: PictureProcess = PictureProcess(self.world.drawn)
 
@@ -176,48 +182,40 @@ class SimulatorAssembly:
         # The gripped thing itself is the load, whatever load the program sets.
         self.runtime.carry(0.0, (0.0, 0.0, 0.0))
 
-    def _status(self, handlers: Handlers, host: str, port: int) -> StatusServer:
-        def frame() -> StatusFrame:
-            return frame_of(handlers, simulated=self.runtime.snapshot.view.simulation)
-
-        status = StatusServer(frame, host=host, port=port)
-        status.start()
-        return status
+    def _frame(self, handlers: Handlers) -> StatusFrame:
+        return frame_of(handlers, simulated=self.runtime.snapshot.view.simulation)
 
     def refuse_clients(self, refused: bool) -> None:
         """Refuse clients or accept them again, on every port."""
-        self.server.refuse(refused)
-        if self.status is not None:
-            self.status.refuse(refused)
-        if self.forces is not None:
-            self.forces.refuse(refused)
+        for port in self._ports:
+            port.refuse(refused)
 
     def close(self) -> None:
         """Cut the connections, stop the simulation, and wait until its threads have ended."""
         self.runtime.release()
-        if self.status is not None:
-            self.status.close()
-        if self.forces is not None:
-            self.forces.close()
         try:
-            self.server.close()
+            self._close_ports()
         finally:
             self.runtime.close()
             self.pictures.close()
+
+    def _close_ports(self) -> None:
+        for port in reversed(self._ports):
+            port.close()
 
 
 def _drives(settings: SimulatorSettings) -> dict[str, Any]:
     """Lag and friction of the drives, if the profile has them."""
     profile = settings.profile
     found: dict[str, Any] = {}
-    if profile is not None and profile.has("drives"):
+    if profile.has("drives"):
         lag = profile.six("drives", "lag", 0.0)
         fastest = tuple(1.0 / each if each else math.inf for each in lag)
         gain = tuple(
             profile.value("drives", f"gain{i + 1}", each) for i, each in enumerate(fastest)
         )
         found["drives"] = TrailingDrives(lag, gain, settings.cycle)
-    if profile is not None and profile.has("friction"):
+    if profile.has("friction"):
         found["compensated"] = (
             profile.six("friction", "dry", 0.0),
             profile.six("friction", "viscous", 0.0),
@@ -225,12 +223,10 @@ def _drives(settings: SimulatorSettings) -> dict[str, Any]:
     return found
 
 
-def _encoders(
-    settings: SimulatorSettings,
-) -> Callable[[Array], Array] | None:
+def _encoders(settings: SimulatorSettings) -> Callable[[Array], Array] | None:
     """Noise of the measured joints, if the profile has it."""
     profile = settings.profile
-    if profile is None or not profile.has("noise"):
+    if not profile.has("noise"):
         return None
     size = np.array(profile.six("noise", "joint", 0.0))
     random = np.random.default_rng(settings.seed)
@@ -240,8 +236,6 @@ def _encoders(
 def _corners(settings: SimulatorSettings) -> Corners:
     """How corners are cut, by the profile if it has that."""
     profile, usual = settings.profile, CornerLaw()
-    if profile is None:
-        return Corners()
     joint, line = (
         CornerLaw(
             *(
@@ -267,10 +261,8 @@ def _controller(settings: SimulatorSettings) -> Controller:
     controller = Controller(mover, settings.joints, force)
     controller.program_lag = settings.program_lag
     controller.heartbeat.slack = settings.heartbeat_slack
-    if settings.profile is not None:
-        controller.power_times.update(
-            {name: found.value for name, found in settings.profile.values.get("times", {}).items()}
-        )
+    times = settings.profile.values.get("times", {})
+    controller.power_times.update({name: found.value for name, found in times.items()})
     controller.rules = settings.rules
     controller.external_axes = settings.external_axes
     tried = trial.current
@@ -284,20 +276,16 @@ def _controller(settings: SimulatorSettings) -> Controller:
 def _handlers(
     settings: SimulatorSettings, controller: Controller, runtime: SimulationRuntime
 ) -> Handlers:
-    series, _, model = settings.arm.name.upper().partition("_")
     context = HandlerContext(
         settings.arm,
         runtime,
-        controller.signals,
-        controller.frames,
-        series,
-        model,
+        controller,
         f"SIM{settings.seed:08d}",
         settings.cabinet,
         settings.forgiving,
         settings.mounting,
         tuple(settings.joints.tolist()),
-        0.0 if settings.profile is None else settings.profile.value("readings", "period", 0.0),
+        settings.profile.value("readings", "period", 0.0),
     )
     kind = _HANDLERS.get(settings.generation, OlderHandlers)
     return (in_single_precision(kind) if settings.real_readings else kind)(context)

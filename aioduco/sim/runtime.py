@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from aioduco.models.enums import TaskState
     from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
-    from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
-    from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.cycle import Plant
 
@@ -194,26 +192,6 @@ class SimulationRuntime(PlantChanges):
         # A change holds the lock that every cycle needs; the due cycles ran before it began.
         wait = self._changer != threading.get_ident() and not self._within
         self._batches.catch_up(wait=wait)
-
-    @property
-    def optimization(self) -> OptimizationSwitches:
-        """The switches of manual 1.3.11; for handlers within a command."""
-        return self._controller.optimization
-
-    @property
-    def external_axes(self) -> SimulatedExternalAxes:
-        """The external axes; for handlers within a command, and for readers of their states."""
-        return self._controller.external_axes
-
-    @property
-    def weaving(self) -> WeaveSelection:
-        """The weave that is added to paths; for handlers within a command."""
-        return self._controller.weaving
-
-    @property
-    def last_motion(self) -> str:
-        """The function of the motion that was accepted last; for handlers within a command."""
-        return self._controller.last_motion
 
     @contextlib.contextmanager
     def command(self) -> Iterator[Controller]:

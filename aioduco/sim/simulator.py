@@ -225,7 +225,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             external_axes=self.external_axes,
             rules=SignalRules(),
             forgiving=Forgiving(strict=strict),
-            profile=known,
+            profile=ArmProfile(self.arm.name) if known is None else known,
         )
         self._speed = checked_speed(speed)
         self._observer: Observer | None = None

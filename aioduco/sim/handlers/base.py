@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.kinematics import Arm
-    from aioduco.sim.cabinet.signals import Signals
-    from aioduco.sim.cabinet.tools import FrameTable
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.runtime import SimulationRuntime
 
@@ -58,9 +56,8 @@ class HandlerContext:
     Attributes:
         arm: the arm's dimensions and kinematics.
         runtime: the running simulation.
-        signals: inputs and outputs.
-        frames: tools and work objects.
-        series, model, serial: what get_robot_type returns.
+        controller: its controller, which is changed only within a command.
+        serial: the arm's serial number.
         cabinet: the other state of the controller: variables, ports, files.
         forgiving: decides whether a call that deviates from the manual is accepted.
         mounting: pose of the base in the world.
@@ -70,10 +67,7 @@ class HandlerContext:
 
     arm: Arm
     runtime: SimulationRuntime
-    signals: Signals
-    frames: FrameTable
-    series: str
-    model: str
+    controller: Controller
     serial: str
     cabinet: Cabinet = field(default_factory=Cabinet)
     forgiving: Forgiving = field(default_factory=Forgiving)
@@ -92,8 +86,9 @@ class HandlerSection:
     def __init__(self, context: HandlerContext) -> None:
         self._arm = context.arm
         self._runtime = context.runtime
-        self._signals = context.signals
-        self._frames = context.frames
+        self._controller = context.controller
+        self._signals = context.controller.signals
+        self._frames = context.controller.frames
         self._cabinet = context.cabinet
         self._forgiving = context.forgiving
         self._context = context

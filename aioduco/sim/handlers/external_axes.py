@@ -75,7 +75,7 @@ class ExternalAxisHandlers(PathSection):
 
     def get_eaxis_info(self) -> list[EAxissInfo]:
         """Name of each scheme, whether it is active, and the position of its first axis."""
-        states = self._runtime.external_axes.states()
+        states = self._controller.external_axes.states()
         return [EAxissInfo(each.name, int(each.active), each.position) for each in states]
 
     # -- motions -------------------------------------------------------------------------------
@@ -238,7 +238,7 @@ class ExternalAxisHandlers(PathSection):
         """Add a move of the axes of a scheme to a motion of the arm."""
         target = arguments.numbers("epose", epose, 3)
         speed = arguments.number("eaxis_v", eaxis_v, *_SPEEDS)
-        external = self._runtime.external_axes
+        external = self._controller.external_axes
         external.check_active(scheme_name)
 
         def both(start: Array) -> Segment:

@@ -93,7 +93,7 @@ class NewerHandlers(Handlers):
             newer.EAxissInfo(
                 each.name, int(each.active), each.position, each.speed, each.acceleration
             )
-            for each in self._runtime.external_axes.states()
+            for each in self._controller.external_axes.states()
         ]
 
     def reach_check(

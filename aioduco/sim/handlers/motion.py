@@ -296,7 +296,7 @@ class MotionHandlers(PathSection):
         tip, flange = used.matrix, used.inverse
         given = [arguments.pose("pose_list", p) for p in poses]
         radius, options = blend(r), self._path_options(wobj)
-        apart = self._runtime.last_motion in _SPLINES
+        apart = self._controller.last_motion in _SPLINES
 
         def path(start: Array) -> Segment:
             # Computed here, without the controller's lock: fifty poses take a millisecond.

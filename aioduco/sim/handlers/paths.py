@@ -137,17 +137,17 @@ class PathSection(HandlerSection):
 
     def _optimized(self) -> tuple[bool, bool]:
         """Whether the controller chooses speeds, and whether it chooses accelerations."""
-        switches, mode = self._runtime.optimization, self._runtime.snapshot.view.mode
+        switches, mode = self._controller.optimization, self._runtime.snapshot.view.mode
         fast = switches.speed and mode is OperationMode.AUTO
         return fast, fast or switches.acceleration
 
     def _path_options(self, wobj: str = "") -> PathOptions:
         """Options of paths at a work object, by the settings that are switched on."""
-        weave = self._runtime.weaving.active
+        weave = self._controller.weaving.active
         if weave is not None:
             axes = self._frames.wobj(wobj).matrix[:3, :3]
             weave = replace(weave, work_object=axes)
-        around = self._runtime.optimization.avoids
+        around = self._controller.optimization.avoids
         return {"weave": weave, "around": around}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:

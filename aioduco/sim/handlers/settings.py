@@ -54,7 +54,8 @@ class SettingHandlers(HandlerSection):
 
     def get_robot_type(self) -> list[str]:
         """Series, model, extension, serial number."""
-        return [self._context.series, self._context.model, "", self._context.serial]
+        series, _, model = self._arm.name.upper().partition("_")
+        return [series, model, "", self._context.serial]
 
     def get_origin_DH(self) -> list[list[float]]:  # noqa: N802 - the name on the wire
         """Denavit-Hartenberg parameters a, alpha, d, theta of each joint [m, rad]."""

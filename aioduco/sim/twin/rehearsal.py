@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
-    from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.runtime import SimulationRuntime
     from aioduco.sim.twin.data import Six, TwinCommand
 
@@ -208,14 +206,8 @@ class _Run:
         self._times = np.full(2 * _ROWS, time)
         self._next = 0
         self._near = 0
-        series, _, model = arm.name.upper().partition("_")
         runtime = cast("SimulationRuntime", _UnthreadedRuntime(self))
-        controller = self.controller
-        self._handlers = Handlers(
-            HandlerContext(
-                arm, runtime, controller.signals, controller.frames, series, model, "TWIN"
-            )
-        )
+        self._handlers = Handlers(HandlerContext(arm, runtime, self.controller, "TWIN"))
 
     @property
     def setpoint(self) -> tuple[Array, Array]:
@@ -334,19 +326,3 @@ class _UnthreadedRuntime:
 
     def load(self, mass: float, centre: object) -> None:
         """Do nothing: there are no physics."""
-
-    @property
-    def optimization(self) -> OptimizationSwitches:
-        return self._controller.optimization
-
-    @property
-    def external_axes(self) -> SimulatedExternalAxes:
-        return self._controller.external_axes
-
-    @property
-    def weaving(self) -> WeaveSelection:
-        return self._controller.weaving
-
-    @property
-    def last_motion(self) -> str:
-        return self._controller.last_motion
