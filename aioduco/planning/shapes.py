@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -28,9 +28,6 @@ class Ground(Thing):
         at: a point of the plane, or a pose; the plane is perpendicular to the pose's z axis.
     """
 
-    def _sizes(self) -> tuple[str, ...]:
-        return ()
-
     def _shapes(self, body: ET.Element) -> None:
         self._geom(body, "plane", (2.0, 2.0, 0.1))
 
@@ -51,6 +48,8 @@ class Mesh(Thing):
     )
     scale: float = 1.0
 
+    _sizes: ClassVar[tuple[str, ...]] = ("scale",)
+
     def __post_init__(self) -> None:
         # `super()` without arguments fails, because `dataclass(slots=True)` makes a new class.
         Thing.__post_init__(self)
@@ -60,9 +59,6 @@ class Mesh(Thing):
             raise SceneError(f"the mesh's file {self.file} does not exist")
         if self.vertices is not None:
             _points("vertices", self.vertices, least=4)
-
-    def _sizes(self) -> tuple[str, ...]:
-        return ("scale",)
 
     def assets(self) -> list[ET.Element]:
         """The elements of MJCF for the mesh outside of the world."""
@@ -98,12 +94,11 @@ class PointCloud(Thing):
     points: Sequence[Sequence[float]] | NDArray[np.float64] = field(compare=False, repr=False)
     radius: float = 0.01
 
+    _sizes: ClassVar[tuple[str, ...]] = ("radius",)
+
     def __post_init__(self) -> None:
         Thing.__post_init__(self)
         _points("points", self.points, least=1)
-
-    def _sizes(self) -> tuple[str, ...]:
-        return ("radius",)
 
     def _shapes(self, body: ET.Element) -> None:
         for point in _points("points", self.points, least=1).tolist():

@@ -15,7 +15,7 @@ from aioduco.sim.cabinet.grippers import ValveGripper, slave_of
 from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.force.control import ForceControl
-from aioduco.sim.force.noise import SensorNoise
+from aioduco.sim.force.sensor import SensorNoise
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
 from aioduco.sim.handlers.generations import NewerHandlers, OlderHandlers

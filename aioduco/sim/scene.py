@@ -78,22 +78,22 @@ class Thing(ABC):
     name: str = ""
 
     _anchored: ClassVar[bool] = False
+    #: names of the fields that must be above 0; one that is None by default may be
+    _sizes: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         _pose(self.at)
         stored(self, mass=_MASS)
         defaults = {field.name: field.default for field in fields(self)}
-        for name in self._sizes():
+        for name in self._sizes:
             default = defaults[name]
+            if getattr(self, name) is default is None:
+                continue
             if isinstance(default, tuple):
                 rule = Vector(_SIZE, length=len(default))
                 object.__setattr__(self, name, tuple(rule(name, getattr(self, name))))
             else:
                 stored(self, **{name: _SIZE})
-
-    @abstractmethod
-    def _sizes(self) -> tuple[str, ...]:
-        """Names of the fields that must be above 0."""
 
     @abstractmethod
     def _shapes(self, body: ET.Element) -> None:
@@ -143,8 +143,7 @@ class Box(Thing):
 
     size: tuple[float, float, float] = (0.1, 0.1, 0.1)
 
-    def _sizes(self) -> tuple[str, ...]:
-        return ("size",)
+    _sizes: ClassVar[tuple[str, ...]] = ("size",)
 
     def _shapes(self, body: ET.Element) -> None:
         self._geom(body, "box", (0.5 * length for length in self.size))
@@ -160,8 +159,7 @@ class Sphere(Thing):
 
     radius: float = 0.05
 
-    def _sizes(self) -> tuple[str, ...]:
-        return ("radius",)
+    _sizes: ClassVar[tuple[str, ...]] = ("radius",)
 
     def _shapes(self, body: ET.Element) -> None:
         self._geom(body, "sphere", (self.radius,))
@@ -179,8 +177,7 @@ class Cylinder(Thing):
     radius: float = 0.05
     length: float = 0.1
 
-    def _sizes(self) -> tuple[str, ...]:
-        return ("radius", "length")
+    _sizes: ClassVar[tuple[str, ...]] = ("radius", "length")
 
     def _shapes(self, body: ET.Element) -> None:
         self._geom(body, "cylinder", (self.radius, 0.5 * self.length))
@@ -200,8 +197,7 @@ class Rod(Thing):
     length: float = 0.1
     radius: float = 0.015
 
-    def _sizes(self) -> tuple[str, ...]:
-        return ("length", "radius")
+    _sizes: ClassVar[tuple[str, ...]] = ("length", "radius")
 
     def _shapes(self, body: ET.Element) -> None:
         straight = max(self.length - self.radius, 1e-4)
@@ -236,9 +232,7 @@ class Pad(Thing):
     colour: Colour = _RUBBER
 
     _anchored: ClassVar[bool] = True
-
-    def _sizes(self) -> tuple[str, ...]:
-        return ("size", "stiffness", "damping", "travel")
+    _sizes: ClassVar[tuple[str, ...]] = ("size", "stiffness", "damping", "travel")
 
     def _shapes(self, body: ET.Element) -> None:
         plate = _sprung(body, self.stiffness, self.damping, self.travel, self.name)
@@ -264,10 +258,7 @@ class Table(Thing):
     colour: Colour = _WOOD
 
     _anchored: ClassVar[bool] = True
-
-    def _sizes(self) -> tuple[str, ...]:
-        optional = (name for name in ("stiffness", "height") if getattr(self, name) is not None)
-        return ("size", "damping", *optional)
+    _sizes: ClassVar[tuple[str, ...]] = ("size", "damping", "stiffness", "height")
 
     def _shapes(self, body: ET.Element) -> None:
         top = body

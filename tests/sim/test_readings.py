@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from aioduco.sim.force.noise import SensorNoise
+from aioduco.sim.force.sensor import SensorNoise
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:

@@ -75,11 +75,7 @@ class SystemValues:
         Raises:
             UndefinedValue: There is no variable of this name and type.
         """
-        value = _checked(name, self._values.get(name), list)
-        rows = [row for row in value if isinstance(row, list)]
-        if len(rows) != len(value):
-            raise UndefinedValue(f"the system value {name!r} is a list, not a list of lists")
-        return rows
+        return self._items(name, list, "a list, not a list of lists")
 
     def numbers(self, name: str) -> list[float]:
         """The value of a variable that is a list of numbers.
@@ -87,10 +83,13 @@ class SystemValues:
         Raises:
             UndefinedValue: There is no variable of this name and type.
         """
-        value = _checked(name, self._values.get(name), list)
-        found = [number for number in value if isinstance(number, float)]
+        return self._items(name, float, "a list of lists, not a list")
+
+    def _items(self, name: str, kind: type[T], other: str) -> list[T]:
+        value = self.get(name, list)
+        found = [each for each in value if isinstance(each, kind)]
         if len(found) != len(value):
-            raise UndefinedValue(f"the system value {name!r} is a list of lists, not a list")
+            raise UndefinedValue(f"the system value {name!r} is {other}")
         return found
 
 

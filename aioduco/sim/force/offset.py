@@ -200,14 +200,7 @@ class FlangeOffset:
 
     def slow_down(self) -> JointSetPoint:
         """Slow the joints down for one cycle, whatever the set-points of the motions."""
-        last = self._last
-        left = float((np.abs(last.qd) / self._hard).max())
-        if left <= self._cycle:
-            self._last = JointSetPoint.at_rest(last.q + 0.5 * left * last.qd)
-        else:
-            qd = last.qd * (1.0 - self._cycle / left)
-            q = last.q + 0.5 * self._cycle * (last.qd + qd)
-            self._last = JointSetPoint(q, qd, -last.qd / left)
+        self._last = self._last.slowed(self._hard, self._cycle)
         return self._last
 
     def _of_motions(self, q: Array) -> ArmRates:

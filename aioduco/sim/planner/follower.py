@@ -163,16 +163,9 @@ class TargetFollower(ABC):
 
     def _slow_down(self) -> None:
         """Decelerate all joints together, so that their motion keeps its direction."""
-        last = self._setpoint
-        left = float((np.abs(last.qd) / self._hard).max())
-        if left <= self._cycle:
-            self._setpoint = JointSetPoint.at_rest(last.q + 0.5 * left * last.qd)
-            if self._after_stop == "end":
-                self._end()
-            return
-        qd = last.qd * (1.0 - self._cycle / left)
-        q = last.q + 0.5 * self._cycle * (last.qd + qd)
-        self._setpoint = JointSetPoint(q, qd, -last.qd / left)
+        self._setpoint = self._setpoint.slowed(self._hard, self._cycle)
+        if self._after_stop == "end" and not self._setpoint.qd.any():
+            self._end()
 
     def _checked(self, point: JointSetPoint) -> JointSetPoint:
         """Refuse a set-point that a joint cannot follow, or from which it cannot stop in time."""

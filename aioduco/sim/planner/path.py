@@ -287,3 +287,14 @@ class JointSetPoint:
     def at_rest(cls, q: Array) -> JointSetPoint:
         """Give the set-point of an arm that stands at q [rad]."""
         return cls(np.array(q, dtype=float), np.zeros(6), np.zeros(6))
+
+    def slowed(self, braking: Array, cycle: float) -> JointSetPoint:
+        """Give the set-point a cycle [s] later, within decelerations [rad/s²] of the joints.
+
+        All joints stand at the same time, so that their motion keeps its direction.
+        """
+        left = float((np.abs(self.qd) / braking).max())
+        if left <= cycle:
+            return JointSetPoint.at_rest(self.q + 0.5 * left * self.qd)
+        qd = self.qd * (1.0 - cycle / left)
+        return JointSetPoint(self.q + 0.5 * cycle * (self.qd + qd), qd, -self.qd / left)
