@@ -17,6 +17,7 @@ from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import parse_toml, read_text, rewrite
+from aioduco.models.toml_lines import line_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -65,6 +66,9 @@ RANGES: Final[dict[str, dict[str, tuple[float, float, str]]]] = {
     "load": {"mass": (0.0, 50.0, "kg"), **dict.fromkeys("xyz", (-1.0, 1.0, "m"))},
     "friction": {**_six("dry", 0.0, 100.0, "N m"), **_six("viscous", 0.0, 200.0, "N m s/rad")},
 }
+
+
+_KEYS: Final = ("model", "sources", "single_precision", *RANGES)
 
 
 class Estimate(NamedTuple):
@@ -200,16 +204,15 @@ class _Reader:
 
     def __init__(self, path: str | os.PathLike[str], text: str) -> None:
         self._path = os.fspath(path)
-        self._lines = text.splitlines()
+        self._text = text
 
     def parts(
         self, data: dict[str, Any]
     ) -> tuple[str, dict[str, dict[str, Estimate]], bool | None, tuple[str, ...]]:
         for key in data:
-            if key not in ("model", "sources", "single_precision", *RANGES):
-                known = ", ".join(("model", "sources", "single_precision", *RANGES))
-                near = did_you_mean(key, ("model", "sources", "single_precision", *RANGES))
-                raise self._error("", key, key, f"one of {known}{near}")
+            if key not in _KEYS:
+                known = f"one of {', '.join(_KEYS)}{did_you_mean(key, _KEYS)}"
+                raise self._error("", key, key, known)
         model = data.get("model")
         if not isinstance(model, str):
             raise self._error("", "model", model, "the name of the arm's model")
@@ -267,20 +270,9 @@ class _Reader:
         return Estimate(float(value), float(ends[0]), float(ends[2]))
 
     def _error(self, section: str, name: str, value: Any, expected: str) -> ParameterError:
-        place = f"{self._path}, line {self._line(section, name)}: {section and section + '.'}{name}"
+        path = (section, name) if section else (name,)
+        place = f"{self._path}, line {line_of(self._text, path)}: {'.'.join(path)}"
         return ParameterError(place, value, expected)
-
-    def _line(self, section: str, name: str) -> int:
-        """Line of a value; that of its table if it is written in another way."""
-        at, within = 1, ""
-        for number, line in enumerate(self._lines, start=1):
-            if header := re.match(r"\s*\[\s*([^\]]*?)\s*\]", line):
-                within = header[1].strip("\"'")
-                if within in (section, f"{section}.{name}", name):
-                    at = number
-            elif within == section and re.match(rf"\s*[\"']?{re.escape(name)}[\"']?\s*[=.]", line):
-                return number
-        return at
 
 
 def _nominal(nominal: Arm, name: str) -> float:

@@ -78,19 +78,18 @@ class ForceTasks:
             raise Rejected(TaskState.ILLEGAL, "fc_stop is under way")
         if not self.control.active:
             self.control.start(self._motion.setpoint)
-        return self._finish("fc_start")
+        return self._tasks.ended("fc_start", TaskState.FINISHED)
 
     def stop(self) -> int:
         """End force control (fc_stop) when the arm stands; a running motion is a fault."""
         if not self.control.active:
-            return self._finish("fc_stop")
-        id_ = self._tasks.new("fc_stop")
+            return self._tasks.ended("fc_stop", TaskState.FINISHED)
         if self._motion.phase is not MotionPhase.IDLE:
             message = "fc_stop while motions run: the robot is stopped"
-            self._tasks.set(id_, TaskState.ERROR, message)
             self._motion.faults.append(message)
             self._disturbed = True
-            return id_
+            return self._tasks.ended("fc_stop", TaskState.ERROR, message)
+        id_ = self._tasks.new("fc_stop")
         self._tasks.set(id_, TaskState.RUNNING)
         self._closing.append(id_)
         return id_
@@ -101,14 +100,14 @@ class ForceTasks:
         self.control.conditions.begin(
             logic, sensed.time, lambda what: self.control.measure(what, sensed)
         )
-        return self._finish("fc_wait_logic")
+        return self._tasks.ended("fc_wait_logic", TaskState.FINISHED)
 
     def tare(self, direction: Sequence[bool], value: Sequence[float]) -> int:
         """Set the present reading of the sensor (fc_force_set_value)."""
         control = self.control
         sensed, turn = self.sensed, control.turn(self.sensed)
         control.sensor = control.sensor.tared(sensed.wrench, turn, direction, value)
-        return self._finish("fc_force_set_value")
+        return self._tasks.ended("fc_force_set_value", TaskState.FINISHED)
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         """Set the load [kg], and its centre in the flange's frame [m]."""
@@ -187,8 +186,3 @@ class ForceTasks:
         else:
             self._motion.failures.append(message)
             self._motion.stop(TaskState.ERROR, message)
-
-    def _finish(self, name: str) -> int:
-        id_ = self._tasks.new(name)
-        self._tasks.set(id_, TaskState.FINISHED)
-        return id_

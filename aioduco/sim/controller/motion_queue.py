@@ -333,8 +333,7 @@ class MotionQueue:
         if self._follower is None or self.following is None or self.following.kind not in kinds:
             self._tasks.set(control, TaskState.FINISHED)
             return
-        self._tasks.set(control, TaskState.RUNNING)
-        self._waiting_for_rest.append(control)
+        self._await_rest(control)
         self._finishing = not self._behind
         self._follower.finish()
 
@@ -346,9 +345,7 @@ class MotionQueue:
             message: the reason, for people.
             control: id of a task that ends at the same time.
         """
-        if control is not None:
-            self._tasks.set(control, TaskState.RUNNING)
-            self._waiting_for_rest.append(control)
+        self._await_rest(control)
         # A fault during a stop replaces its reason; a stop during a fault changes nothing.
         if self.phase is not MotionPhase.STOPPING or state is TaskState.ERROR:
             self._ending = (state, message)
@@ -386,9 +383,7 @@ class MotionQueue:
 
     def pause(self, control: int | None = None) -> None:
         """Decelerate along the path and keep the queue; the control task ends at rest."""
-        if control is not None:
-            self._tasks.set(control, TaskState.RUNNING)
-            self._waiting_for_rest.append(control)
+        self._await_rest(control)
         if self.phase is MotionPhase.RUNNING:
             self.phase = MotionPhase.PAUSING
             self._mover.pause()
@@ -552,6 +547,12 @@ class MotionQueue:
         if self._triggers:
             self._triggers.end(id_, self._time, self.setpoint, reached=reached)
         self._tasks.set(id_, state, message)
+
+    def _await_rest(self, control: int | None) -> None:
+        """Let a control task, if there is one, wait until the arm stands."""
+        if control is not None:
+            self._tasks.set(control, TaskState.RUNNING)
+            self._waiting_for_rest.append(control)
 
     def _finish_waiting(self, state: TaskState = TaskState.FINISHED) -> None:
         self._finishing = False

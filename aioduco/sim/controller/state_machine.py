@@ -444,14 +444,11 @@ class Controller:
 
     def finish(self, name: str) -> int:
         """Make a task that is finished at once."""
-        id_ = self.tasks.new(name)
-        self.tasks.set(id_, TaskState.FINISHED)
-        return id_
+        return self.tasks.ended(name, TaskState.FINISHED)
 
     def reject(self, name: str, state: TaskState, message: str) -> int:
         """Make a task that ends at once without having been carried out."""
-        id_ = self.tasks.new(name)
-        self.tasks.set(id_, state, message)
+        id_ = self.tasks.ended(name, state, message)
         self.note_error(f"{name}: {message}")
         return id_
 

@@ -75,6 +75,12 @@ class TaskTable:
             self.made(id_)
         return id_
 
+    def ended(self, name: str, state: TaskState, message: str = "") -> int:
+        """Make a task that has ended at once, and return its id."""
+        id_ = self.new(name)
+        self.set(id_, state, message)
+        return id_
+
     def set(self, id_: int, state: TaskState, message: str = "") -> None:
         """Set the state of a task that has not ended.
 

@@ -34,9 +34,6 @@ __all__ = ["judge", "learn"]
 
 #: channels with parts of samples
 _PARTS = ("/joint_states", "/joint_setpoints", "/tf", "/state", "/wrench", "/stream_setpoints")
-_ROBOT = {each.name: each for each in RobotState}
-_PROGRAM = {each.name: each for each in ProgramState}
-_SAFETY = {each.name: each for each in SafetyState}
 _OPS = {field.name for field in dataclasses.fields(Op)}
 
 
@@ -170,9 +167,9 @@ def _sample(
         pose[1] if fresh and pose is not None else None,
         None if external is None or None in external else tuple(external),
         None if None in force else tuple(force),
-        int(_ROBOT.get(state["robot"], RobotState.DISABLE)),
-        int(_PROGRAM.get(state["program"], ProgramState.STOPPED)),
-        int(_SAFETY.get(state["safety"], SafetyState.RUN)),
+        int(RobotState.__members__.get(state["robot"], RobotState.DISABLE)),
+        int(ProgramState.__members__.get(state["program"], ProgramState.STOPPED)),
+        int(SafetyState.__members__.get(state["safety"], SafetyState.RUN)),
         int(state["collision_axis"]) if state["collision"] else 0,
         joints.time - streaming < 1.0 and streaming >= 0.0,
     )
