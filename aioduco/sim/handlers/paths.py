@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
-    from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.weaving import Weave
+    from aioduco.sim.planner.segments import PathOptions, Segment
 
 
 #: lowest, highest and unit
@@ -54,18 +53,6 @@ TOO_FAST = "speed above its range"
 _BRANCH = ("shoulder", "elbow", "wrist")
 _MIRRORED = 0.02
 _UNLIMITED_ACCELERATION = 1e3  # stands for an acceleration that only the joints limit [m/s²]
-
-
-class PathOptions(TypedDict):
-    """Further arguments of the functions for paths of the tool.
-
-    Attributes:
-        weave: added to the path; None while weaving is switched off.
-        around: whether the path passes singularities in joint space.
-    """
-
-    weave: Weave | None
-    around: bool
 
 
 class PathSection(HandlerSection):

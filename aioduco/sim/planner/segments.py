@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from aioduco.sim.planner.tracing import check_limits, pass_singularities, passin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from typing import Unpack
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.weaving import Weave
 
 __all__ = [
+    "PathOptions",
     "PlanError",
     "Segment",
     "arc_move",
@@ -44,6 +46,18 @@ __all__ = [
 _STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
 _SAME = 1e-4  # poses that differ by less are the same, at the start of a spline [m, rad]
 _SLOWEST = 0.02  # share of the requested speed, below which a path counts as singular
+
+
+class PathOptions(TypedDict, total=False):
+    """What may be added to a path along a curve of the tool.
+
+    Attributes:
+        weave: weave to add to the path; None for none.
+        around: whether to leave the path near singularities instead of refusing it.
+    """
+
+    weave: Weave | None
+    around: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -183,8 +197,7 @@ def line_move(
     r: float = 0.0,
     *,
     tool: Array | None = None,
-    weave: Weave | None = None,
-    around: bool = False,
+    **options: Unpack[PathOptions],
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
@@ -199,24 +212,14 @@ def line_move(
         a: its acceleration [m/s²].
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: weave to add to the path.
-        around: whether to leave the path near singularities instead of refusing it.
+        options: what may be added to the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
-    return _cartesian(
-        arm,
-        q0,
-        StraightLine.between(start, target @ frame),
-        v,
-        a,
-        r,
-        frame,
-        weave,
-        around,
-    )
+    curve = StraightLine.between(start, target @ frame)
+    return _cartesian(arm, q0, curve, v, a, r, frame, **options)
 
 
 def arc_move(
@@ -230,8 +233,7 @@ def arc_move(
     *,
     mode: int = 0,
     tool: Array | None = None,
-    weave: Weave | None = None,
-    around: bool = False,
+    **options: Unpack[PathOptions],
 ) -> Segment:
     """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
 
@@ -246,15 +248,14 @@ def arc_move(
         mode: orientation: 0 turns to that of the target, 1 keeps that of the start, 2 keeps it
             relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: weave to add to the path.
-        around: whether to leave the path near singularities instead of refusing it.
+        options: what may be added to the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    return _cartesian(arm, q0, curve, v, a, r, frame, **options)
 
 
 def circle_move(
@@ -268,8 +269,7 @@ def circle_move(
     *,
     mode: int = 1,
     tool: Array | None = None,
-    weave: Weave | None = None,
-    around: bool = False,
+    **options: Unpack[PathOptions],
 ) -> Segment:
     """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
 
@@ -283,8 +283,7 @@ def circle_move(
         r: blend radius [m].
         mode: orientation: 1 keeps that of the start, 2 keeps it relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: weave to add to the path.
-        around: whether to leave the path near singularities instead of refusing it.
+        options: what may be added to the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -293,7 +292,7 @@ def circle_move(
         raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    return _cartesian(arm, q0, curve, v, a, r, frame, **options)
 
 
 def spiral_move(
@@ -309,8 +308,7 @@ def spiral_move(
     radius: float = 0.0,
     target: Array | None = None,
     tool: Array | None = None,
-    weave: Weave | None = None,
-    around: bool = False,
+    **options: Unpack[PathOptions],
 ) -> Segment:
     """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
 
@@ -326,8 +324,7 @@ def spiral_move(
         radius: radius at the end [m]; the target's, if there is one.
         target: pose of the flange at the end, in the base frame. Shape (4, 4).
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: weave to add to the path.
-        around: whether to leave the path near singularities instead of refusing it.
+        options: what may be added to the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -335,7 +332,7 @@ def spiral_move(
     start, frame = _start(arm, q0, tool)
     end = None if target is None else target @ frame
     curve = spiral(start, centre, turns, axial, radius, end)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    return _cartesian(arm, q0, curve, v, a, r, frame, **options)
 
 
 def spline_move(
@@ -347,9 +344,8 @@ def spline_move(
     r: float = 0.0,
     *,
     tool: Array | None = None,
-    weave: Weave | None = None,
-    around: bool = False,
     apart: bool = False,
+    **options: Unpack[PathOptions],
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
 
@@ -361,8 +357,7 @@ def spline_move(
         a: its acceleration [m/s²].
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        weave: weave to add to the path.
-        around: whether to leave the path near singularities instead of refusing it.
+        options: what may be added to the path.
         apart: whether the first pose must differ from the start of the motion, as behind another
             spline; otherwise it may be the same.
 
@@ -378,7 +373,7 @@ def spline_move(
             _check(v, a, r)
             return replace(stay(arm, q0), radius=r, v=v, a=a, tool=frame)
     curve = spline(start, through)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    return _cartesian(arm, q0, curve, v, a, r, frame, **options)
 
 
 def _same(one: Array, other: Array) -> bool:
@@ -401,8 +396,8 @@ def _cartesian(
     a: float,
     r: float,
     tool: Array,
-    weave: Weave | None,
-    around: bool,
+    weave: Weave | None = None,
+    around: bool = False,
 ) -> Segment:
     q0 = np.array(q0, dtype=float)
     _check(v, a, r)
