@@ -60,11 +60,9 @@ class _Joint:
             if len(wanted):
                 groups.append(count + np.concatenate([[0], np.cumsum(gaps)]))
                 count = int(groups[-1][-1]) + 1
-        self.error: Array = np.concatenate(errors) if errors else np.zeros(0)
-        self.terms: Array = np.concatenate(terms) if terms else np.zeros((0, 2))
-        self.group: NDArray[np.intp] = (
-            np.concatenate(groups).astype(np.intp) if groups else np.zeros(0, dtype=np.intp)
-        )
+        self.error: Array = np.concatenate([np.zeros(0), *errors])
+        self.terms: Array = np.concatenate([np.zeros((0, 2)), *terms])
+        self.group: NDArray[np.intp] = np.concatenate([np.zeros(0), *groups]).astype(np.intp)
         self.motions = count
 
     @property

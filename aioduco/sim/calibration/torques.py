@@ -231,11 +231,10 @@ def estimate_load(arm: Arm, runs: Sequence[Evidence]) -> Findings:
         arm: the arm, on a floor.
         runs: what the recordings say.
     """
-    at = [_resting(run) for run in runs]
-    joints = np.concatenate([each[0] for each in at]) if at else np.zeros((0, 6))
-    torque = np.concatenate([each[1] for each in at]) if at else np.zeros((0, 6))
-    if len(joints) < _FEWEST:
-        return Findings.none("load", f"load: {len(joints)} torques at rest, {_FEWEST} are needed")
+    rows = [row for run in runs for row in _resting(run)]
+    if len(rows) < _FEWEST:
+        return Findings.none("load", f"load: {len(rows)} torques at rest, {_FEWEST} are needed")
+    joints, torque = (np.array(column) for column in zip(*rows, strict=True))
     links = link_torques(arm, joints)
     try:
         found = identify_load_by_torques(arm, joints, links - torque)
@@ -257,17 +256,13 @@ def estimate_load(arm: Arm, runs: Sequence[Evidence]) -> Findings:
     )
 
 
-def _resting(run: Evidence) -> tuple[Array, Array]:
+def _resting(run: Evidence) -> Iterator[tuple[Array, Array]]:
     """Joints and torques at rest, one of each stretch of rest."""
     data = _of(run)
-    if data is None:
-        return np.zeros((0, 6)), np.zeros((0, 6))
-    still = data.resting & data.torque.any(axis=1)
-    rows = [(data.joints[i], data.torque[i]) for i in _last_of_each(still, data.joints)]
-    if not rows:
-        return np.zeros((0, 6)), np.zeros((0, 6))
-    joints, torque = zip(*rows, strict=True)
-    return np.array(joints), np.array(torque)
+    if data is not None:
+        still = data.resting & data.torque.any(axis=1)
+        for i in _last_of_each(still, data.joints):
+            yield data.joints[i], data.torque[i]
 
 
 def _last_of_each(still: Flags, joints: Array) -> Iterator[int]:

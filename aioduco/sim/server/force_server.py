@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import selectors
 import socket
-import threading
 import time
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.models.force_sample import FORCE_REQUEST, ForceSample
 from aioduco.models.pose import Pose
 from aioduco.sim.refusal import Refusal
+from aioduco.sim.server.socket_thread import SocketThread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,9 +50,7 @@ class ForceServer:
         #: addresses of clients, in the order in which they asked
         self._clients: dict[Any, None] = {}
         self._refusing = False
-        self._socket: socket.socket | None = None
-        self._thread: threading.Thread | None = None
-        self._wake: tuple[socket.socket, socket.socket] | None = None
+        self._thread: SocketThread | None = None
 
     def start(self) -> None:
         """Listen.
@@ -63,19 +61,14 @@ class ForceServer:
         family, kind, *_, address = socket.getaddrinfo(
             self.host, self.port, type=socket.SOCK_DGRAM
         )[0]
-        self._socket = socket.socket(family, kind)
+        opened = socket.socket(family, kind)
         try:
-            self._socket.bind(address)
+            opened.bind(address)
         except OSError:
-            self._socket.close()
+            opened.close()
             raise
-        self._socket.setblocking(False)
-        self.port = self._socket.getsockname()[1]
-        self._wake = socket.socketpair()
-        self._thread = threading.Thread(
-            target=self._serve, args=(self._socket, self._wake[1]), name="sim-force", daemon=True
-        )
-        self._thread.start()
+        self.port = opened.getsockname()[1]
+        self._thread = SocketThread("sim-force", opened, self._serve)
 
     def refuse(self, refusing: bool) -> None:
         """While `refusing` is set, forget clients and take no new ones."""
@@ -83,13 +76,9 @@ class ForceServer:
 
     def close(self) -> None:
         """End the streams, and wait until the thread has ended."""
-        if self._socket is None or self._thread is None or self._wake is None:
-            return
-        self._wake[0].send(b"x")
-        self._thread.join()
-        for end in (*self._wake, self._socket):
-            end.close()
-        self._socket = self._thread = self._wake = None
+        if self._thread is not None:
+            self._thread.end()
+            self._thread = None
 
     def _serve(self, opened: socket.socket, wake: socket.socket) -> None:
         with selectors.DefaultSelector() as selector:

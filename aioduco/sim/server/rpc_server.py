@@ -15,6 +15,7 @@ from aioduco._wire import idl
 from aioduco.models.host_port import host_port
 from aioduco.sim import trial
 from aioduco.sim.server.processor import CallInbox, Malformed, Message, Processor
+from aioduco.sim.server.socket_thread import SocketThread
 
 if TYPE_CHECKING:
     from typing import Self
@@ -57,16 +58,14 @@ class Server:
         self._handler = handler
         self._lock = threading.Lock()
         self._connections: dict[socket.socket, threading.Thread] = {}
-        self._listener: socket.socket | None = None
-        self._acceptor: threading.Thread | None = None
-        self._wake: tuple[socket.socket, socket.socket] | None = None
+        self._acceptor: SocketThread | None = None
         self._refusing = False
         self._refused: set[socket.socket] = set()
         self._closing = threading.Event()
         self._warned = 0
 
     def __repr__(self) -> str:
-        state = "closed" if self._listener is None else f"{len(self._connections)} connections"
+        state = "closed" if self._acceptor is None else f"{len(self._connections)} connections"
         return f"<{type(self).__name__} {host_port(self.host, self.port)} {state}>"
 
     @property
@@ -82,18 +81,10 @@ class Server:
         """
         idl.functions()  # parse the IDL before a first client has to wait for that
         family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
-        self._listener = socket.create_server((self.host, self.port), family=family, backlog=512)
-        self._listener.setblocking(False)
-        self.port = self._listener.getsockname()[1]
-        self._wake = socket.socketpair()
+        listener = socket.create_server((self.host, self.port), family=family, backlog=512)
+        self.port = listener.getsockname()[1]
         self._closing.clear()
-        self._acceptor = threading.Thread(
-            target=self._accept,
-            args=(self._listener, self._wake[1]),
-            name="sim-accept",
-            daemon=True,
-        )
-        self._acceptor.start()
+        self._acceptor = SocketThread("sim-accept", listener, self._accept)
 
     def refuse(self, refusing: bool) -> None:
         """Close every open connection, and every new one, for as long as `refusing` is set.
@@ -126,20 +117,17 @@ class Server:
         Raises:
             TimeoutError: A handler did not return within `timeout` seconds.
         """
-        if self._listener is None or self._acceptor is None or self._wake is None:
+        if self._acceptor is None:
             return
         deadline = time.monotonic() + timeout
         self._closing.set()
-        self._wake[0].send(b"x")
-        self._acceptor.join()
+        self._acceptor.end()
+        self._acceptor = None
         self.drop()
         with self._lock:
             threads = list(self._connections.values())
         for thread in threads:
             thread.join(max(0.0, deadline - time.monotonic()))
-        for end in (*self._wake, self._listener):
-            end.close()
-        self._listener = self._acceptor = self._wake = None
         if stuck := [thread.name for thread in threads if thread.is_alive()]:
             raise TimeoutError(f"calls still run after {timeout} s on: {', '.join(stuck)}")
 

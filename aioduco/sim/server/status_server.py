@@ -12,12 +12,12 @@ import logging
 import math
 import selectors
 import socket
-import threading
 import time
 from typing import TYPE_CHECKING
 
 from aioduco.models.status_frame import FRAME_SIZE, RATE, StatusFrame
 from aioduco.sim.refusal import Refusal
+from aioduco.sim.server.socket_thread import SocketThread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -111,9 +111,7 @@ class StatusServer:
         self.port: int = port
         self._frame = frame
         self._clients: set[socket.socket] = set()
-        self._listener: socket.socket | None = None
-        self._thread: threading.Thread | None = None
-        self._wake: tuple[socket.socket, socket.socket] | None = None
+        self._thread: SocketThread | None = None
         self._refusing = False
         self._cut = False
 
@@ -129,14 +127,9 @@ class StatusServer:
             OSError: The server cannot listen on the address, for instance if the port is in use.
         """
         family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
-        self._listener = socket.create_server((self.host, self.port), family=family)
-        self._listener.setblocking(False)
-        self.port = self._listener.getsockname()[1]
-        self._wake = socket.socketpair()
-        self._thread = threading.Thread(
-            target=self._serve, args=(self._listener, self._wake[1]), name="sim-status", daemon=True
-        )
-        self._thread.start()
+        listener = socket.create_server((self.host, self.port), family=family)
+        self.port = listener.getsockname()[1]
+        self._thread = SocketThread("sim-status", listener, self._serve)
 
     def refuse(self, refusing: bool) -> None:
         """While `refusing` is set, disconnect clients at the next frame and refuse new ones."""
@@ -145,13 +138,9 @@ class StatusServer:
 
     def close(self) -> None:
         """Disconnect every client, and wait until the thread has ended."""
-        if self._listener is None or self._thread is None or self._wake is None:
-            return
-        self._wake[0].send(b"x")
-        self._thread.join()
-        for end in (*self._wake, self._listener):
-            end.close()
-        self._listener = self._thread = self._wake = None
+        if self._thread is not None:
+            self._thread.end()
+            self._thread = None
 
     def _serve(self, listener: socket.socket, wake: socket.socket) -> None:
         with selectors.DefaultSelector() as selector:
