@@ -173,14 +173,7 @@ class VelocityHandlers(HandlerSection):
         tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
 
         def begin_tool(q: Array) -> TargetFollower:
-            follower = ToolVelocity(
-                self._arm,
-                q,
-                self._runtime.cycle,
-                tool,
-                "tool" if frame is None else "fixed",
-                frame,
-            )
+            follower = ToolVelocity(self._arm, q, self._runtime.cycle, tool, frame)
             follower.aim(velocity, _JOG_LINE_ACCELERATION)
             return follower
 

@@ -7,7 +7,7 @@ motion is ended.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
-__all__ = ["Axes", "JointVelocity", "ToolVelocity"]
+__all__ = ["JointVelocity", "ToolVelocity"]
 
-#: the frame of a tool's velocity: the tool's own frame, or a fixed one
-Axes: TypeAlias = Literal["tool", "fixed"]
 
 _SINGULAR = 2e-3  # singularity measure below which a tool cannot be moved at a velocity
 
@@ -90,23 +88,16 @@ class ToolVelocity(_Velocity):
         q: joints at the start [rad]. Shape (6,).
         cycle: time between two ticks [s].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        axes: "tool" for the tool's axes, which turn with it; "fixed" for those of `frame`.
-        frame: orientation of the fixed axes in the base. Shape (3, 3).
+        frame: orientation in the base of the axes of the velocity. Shape (3, 3). None for the
+            tool's axes, which turn with it.
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        q: Array,
-        cycle: float,
-        tool: Array,
-        axes: Axes = "tool",
-        frame: Array | None = None,
+        self, arm: Arm, q: Array, cycle: float, tool: Array, frame: Array | None = None
     ) -> None:
         super().__init__(arm, q, cycle)
         self.tool = tool
         self.frame = frame
-        self.axes = axes
 
     @staticmethod
     def _size(change: Array) -> float:
@@ -130,11 +121,8 @@ class ToolVelocity(_Velocity):
         return point
 
     def _rotated(self, q: Array, velocity: Array) -> Array:
-        if self.axes == "fixed":
-            if self.frame is None:
-                return velocity
-            rotation = self.frame
-        else:
+        rotation = self.frame
+        if rotation is None:
             rotation = (fkine(self._arm.geometry, q) @ self.tool)[:3, :3]
         return np.concatenate([rotation @ velocity[:3], rotation @ velocity[3:]])
 
