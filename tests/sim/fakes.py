@@ -114,12 +114,12 @@ class FakeMover:
         return True
 
     def tick(self) -> Any:
-        events: list[tuple[int, str, str]] = []
+        events: list[tuple[int, str]] = []
         if self._braking:
             self._braking -= 1
             if not self._braking and self._then == "stop":
                 if self._active is not None:
-                    events.append((self._active[0], "stopped", ""))
+                    events.append((self._active[0], "stopped"))
                 self._active, self._queue = None, []
             return _Tick(self.setpoint, tuple(events))
         if self.paused:
@@ -131,16 +131,14 @@ class FakeMover:
             except PlanError:
                 continue  # the queue has ended its task already
             self._active, self._left = (key, planned), planned.cycles
-            events.append((key, "started", ""))
+            events.append((key, "started"))
         if self._active is not None:
             key, planned = self._active
             q = self.setpoint.q + (planned.target - self.setpoint.q) / self._left
             self.setpoint = JointSetPoint.at_rest(q)
             self._left -= 1
             if not self._left:
-                events.append(
-                    (key, "blended" if planned.blends and self._queue else "finished", "")
-                )
+                events.append((key, "blended" if planned.blends and self._queue else "finished"))
                 self._active = None
         return _Tick(self.setpoint, tuple(events))
 
@@ -204,7 +202,7 @@ class FakeRun:
 @dataclass(frozen=True)
 class _Tick:
     setpoint: JointSetPoint
-    events: tuple[tuple[int, str, str], ...]
+    events: tuple[tuple[int, str], ...]
 
 
 def controller_of(mover: type[FakeMover], q: Vector = HOME) -> Controller:

@@ -418,7 +418,7 @@ class MotionQueue:
             return self._tick_follower(self._follower, q, qd)
         mover = self._mover
         tick = mover.tick()
-        for key, event, _ in tick.events:
+        for key, event in tick.events:
             self._note(key, event)
         if self._triggers:
             halting = self.phase not in (_IDLE, MotionPhase.RUNNING)

@@ -55,12 +55,10 @@ class MotionEvent(NamedTuple):
         key: the motion's key.
         kind: "started"; "finished": it stands at its end; "blended": the next motion took over
             before its end; "stopped": it stands before its end, or was dropped from the queue.
-        message: more about it, or empty.
     """
 
     key: int
     kind: MotionEventKind
-    message: str = ""
 
 
 class Travel(NamedTuple):

@@ -72,7 +72,7 @@ class Recorder:
         for _ in range(cycles):
             tick = self.mover.tick()
             self.setpoints.append(tick.setpoint)
-            self.events += [(len(self.setpoints), key, kind) for key, kind, _ in tick.events]
+            self.events += [(len(self.setpoints), key, kind) for key, kind in tick.events]
 
     def until_rest(self, cycles: int = 100_000) -> Recorder:
         while self.mover.moving:
