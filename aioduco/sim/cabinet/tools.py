@@ -39,7 +39,6 @@ class Tool:
         matrix: the same as a matrix. Shape (4, 4).
         inverse: the flange in the tip's frame. Shape (4, 4).
         payload: mass [kg] and centre of gravity [m].
-        inertia: xx, xy, xz, yy, yz, zz [kg m²].
     """
 
     name: str
@@ -47,7 +46,6 @@ class Tool:
     matrix: Array
     inverse: Array
     payload: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
-    inertia: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     @classmethod
     def at(
@@ -55,12 +53,11 @@ class Tool:
         offset: Pose,
         name: str = "",
         payload: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
-        inertia: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> Tool:
         """Make a tool with its tip at `offset`."""
         matrix = _frozen(offset.matrix)
         inverse = _frozen(offset.inverse().matrix)
-        return cls(name, offset, matrix, inverse, tuple(payload), tuple(inertia))
+        return cls(name, offset, matrix, inverse, tuple(payload))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -38,8 +38,9 @@ class FrameHandlers(HandlerSection):
                 pose("tool_offset", tool_offset),
                 name_of("name", name, MAX_NAME),
                 load("payload", payload),
-                numbers("inertia_tensor", inertia_tensor, 6) if inertia_tensor else (0.0,) * 6,
             )
+            if inertia_tensor:  # which has no effect: a load is a point
+                numbers("inertia_tensor", inertia_tensor, 6)
             controller.frames.set_tool(tool)
             self._carry(controller)
 
