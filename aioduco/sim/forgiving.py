@@ -10,8 +10,7 @@ import logging
 import threading
 from collections import Counter
 
-from aioduco.models.enums import TaskState
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import mismatch
 
 __all__ = ["Forgiving"]
 
@@ -47,7 +46,7 @@ class Forgiving:
             Rejected: The simulator is strict; PARAMETER_MISMATCH.
         """
         if self.strict:
-            raise Rejected(TaskState.PARAMETER_MISMATCH, text)
+            raise mismatch(text)
         with self._lock:
             self._counts[kind] += 1
             first = self._counts[kind] == 1

@@ -23,6 +23,11 @@ def mismatch(message: str) -> Rejected:
     return Rejected(TaskState.PARAMETER_MISMATCH, message)
 
 
+def illegal(message: str) -> Rejected:
+    """Make the rejection of a task that the controller's state does not allow."""
+    return Rejected(TaskState.ILLEGAL, message)
+
+
 class Pending(Portable):
     """The task of a program's call has not ended; the cycle must not wait for it."""
 

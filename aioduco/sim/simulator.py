@@ -485,9 +485,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             ValueError: There is no such signal, or the time is negative.
         """
         rule = SignalRule(output, input, after, inverted)
-        with contextlib.ExitStack() as stack:
-            if self._assembly is not None:
-                stack.enter_context(self._assembly.runtime.command())
+        running = self._assembly
+        with contextlib.nullcontext() if running is None else running.runtime.command():
             self._settings.rules.add(rule)
 
     # -- step by step ---------------------------------------------------------------------------

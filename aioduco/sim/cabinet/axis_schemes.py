@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.models.bounds import outside
-from aioduco.models.enums import TaskState
 from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import Rejected, illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -156,7 +155,7 @@ class SimulatedExternalAxes:
         if not (axis.lower < axis.upper and axis.velocity > 0.0 and axis.acceleration > 0.0):
             raise mismatch("an axis has a way, a highest speed and an acceleration")
         if any(number in scheme.axes and scheme.active for scheme in self._schemes.values()):
-            raise _illegal(f"axis {number} is in use")
+            raise illegal(f"axis {number} is in use")
         self._axes[number] = axis
         self.positions.setdefault(number, min(max(0.0, axis.lower), axis.upper))
 
@@ -164,7 +163,7 @@ class SimulatedExternalAxes:
         """Add a scheme without axes."""
         _check_number(number)
         if number in self._schemes:
-            raise _illegal(f"there is a scheme {number} already")
+            raise illegal(f"there is a scheme {number} already")
         self._schemes = {**self._schemes, number: Scheme(f"scheme{number}")}
 
     def delete(self, number: int) -> None:
@@ -185,9 +184,9 @@ class SimulatedExternalAxes:
 
     def _inactive(self, number: int) -> int:
         if number not in self._schemes:
-            raise _illegal(f"there is no scheme {number}")
+            raise illegal(f"there is no scheme {number}")
         if self._schemes[number].active:
-            raise _illegal(f"scheme {number} is active")
+            raise illegal(f"scheme {number} is active")
         return number
 
     # -- use -----------------------------------------------------------------------------------
@@ -196,10 +195,10 @@ class SimulatedExternalAxes:
         """Activate a scheme; its axes must not belong to another one that is active."""
         scheme = self._scheme(name)
         if not scheme.axes:
-            raise _illegal(f"scheme {name!r} has no axes")
+            raise illegal(f"scheme {name!r} has no axes")
         for other in self._schemes.values():
             if other is not scheme and other.active and set(other.axes) & set(scheme.axes):
-                raise _illegal(f"scheme {other.name!r} has one of the axes")
+                raise illegal(f"scheme {other.name!r} has one of the axes")
         scheme.active = True
 
     def disable(self, name: str) -> None:
@@ -258,7 +257,7 @@ class SimulatedExternalAxes:
     def _active(self, name: str) -> Scheme:
         scheme = self._scheme(name)
         if not scheme.active:
-            raise _illegal(f"scheme {name!r} is not active")
+            raise illegal(f"scheme {name!r} is not active")
         return scheme
 
     def _scheme(self, name: str) -> Scheme:
@@ -266,13 +265,9 @@ class SimulatedExternalAxes:
             if scheme.name == name:
                 return scheme
         known = ", ".join(scheme.name for scheme in self._schemes.values()) or "none"
-        raise _illegal(f"there is no scheme {name!r}; there are: {known}")
+        raise illegal(f"there is no scheme {name!r}; there are: {known}")
 
 
 def _check_number(number: int) -> None:
     if not 0 <= number < CAPACITY:
         raise mismatch(f"num is {number}, but must be from 0 to {CAPACITY - 1}")
-
-
-def _illegal(message: str) -> Rejected:
-    return Rejected(TaskState.ILLEGAL, message)

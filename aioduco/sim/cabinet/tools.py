@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Rejected, illegal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -143,7 +142,7 @@ class FrameTable:
 
 
 def _unknown(message: str, known: Iterable[str]) -> Rejected:
-    return Rejected(TaskState.ILLEGAL, f"{message}; there are: {', '.join(known)}")
+    return illegal(f"{message}; there are: {', '.join(known)}")
 
 
 def _frozen(matrix: Array) -> Array:

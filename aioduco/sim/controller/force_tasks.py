@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.controller.tasks import MotionPhase
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import illegal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,7 +75,7 @@ class ForceTasks:
     def start(self) -> int:
         """Start force control (fc_start)."""
         if self._closing:
-            raise Rejected(TaskState.ILLEGAL, "fc_stop is under way")
+            raise illegal("fc_stop is under way")
         if not self.control.active:
             self.control.start(self._motion.setpoint)
         return self._tasks.ended("fc_start", TaskState.FINISHED)

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.models.enums import TaskState
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -305,23 +304,19 @@ def _target(
         )
         return None
     if kind not in (_TIME, _DISTANCE):
-        raise _wrong(f"a trigger is of kind {kind}, but must be 0, 1 or 2")
+        raise mismatch(f"a trigger is of kind {kind}, but must be 0, 1 or 2")
     if event:  # an event has priority over an output (manual 1.3.5)
         if event not in signals.events:
-            raise _wrong(f"there is no event {event!r}; there are: {', '.join(signals.events)}")
+            raise mismatch(f"there is no event {event!r}; there are: {', '.join(signals.events)}")
         return signals.events[event]
     if 1 <= index <= len(signals.standard_out):
         return partial(signals.standard_out.__setitem__, index, value)
     if 1 <= index - _REGISTERS <= len(signals.bool_out):
         return partial(signals.bool_out.__setitem__, index - _REGISTERS, value)
-    raise _wrong(f"a trigger's target is {index}, but must be 1 to 16 or 101 to 127")
+    raise mismatch(f"a trigger's target is {index}, but must be 1 to 16 or 101 to 127")
 
 
 def _finite(value: float) -> float:
     if not abs(value) < float("inf"):
-        raise _wrong(f"a trigger's time or distance is {value}")
+        raise mismatch(f"a trigger's time or distance is {value}")
     return value
-
-
-def _wrong(message: str) -> Rejected:
-    return Rejected(TaskState.PARAMETER_MISMATCH, message)

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.bounds import least, most, shown
-from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
@@ -89,7 +88,7 @@ def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:
     As on the controller, a wrong count of angles is ILLEGAL and a wrong value PARAMETER_MISMATCH.
     """
     if len(values) != 6:
-        raise Rejected(TaskState.ILLEGAL, f"{name} has {len(values)} numbers, but must have 6")
+        raise illegal(f"{name} has {len(values)} numbers, but must have 6")
     return tuple(number(name, value, -_TURNS, _TURNS, "rad") for value in values)
 
 

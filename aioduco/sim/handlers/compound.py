@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from aioduco.models.enums import TaskState
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.weaving import Weave
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,7 +67,7 @@ class CompoundHandlers(HandlerSection):
         def command(controller: Controller) -> None:
             _check_idle(controller)
             if controller.weaving.chosen is None:
-                raise Rejected(TaskState.ILLEGAL, "no combined motion has been set")
+                raise illegal("no combined motion has been set")
             controller.weaving.active = controller.weaving.chosen
 
         return self._task("enable_combine_motion", True, command)
@@ -86,7 +85,7 @@ class CompoundHandlers(HandlerSection):
 def _check_idle(controller: Controller) -> None:
     """Check that no motion runs: the manual allows the switch only while the robot is stopped."""
     if not controller.idle:
-        raise Rejected(TaskState.ILLEGAL, "motions are running")
+        raise illegal("motions are running")
 
 
 def _dwells(milliseconds: Sequence[int]) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.paths import PathSection
 from aioduco.sim.planner.segments import stay
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import illegal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,7 +68,7 @@ class ExternalAxisHandlers(PathSection):
 
         def command(controller: Controller) -> None:
             if not controller.idle:
-                raise Rejected(TaskState.ILLEGAL, "motions are running")
+                raise illegal("motions are running")
             controller.external_axes.disable(scheme_name)
 
         return self._task("disable_eaxis_scheme", True, command)

@@ -15,7 +15,7 @@ from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import choice, number, numbers
 from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.follower import StandingFollower
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import Rejected, illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -39,7 +39,7 @@ class ForceHandlers(HandlerSection):
         def command(controller: Controller) -> int:
             view = controller.view()
             if view.robot is not RobotState.ENABLE or view.error:
-                raise Rejected(TaskState.ILLEGAL, "not enabled, or a safety stop holds")
+                raise illegal("not enabled, or a safety stop holds")
             if not self._cabinet.force_sensor:
                 raise Rejected(TaskState.ERROR, _NO_SENSOR)
             return controller.force.start()
@@ -85,7 +85,7 @@ class ForceHandlers(HandlerSection):
 
         def command(controller: Controller) -> int:
             if not controller.force.active:
-                raise Rejected(TaskState.ILLEGAL, "force control is off: call fc_start first")
+                raise illegal("force control is off: call fc_start first")
             cycle = self._runtime.cycle
             following = Following.behind(FC_MOVE, lambda q: StandingFollower(self._arm, q, cycle))
             return controller.follow(FC_MOVE, following)

@@ -8,7 +8,7 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool
+from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool, WorkObject
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
 from aioduco.sim.handlers.base import HandlerSection
@@ -17,7 +17,6 @@ from aioduco.sim.refusal import Rejected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
 
 
@@ -83,11 +82,10 @@ class FrameHandlers(HandlerSection):
         """Pose of a tool in a work object; empty lists mean the ones in use."""
         try:
             q = joints("joints_position", joints_position)
-            tip, _ = self._tool(tool)
-            _, base = self._wobj(wobj)
+            used, frame = self._tool(tool), self._wobj(wobj)
         except Rejected as exc:
             return self._invalid_arguments("cal_fkine", exc, [])
-        return list(Pose.from_matrix(base @ self._arm.fkine(q) @ tip))
+        return list(Pose.from_matrix(frame.inverse @ self._arm.fkine(q) @ used.matrix))
 
     def cal_ikine(
         self,
@@ -103,8 +101,7 @@ class FrameHandlers(HandlerSection):
         try:
             target = pose("p", p)
             near = joints("q_near", q_near) if q_near else tuple(self._runtime.snapshot.q.tolist())
-            _, flange = self._tool(tool)
-            base, _ = self._wobj(wobj)
+            flange, base = self._tool(tool).inverse, self._wobj(wobj).matrix
             if wobj:
                 base = self._context.mounting.inverse().matrix @ base
         except Rejected as exc:
@@ -115,18 +112,13 @@ class FrameHandlers(HandlerSection):
             return list(near)
         return found
 
-    def _tool(self, offset: Sequence[float]) -> tuple[Array, Array]:
-        """A tool's tip in the flange's frame, and the flange in the tip's."""
-        tool = Tool.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
-        return tool.matrix, tool.inverse
+    def _tool(self, offset: Sequence[float]) -> Tool:
+        """A tool with its tip at a pose; the one in use if none is given."""
+        return Tool.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
 
-    def _wobj(self, frame: Sequence[float]) -> tuple[Array, Array]:
-        """A work object in the base frame, and the base in the work object's."""
-        if frame:
-            given = pose("wobj", frame)
-            return given.matrix, given.inverse().matrix
-        used = self._runtime.snapshot.view.wobj
-        return used.matrix, used.inverse
+    def _wobj(self, frame: Sequence[float]) -> WorkObject:
+        """A work object at a pose; the one in use if none is given."""
+        return WorkObject.at(pose("wobj", frame)) if frame else self._runtime.snapshot.view.wobj
 
     def set_load_data(self, value: Sequence[float]) -> int:
         """抓取负载 [kg, m], centre of gravity in the tool's frame; the physics mount it, too."""

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from aioduco._wire import newer
-from aioduco.models.enums import TaskState
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED
-from aioduco.sim.refusal import Refusal, Rejected, mismatch
+from aioduco.sim.refusal import Refusal, illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -149,7 +148,7 @@ class NewerHandlers(Handlers):
         if not len(scheme_name) == len(epose) == len(eaxis_v) > 0:
             raise mismatch("scheme_name, epose and eaxis_v must be lists of the same length")
         if len(scheme_name) > 1:
-            raise Rejected(TaskState.ILLEGAL, "moves of several schemes are not simulated")
+            raise illegal("moves of several schemes are not simulated")
         return super()._with_axes(plan, scheme_name[0], epose[0], eaxis_v[0])
 
     def _paces(self, name: str) -> tuple[Range, Range]:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import ReachabilityParam
 from aioduco.errors import Unreachable
-from aioduco.models.enums import OperationMode, TaskState
+from aioduco.models.enums import OperationMode
 from aioduco.sim.handlers.arguments import choice, joints, number, pose
 from aioduco.sim.handlers.base import HandlerSection
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import Rejected, illegal, mismatch
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from aioduco.sim.controller.state_machine import Controller
 
@@ -39,7 +39,7 @@ class SettingHandlers(HandlerSection):
         def command(controller: Controller) -> int:
             choice("mode", mode, (OperationMode.MANUAL, OperationMode.AUTO), "0 or 1")
             if self._cabinet.mode_switch:
-                raise Rejected(TaskState.ILLEGAL, "a switch at the cabinet decides the mode")
+                raise illegal("a switch at the cabinet decides the mode")
             return controller.switch_mode(OperationMode(mode))
 
         return self._task("switch_mode", True, command)
@@ -69,10 +69,10 @@ class SettingHandlers(HandlerSection):
     def set_teach_speed(self, v: int) -> int:
         """示教速度的百分比 [%]; it applies from the next jog on."""
 
-        def change() -> None:
+        def command(_: Controller) -> None:
             self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
 
-        return self._keep("set_teach_speed", change)
+        return self._task("set_teach_speed", True, command)
 
     def get_teach_speed(self) -> int:
         """示教速度的百分比 [%]."""
@@ -89,10 +89,10 @@ class SettingHandlers(HandlerSection):
     def set_teach_pendant(self, enable: bool) -> int:
         """启用或禁用示教器的物理按键."""
 
-        def change() -> None:
+        def command(_: Controller) -> None:
             self._cabinet.pendant_enabled = enable
 
-        return self._keep("set_teach_pendant", change)
+        return self._task("set_teach_pendant", True, command)
 
     def simulation(self, sim: bool, block: bool) -> int:
         """切换机器人到仿真或者真机模式; the arm must be completely at rest."""
@@ -141,19 +141,13 @@ class SettingHandlers(HandlerSection):
     def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
         """Store the parameters. They have no effect: a simulated arm is built as designed."""
 
-        def change() -> None:
+        def command(_: Controller) -> None:
             if not all(math.isfinite(value) for row in params for value in row):
                 raise mismatch("params must be finite numbers")
             self._cabinet.dynamics = [list(row) for row in params]
 
-        return self._keep("set_dynamic_calibration_params", change)
+        return self._task("set_dynamic_calibration_params", True, command)
 
     def get_dynamic_calibration_params(self) -> list[list[float]]:
         """The parameters that were set last; empty before."""
         return self._cabinet.dynamics
-
-    def _keep(self, name: str, change: Callable[[], None]) -> int:
-        def command(_: Controller) -> None:
-            change()
-
-        return self._task(name, True, command)

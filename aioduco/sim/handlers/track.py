@@ -6,7 +6,6 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING
 
-from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.project import RecordedTrack
 from aioduco.sim.controller.motion_queue import Following
@@ -21,7 +20,7 @@ from aioduco.sim.handlers.paths import (
 )
 from aioduco.sim.planner.follower import FollowerChain
 from aioduco.sim.planner.track_pool import JointTrack, ToolTrack, TrackPool
-from aioduco.sim.refusal import Rejected, mismatch
+from aioduco.sim.refusal import illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -114,7 +113,7 @@ class TrackHandlers(HandlerSection):
             arguments.positive("interval", step, 1e9, "degrees" if mode == BY_POSITION else "s")
             used, base = self._frames.tool(tool), self._frames.wobj(wobj)
             if controller.recorder.active:
-                raise Rejected(TaskState.ILLEGAL, "a track is being recorded")
+                raise illegal("a track is being recorded")
 
             def pose(q: Array) -> tuple[float, ...]:
                 return tuple(Pose.from_matrix(base.inverse @ self._arm.fkine(q) @ used.matrix))
