@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MARK",
+    "MUJOCO_PACKAGES",
     "Process",
     "Unstartable",
     "children",
@@ -61,6 +62,8 @@ _PACKAGES: Final = (
     "thriftpy2",
     "typing_extensions",
 )
+#: those that a process imports besides, if it imports MuJoCo, which imports glfw
+MUJOCO_PACKAGES: Final = ("OpenGL", "glfw", "mujoco")
 #: number of bytes that are read from the end of a process's standard error
 _TAIL_BYTES: Final = 4000
 

@@ -6,7 +6,7 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 from aioduco._process.linked_process import LinkedProcess
-from aioduco._process.spawn import Unstartable
+from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco.models.controller_clock import ScaledClock
 from aioduco.sim.startable import Startable
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 #: time-outs: until the process has sent its addresses, and until it has exited on request [s]
 _START, _END = 60.0, 20.0
-#: packages that the process imports besides those of every process; MuJoCo imports glfw
-_PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
 class SimulatorProcess(Startable):
@@ -88,7 +86,7 @@ class SimulatorProcess(Startable):
             RuntimeError: It could not be started, it ended before it listened, or it timed out.
         """
         try:
-            linked = LinkedProcess("aioduco.sim.spawned", packages=_PACKAGES, patience=_END)
+            linked = LinkedProcess("aioduco.sim.spawned", packages=MUJOCO_PACKAGES, patience=_END)
         except Unstartable as error:
             raise RuntimeError(f"the simulator's process was not started: {error}") from error
         self._linked, self.process = linked, linked.popen

@@ -13,10 +13,8 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco._process import spawn
 from aioduco.planning import Planner, Scene, planner
-from aioduco.sim import process as sim_process
 from aioduco.sim.simulator import Simulator
-from aioduco.sim.view import render
-from aioduco.testing.preflight import PreflightError, preflight, runner
+from aioduco.testing.preflight import PreflightError, preflight
 
 from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM
 
@@ -123,9 +121,13 @@ def test_packages_that_only_the_program_knows_of_are_found(
             {"anyio"},
         ),
         ("aioduco.planning.worker", planner._PACKAGES, {"ompl"}),
-        ("aioduco.sim.view.drawing, mujoco.egl", render._PACKAGES, {"mujoco", "OpenGL"}),
-        ("aioduco.sim.spawned, aioduco.sim.view.render", sim_process._PACKAGES, {"mujoco"}),
-        ("aioduco.testing.preflight.child, aioduco.compat._runner", runner._PACKAGES, {"mujoco"}),
+        ("aioduco.sim.view.drawing, mujoco.egl", spawn.MUJOCO_PACKAGES, {"mujoco", "OpenGL"}),
+        ("aioduco.sim.spawned, aioduco.sim.view.render", spawn.MUJOCO_PACKAGES, {"mujoco"}),
+        (
+            "aioduco.testing.preflight.child, aioduco.compat._runner",
+            spawn.MUJOCO_PACKAGES,
+            {"mujoco"},
+        ),
     ],
     ids=["robot", "planner", "pictures", "simulator", "preflight"],
 )

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, get_arg
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.reporting import BackgroundLogger
-from aioduco._process.spawn import Unstartable
+from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
@@ -54,8 +54,6 @@ _MOST: Final = 500
 _ASK, _START = 0.5, 60.0
 #: time for the process to exit [s]
 _END: Final = 5.0
-#: packages that the process imports besides those of every process; MuJoCo imports glfw
-_PACKAGES: Final = ("OpenGL", "glfw", "mujoco")
 #: beginnings of functions that only read, or that the twin does not use: they are not sent to it
 _READS = ("get_", "read_", "get", "rpc_heartbeat", "robotmoving", "cal_", "reach_check", "log_")
 
@@ -345,7 +343,7 @@ class Twin(Uncopied):
 def _process(begin: Begin) -> LinkedProcess:
     """Start the process, and wait until it is ready."""
     try:
-        linked = LinkedProcess("aioduco.sim.twin.worker", packages=_PACKAGES, patience=_END)
+        linked = LinkedProcess("aioduco.sim.twin.worker", packages=MUJOCO_PACKAGES, patience=_END)
     except (Unstartable, OSError) as exc:
         raise RobotStateError(f"the twin's process was not started: {exc}") from exc
     try:

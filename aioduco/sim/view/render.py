@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._process import trial
 from aioduco._process.linked_process import LinkedProcess
-from aioduco._process.spawn import Unstartable
+from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco.errors import ParameterError, RenderError
 from aioduco.sim.view.camera import Camera
 from aioduco.sim.view.drawing import PictureRequest, advice
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     Picture = NDArray[np.uint8]
 
 __all__ = ["PictureProcess"]
-
-#: packages that the process imports
-_PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
 class PictureProcess:
@@ -142,7 +139,7 @@ class PictureProcess:
 
     def _start(self) -> LinkedProcess:
         try:
-            return LinkedProcess("aioduco.sim.view.drawing", packages=_PACKAGES)
+            return LinkedProcess("aioduco.sim.view.drawing", packages=MUJOCO_PACKAGES)
         except (Unstartable, OSError) as exc:
             raise RenderError(f"the process that draws was not started: {exc}") from exc
 

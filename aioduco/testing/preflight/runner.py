@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco._process.linked_process import LinkedProcess
-from aioduco._process.spawn import Unstartable, is_frozen
+from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import TIMEOUT
@@ -35,8 +35,6 @@ __all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"
 
 #: time of a cycle of the simulation [s]: half the rate of a controller, for speed
 CYCLE = 0.002
-#: packages that the process imports for the simulator
-_PACKAGES = ("OpenGL", "glfw", "mujoco")
 #: time within which a program that did not end must write its stacks [s]
 _STACKS = 1.0
 
@@ -247,7 +245,7 @@ def _run(
     try:
         linked = LinkedProcess(
             "aioduco.testing.preflight.child",
-            packages=_PACKAGES,
+            packages=MUJOCO_PACKAGES,
             runs_program=True,
             output=not quiet,
         )
