@@ -86,6 +86,7 @@ class HandlerSection:
     def __init__(self, context: HandlerContext) -> None:
         self._arm = context.arm
         self._runtime = context.runtime
+        self._cycle = context.runtime.cycle
         self._controller = context.controller
         self._signals = context.controller.signals
         self._frames = context.controller.frames

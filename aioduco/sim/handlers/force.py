@@ -86,8 +86,9 @@ class ForceHandlers(HandlerSection):
         def command(controller: Controller) -> int:
             if not controller.force.active:
                 raise illegal("force control is off: call fc_start first")
-            cycle = self._runtime.cycle
-            following = Following.behind(FC_MOVE, lambda q: StandingFollower(self._arm, q, cycle))
+            following = Following.behind(
+                FC_MOVE, lambda q: StandingFollower(self._arm, q, self._cycle)
+            )
             return controller.follow(FC_MOVE, following)
 
         return self._task(FC_MOVE, block, command)

@@ -57,7 +57,7 @@ class RealtimeHandlers(HandlerSection):
             return RealtimeFollower(
                 self._arm,
                 q,
-                self._runtime.cycle,
+                self._cycle,
                 controller.commands,
                 what,
                 bandwidth=bandwidth,

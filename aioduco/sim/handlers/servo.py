@@ -128,10 +128,8 @@ class ServoHandlers(HandlerSection):
                 to = goal(follower.target)
                 follower.aim(to, self._by_joints(name, tuning, follower.setpoint.q, to))
 
-            return controller.follow(
-                name,
-                Following(name, lambda q: ServoFollower(self._arm, q, self._runtime.cycle), aim),
-            )
+            servo = Following(name, lambda q: ServoFollower(self._arm, q, self._cycle), aim)
+            return controller.follow(name, servo)
 
         return self._task(name, block, command)
 

@@ -151,18 +151,16 @@ class TrackHandlers(HandlerSection):
                 parts.append(
                     self._poses(pool, speed, DEFAULT_LINE_ACCELERATION, track.tool, track.wobj)
                 )
-            return lambda q: FollowerChain(self._arm, q, self._runtime.cycle, parts)
+            return lambda q: FollowerChain(self._arm, q, self._cycle, parts)
 
         return self._follow("replay", chain, True)
 
     def _joints(self, pool: TrackPool, v: float, a: float) -> _Part:
-        return lambda q: JointTrack(self._arm, q, self._runtime.cycle, pool, v, a)
+        return lambda q: JointTrack(self._arm, q, self._cycle, pool, v, a)
 
     def _poses(self, pool: TrackPool, v: float, a: float, tool: str, wobj: str) -> _Part:
         tip, base = self._frames.tool(tool).matrix, self._frames.wobj(wobj).matrix
-        return lambda q: ToolTrack(
-            self._arm, q, self._runtime.cycle, pool, v, a, tool=tip, wobj=base
-        )
+        return lambda q: ToolTrack(self._arm, q, self._cycle, pool, v, a, tool=tip, wobj=base)
 
 
 def _point(values: Sequence[float]) -> tuple[float, ...]:

@@ -67,7 +67,7 @@ class VelocityHandlers(HandlerSection):
             left, tool = _time(time), self._frames.tool().matrix
 
             def make(q: Array) -> ToolVelocity:
-                return ToolVelocity(self._arm, q, self._runtime.cycle, tool)
+                return ToolVelocity(self._arm, q, self._cycle, tool)
 
             def aim(follower: ToolVelocity) -> None:
                 follower.tool = tool
@@ -104,13 +104,10 @@ class VelocityHandlers(HandlerSection):
 
         def command(controller: Controller) -> int | None:
             giving = self._cabinet.hand_teaching
-            id_ = controller.follow(
-                "teach_mode",
-                Following.once(
-                    "teach_mode",
-                    lambda q: HandGuidingFollower(self._arm, q, self._runtime.cycle, giving),
-                ),
+            guiding = Following.once(
+                "teach_mode", lambda q: HandGuidingFollower(self._arm, q, self._cycle, giving)
             )
+            id_ = controller.follow("teach_mode", guiding)
             return id_ if controller.tasks.state(id_).ended else None
 
         return self._task("teach_mode", block, command)
@@ -155,7 +152,7 @@ class VelocityHandlers(HandlerSection):
         return param
 
     def _joint_velocity(self, q: Array) -> JointVelocity:
-        return JointVelocity(self._arm, q, self._runtime.cycle)
+        return JointVelocity(self._arm, q, self._cycle)
 
     def _jog(self, param: MoveJogTaskParam) -> Following:
         share, axis = param.jog_direction * self._jog_share(param), param.axis_num
@@ -173,7 +170,7 @@ class VelocityHandlers(HandlerSection):
         tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
 
         def begin_tool(q: Array) -> TargetFollower:
-            follower = ToolVelocity(self._arm, q, self._runtime.cycle, tool, frame)
+            follower = ToolVelocity(self._arm, q, self._cycle, tool, frame)
             follower.aim(velocity, _JOG_LINE_ACCELERATION)
             return follower
 
