@@ -231,11 +231,6 @@ class Mover:
         return self._pausing
 
     @property
-    def speed(self) -> float:
-        """Global speed, 0.01 to 1."""
-        return self._speed
-
-    @property
     def progress(self) -> float:
         """Progress of the active motion along its path, 0 to 1."""
         if not self._queue:

@@ -317,9 +317,6 @@ class _UnthreadedRuntime:
         warmth = (_ZEROS, _ZEROS)
         return SimulationSnapshot(sensed, none, _ZEROS, at, controller.view(), (0.0,) * 6, warmth)
 
-    def task_state(self, id_: int) -> TaskState:
-        return self._controller.tasks.state(id_)
-
     def wait(self, id_: int) -> int:
         """Return the task instead of waiting for it: time stands still during a call."""
         return id_
