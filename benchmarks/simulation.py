@@ -4,13 +4,11 @@
 
 The first rows say what is asked for and whether it was reached: by a simulator in a process of its
 own, on a core of its own, whose arm moves all the time. Run it on a quiet machine with two cores.
-The arm makes joint moves and lines at its full speed and acceleration, through the planner and
-MuJoCo alone, and goes to and fro with force control between the two. What the whole simulator takes
-for a cycle is compared with these: the p50 of all together.
+What it takes for a cycle is compared with the same motions through the planner and MuJoCo alone,
+and with force control between the two: the p50 of all together.
 
 Then come motions that take long to plan: what that takes in all, for how long the controller's lock
-is held meanwhile, how long the slices of the work are, and how long a stop waits that comes in the
-middle.
+is held meanwhile, and how long a stop waits that comes in the middle.
 """
 
 from __future__ import annotations
@@ -22,8 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import simulation_planning
 from _common import arguments, percentile, print_table, write_results
-from simulation_service import DAMPING, MODEL, PUSH, judged, measure
-from simulation_service import WAY as TO_AND_FRO
+from simulation_service import DAMPING, HOME, MODEL, PUSH, WAY, judged, measure
 
 from aioduco.kinematics import Arm, arm
 from aioduco.sim.cycle import SensedState
@@ -31,51 +28,19 @@ from aioduco.sim.force.control import AdmittanceLaw, ForceControl
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
-from aioduco.sim.planner.segments import joint_move, line_move
+from aioduco.sim.planner.segments import joint_move
 
 if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
 CYCLE = 0.001
-HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
-WAY = np.array([1.5, 0.3, -0.4, 1.0, 2.0, 3.0])
 
 
-def to_and_fro(any_arm: Arm, mover: Mover) -> list[float]:
-    """Queue the motions that the whole simulator is measured by. Seconds that each took to plan."""
-    seconds = []
+def to_and_fro(any_arm: Arm, mover: Mover) -> None:
+    """Queue the motions that the whole simulator is measured by."""
     for key in range(4):
-        goal = HOME - TO_AND_FRO if key % 2 else HOME + TO_AND_FRO
-        began = time.perf_counter()
+        goal = HOME - WAY if key % 2 else HOME + WAY
         mover.append(key, partial(joint_move, any_arm, q1=goal, v=1.0, a=3.0))
-        seconds.append(time.perf_counter() - began)
-    return seconds
-
-
-def program(any_arm: Arm, mover: Mover) -> list[float]:
-    """Queue joint moves and lines, blended. Seconds that each took to plan."""
-    v, a = max(any_arm.velocity), max(any_arm.acceleration)
-    shift = np.array([0.0, 0.25, -0.1]) * any_arm.reach
-
-    def target(q: Array) -> Array:
-        pose = any_arm.fkine(q)
-        pose[:3, 3] += shift
-        return pose
-
-    plans = (
-        lambda q: joint_move(any_arm, q, HOME + WAY, v, a, 0.1),
-        lambda q: joint_move(any_arm, q, HOME - 0.5 * WAY, v, a),
-        lambda q: joint_move(any_arm, q, HOME, v, a),
-        lambda q: line_move(any_arm, q, target(q), 1.0, 5.0, 0.05),
-        lambda q: line_move(any_arm, q, any_arm.fkine(HOME), 1.0, 5.0),
-    )
-    seconds = []
-    for key, plan in enumerate(plans):
-        began = time.perf_counter()
-        mover.append(key, plan)
-        seconds.append(time.perf_counter() - began)
-    return seconds
 
 
 class GivingWay:
@@ -108,7 +73,7 @@ class GivingWay:
 
 
 def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any]:
-    """Run the program; costs of ticks and steps, and how the joints follow.
+    """Go to and fro; the costs of ticks and steps.
 
     Args:
         any_arm: the arm.
@@ -117,11 +82,9 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
     """
     ticks: list[float] = []
     steps: list[float] = []
-    plans: list[float] = []
-    worst = end = 0.0
     for _ in range(repeats):
         world, mover = World(any_arm, CYCLE, HOME), Mover(any_arm, HOME, CYCLE)
-        plans += (to_and_fro if forced else program)(any_arm, mover)
+        to_and_fro(any_arm, mover)
         giving = GivingWay(any_arm, mover, world) if forced else None
         setpoint = mover.setpoint
         while mover.moving:
@@ -133,8 +96,6 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
             world.step(setpoint)
             steps.append(time.perf_counter() - ticked)
             ticks.append(ticked - began)
-            worst = max(worst, float(np.abs(world.q - setpoint.q).max()))
-        end = max(end, float(np.abs(world.q - setpoint.q).max()))
     both = sorted(a + b for a, b in zip(ticks, steps, strict=True))
     return {
         "tick_us": round(percentile(sorted(ticks), 50) * 1e6, 2),
@@ -142,9 +103,6 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
         "both_us": round(percentile(both, 50) * 1e6, 2),
         "p99_us": round(percentile(both, 99) * 1e6, 2),
         "x_real_time": round(len(both) * CYCLE / sum(both), 1),
-        "plan_ms": round(max(plans) * 1e3, 2),
-        "worst_urad": round(worst * 1e6, 1),
-        "end_urad": round(end * 1e6, 2),
         "cycles": len(both),
     }
 

@@ -1,6 +1,6 @@
 """Long plans in the simulated controller: how long others wait while a motion is planned.
 
-Its lock and the slices of its work are watched in a simulator in this process. How long a stop
+Its lock is watched in a simulator in this process. How long a stop
 waits that comes in the middle is measured at one in a process of its own, as a program would see
 it, and beside it the same stop while nothing is planned.
 """
@@ -57,31 +57,12 @@ class WatchedLock:
         self.release()
 
 
-class Watch:
-    """Watches a running simulator: its lock, and the work in the slices in which it plans [s]."""
-
-    def __init__(self, sim: Simulator) -> None:
-        runtime: Any = sim._running().runtime
-        planning = runtime.planning
-        self.lock = runtime._lock = planning._lock = WatchedLock()
-        self.slices: list[float] = []
-        self._since = 0.0
-        self._yield_hook, self._take = planning.yield_hook, planning._plan
-        planning.yield_hook, planning._plan = self._yielded, self._plan
-
-    def clear(self) -> None:
-        self.lock.held.clear()
-        self.slices.clear()
-
-    def _plan(self, planning: object) -> None:
-        self._since = time.thread_time()
-        self._take(planning)
-        self.slices.append(time.thread_time() - self._since)
-
-    def _yielded(self) -> None:
-        self.slices.append(time.thread_time() - self._since)
-        self._yield_hook()
-        self._since = time.thread_time()
+def watched(sim: Simulator) -> WatchedLock:
+    """The lock of a running simulator, which notes from now on."""
+    runtime: Any = sim._running().runtime
+    lock: WatchedLock = WatchedLock()
+    runtime._lock = runtime.planning._lock = lock
+    return lock
 
 
 def weave(robot: RpcClient, shape: int, swings: int, v: float = 0.02) -> None:
@@ -122,23 +103,20 @@ def alone(port: int, ask: Ask) -> None:
         ask(robot)
 
 
-def planned(port: int, watch: Watch, ask: Ask) -> dict[str, float]:
+def planned(port: int, lock: WatchedLock, ask: Ask) -> dict[str, float]:
     """Ask for a motion; what its plan cost [s]."""
     with client(port) as robot:
-        watch.clear()
+        lock.held.clear()
         began = time.perf_counter()
         ask(robot)
         took = time.perf_counter() - began
-        held, parts = sorted(watch.lock.held), sorted(watch.slices)
+        held = sorted(lock.held)
         robot.stop(True)
     return {
         "plan": took,
         "lock_p50": percentile(held, 50),
         "lock_p99": percentile(held, 99),
         "lock_max": held[-1],
-        "slice_p50": percentile(parts, 50),
-        "slice_p99": percentile(parts, 99),
-        "slice_max": parts[-1],
     }
 
 
@@ -178,9 +156,9 @@ def measure(quick: bool) -> dict[str, dict[str, float]]:
     """A row for each motion that takes long to plan, in real time and with the arm enabled."""
     rows: dict[str, dict[str, float]] = {}
     with Simulator() as sim:
-        watch = Watch(sim)
+        lock = watched(sim)
         for name, ask in asks(sim.port, quick):
-            rows[name] = planned(sim.port, watch, ask)
+            rows[name] = planned(sim.port, lock, ask)
     with Simulator.spawn() as spawned:
         for name, ask in asks(spawned.port, quick):
             rows[name] |= stopped(spawned.port, ask, 5 if quick else 20)
