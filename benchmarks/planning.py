@@ -2,14 +2,14 @@
 
     python benchmarks/planning.py [--quick] [--save]
 
-Three scenes (a wall, a shelf with boxes, a narrow slot), three arms, and random queries for each of
-the nine, 100 if `--queries` does not say otherwise: from a configuration on one side to a pose of
-the flange on the other. A query for which nothing is found
-within 1 s of processor time counts as unsolved if the same search, or a second one with another
-seed, finds a way later (`--patience`); if neither does, it is not known to be solvable, and another
-query takes its place. Each plan is checked closely (0.2°, 1 mm), and its trajectory is followed by
-the simulator's arm, step by step. `movej2` is the straight way of the joints to the nearest free
-solution of the same pose, looked at as closely. Times are processor time of the planner's process.
+Three scenes (a wall, a shelf with boxes, a narrow slot), three arms, and 100 random queries for
+each of the nine: from a configuration on one side to a pose of the flange on the other. A query for
+which nothing is found within 1 s of processor time counts as unsolved if the same search, or a
+second one with another seed, finds a way within `PATIENCE`; if neither does, it is not known to be
+solvable, and another query takes its place. Each plan is checked closely (0.2°, 1 mm), and its
+trajectory is followed by the simulator's arm, step by step. `movej2` is the straight way of the
+joints to the nearest free solution of the same pose, looked at as closely. Times are processor time
+of the planner's process.
 
 The duration of each fifth plan is compared, on the same curve of the joints, with the best that is
 found under the limit of jerk: by the same program, at points four times as close and with barriers
@@ -18,12 +18,11 @@ ten times as steep (`tests/planning/test_timing.py` compares it with closed form
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from _common import percentile, print_table, write_results
+from _common import arguments, percentile, print_table, write_results
 
 from aioduco import Joints, Pose
 from aioduco.errors import NoPathFound
@@ -49,6 +48,8 @@ if TYPE_CHECKING:
 
 ARMS = ("gcr3_618", "gcr5_910", "gcr10_1300")
 V, A = 1.5, 3.0
+#: s of processor time that each of two searches for a way may take
+PATIENCE = 20.0
 #: durations are compared for one plan of so many
 SOME = 5
 DOWN, AHEAD = (np.pi, 0.0, 0.0), (0.0, 0.5 * np.pi, 0.0)
@@ -168,18 +169,6 @@ def touches(world: World, plan: Plan) -> str:
     return ""
 
 
-def beyond_limits(plan: Plan) -> float:
-    """The largest share of a limit by differences of the positions; 1 is the limit itself."""
-    step = 0.0005
-    times = np.arange(0.0, plan.duration, step)
-    q = plan.trajectory.curve(plan.start).at(times)
-    shares = []
-    for order, limit in enumerate(plan.limits.arrays, start=1):
-        change = np.diff(q, order, axis=0) / step**order
-        shares.append(float((np.abs(change) / limit).max(initial=0.0)))
-    return max(shares)
-
-
 def compared(plan: Plan) -> float:
     """The duration on the path of a plan, to the best under the jerk limit."""
     q = plan.trajectory.positions
@@ -204,31 +193,13 @@ def changed(module: Any, **values: float) -> Iterator[None]:
         vars(module).update(before)
 
 
-class Took(NamedTuple):
-    """Of each query, until there was a path, and until it had times [s]."""
-
-    path: list[float]
-    times: list[float]
-
-    def medians(self) -> dict[str, float]:
-        """In ms, as they are written."""
-        return {
-            f"{name}_p{share}_ms": round(percentile(sorted(values), share) * 1e3, 1)
-            for name, values in (("path", self.path), ("with_times", self.times))
-            for share in (50, 95)
-        }
-
-
-def measure(
-    arm: Arm, setting: Setting, number: int, patience: float
-) -> tuple[dict[str, Any], Took]:
+def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
     """One scene and one arm."""
     random = np.random.default_rng(7)
     scene = Scene(arm, setting.things)
     checker = scene.checker()
     world = World(arm, scene=mjcf_of(setting.things, free=False))
-    took = Took([], [])
-    durations, excess = [], []
+    took: list[float] = []
     shares: list[float] = []
     late = obstructed = touched = collided = dropped = 0
     with Planner(scene) as planner, Planner(scene, seed=2) as other:
@@ -239,72 +210,50 @@ def measure(
             plan = None
             for each in (planner, other):
                 with contextlib.suppress(NoPathFound):
-                    plan = each.plan_blocking(query.start, query.goal, v=V, a=A, timeout=patience)
+                    plan = each.plan_blocking(query.start, query.goal, v=V, a=A, timeout=PATIENCE)
                     break
             if plan is None:
                 dropped += 1
                 continue
             done += 1
             late += each is other or plan.searching + plan.timing > 1.0
-            took.path.append(plan.searching)
-            took.times.append(plan.searching + plan.timing)
-            durations.append(plan.duration)
+            took.append(plan.searching + plan.timing)
             if done % SOME == 1:
                 shares.append(compared(plan))
-            excess.append(beyond_limits(plan))
             obstructed += not plan.check(scene)
             touched += bool(touches(world, plan))
             collided += straight_collides(checker, query)
-    row = {
+    return {
         "queries": number,
         "solved_in_1_s_percent": round(100.0 * (number - late) / number, 1),
         "not_known_to_be_solvable": dropped,
-        **took.medians(),
+        **{
+            f"with_times_p{share}_ms": round(percentile(sorted(took), share) * 1e3, 1)
+            for share in (50, 95)
+        },
         "fails_the_dense_check": obstructed,
         "touches_in_the_simulator": touched,
         "movej2_collides_percent": round(100.0 * collided / number, 1),
-        "duration_p50_s": round(percentile(sorted(durations), 50), 2),
         **{
             f"with_jerk_limit_of_the_best_p{share}": round(percentile(sorted(shares), share), 3)
             for share in (50, 95)
         },
-        "largest_share_of_a_limit": round(max(excess), 5),
     }
-    return row, took
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="5 queries each, for CI")
-    parser.add_argument("--queries", type=int, default=100, help="for each scene and arm")
-    parser.add_argument(
-        "--patience", type=float, default=20.0, help="with each of two searches for a way [s]"
-    )
-    parser.add_argument(
-        "--save", action="store_true", help="write benchmarks/results/planning.json"
-    )
-    options = parser.parse_args()
-    number = 5 if options.quick else options.queries
-    figures: dict[str, Any] = {}
-    everything = Took([], [])
+    options = arguments(__doc__, "planning")
+    figures: dict[str, dict[str, Any]] = {}
     for name, make in SCENES.items():
         for model in ARMS:
             arm = arm_of(model)
-            row, took = measure(arm, make(arm.reach), number, options.patience)
-            everything.path.extend(took.path)
-            everything.times.extend(took.times)
+            row = measure(arm, make(arm.reach), 5 if options.quick else 100)
             figures[f"{name}, {model}"] = row
             print(f"{name}, {model}: {row}", flush=True)
-    keys = ("solved_in_1_s_percent", "path_p50_ms", "with_times_p50_ms", "fails_the_dense_check",
-            "touches_in_the_simulator", "movej2_collides_percent",
-            "with_jerk_limit_of_the_best_p50", "with_jerk_limit_of_the_best_p95")  # fmt: skip
-    rows = [[name, *(row[key] for key in keys)] for name, row in figures.items()]
-    print_table("planning", ("scene", *keys), rows)
-    print(f"all of them: {everything.medians()}")
+    rows = [[name, *row.values()] for name, row in figures.items()]
+    print_table("planning", ("scene", *next(iter(figures.values()))), rows)
     if options.save:
-        write_results(
-            "planning", {"planning": figures, "planning_all_queries": everything.medians()}
-        )
+        print(f"written: {write_results('planning', {'planning': figures})}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What a recording costs: processor time, size, lateness of the loop and of a stream, kills.
+"""What a recording costs: processor time and size; and what its file lacks after a kill.
 
 Phases with and without a recording alternate in one run, on a simulated arm in another process,
 with the feed running in both: so the difference is the recording's.
@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 from _common import arguments, percentile, print_table, write_results
@@ -20,11 +20,7 @@ from _common import arguments, percentile, print_table, write_results
 import aioduco
 from aioduco.recording import read
 from aioduco.sim.process import SimulatorProcess
-from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.supervision.concurrency import every
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 RATE = 125.0
 HERE, THERE = [0.0, -0.3, 1.9, 0.0, -1.5, 0.0], [1.2, 0.1, 1.5, 0.4, -1.2, 0.8]
@@ -45,20 +41,17 @@ anyio.run(main, int(sys.argv[1]), sys.argv[2])
 
 
 class Phase:
-    """Figures of all phases of one kind."""
+    """The processor time of all phases of one kind."""
 
     def __init__(self) -> None:
-        self.lateness: list[float] = []
         self.cpu = 0.0
         self.wall = 0.0
 
     async def measure(self, seconds: float) -> None:
-        """Measure the loop and the processor for a time."""
+        """Measure the processor for a time, in which the loop has a little to do."""
         cpu, wall = time.process_time(), time.monotonic()
-        async for due in every(0.002):
-            now = time.monotonic()
-            self.lateness.append(now - due)
-            if now - wall > seconds:
+        async for _ in every(0.002):
+            if time.monotonic() - wall > seconds:
                 break
         self.cpu += time.process_time() - cpu
         self.wall += time.monotonic() - wall
@@ -71,12 +64,12 @@ async def moving(robot: aioduco.Robot) -> None:
             await robot.motion.movej2(target, v=1.0, a=2.0)
 
 
-async def loop_and_size(
+async def cost_and_size(
     robot: aioduco.Robot, folder: Path, rounds: int, seconds: float, *, moves: bool
 ) -> dict[str, Any]:
     """Phases with and without, while the arm moves or stands."""
     off, on = Phase(), Phase()
-    sizes, recorded, topics, signals = 0, 0.0, 0, 0
+    sizes, recorded, signals = 0, 0.0, 0
     async with anyio.create_task_group() as group:
         if moves:
             group.start_soon(moving, robot)
@@ -88,7 +81,6 @@ async def loop_and_size(
                 sizes += recording.statistics().size
                 run = read(recording.path)
                 recorded += run.duration
-                topics = max(topics, len(run.topics))
                 signals = sum(
                     array.shape[1] if array.ndim > 1 else 1
                     for topic in run.topics
@@ -96,45 +88,11 @@ async def loop_and_size(
                     if array.dtype != object and name != "time"
                 )
         group.cancel_scope.cancel()
-    megabytes = sizes / recorded * 3600 / 1e6
     return {
         "core_without_percent": round(100 * off.cpu / off.wall, 2),
         "core_with_percent": round(100 * on.cpu / on.wall, 2),
-        "core_percent": round(100 * (on.cpu / on.wall - off.cpu / off.wall), 2),
-        "loop_p99_without_us": late(off.lateness),
-        "loop_p99_with_us": late(on.lateness),
-        "megabytes_an_hour": round(megabytes, 1),
-        "topics": topics,
+        "megabytes_an_hour": round(sizes / recorded * 3600 / 1e6, 1),
         "numbers": signals,
-        "megabytes_an_hour_per_ten_numbers": round(megabytes / signals * 10, 1),
-    }
-
-
-def late(values: Sequence[float]) -> float:
-    """The 99th percentile in microseconds."""
-    return round(percentile(sorted(values), 99.0) * 1e6, 1)
-
-
-async def streams(
-    robot: aioduco.Robot, folder: Path, rounds: int, seconds: float
-) -> dict[str, float]:
-    """Lateness of a stream of 1000 set-points a second, with and without."""
-    found: dict[str, list[float]] = {"without": [], "with": []}
-    start = list(await robot.state.get_actual_joints_position())
-    points = [start] * round(seconds * 1000)
-    with robot.feed.subscribe("latest"):
-        for number in range(2 * rounds):
-            recording = await robot.record(folder / "s.mcap").start() if number % 2 else None
-            async with robot.servo.joints(
-                v=1.0, a=5.0, rate=1000, options=WorkerOptions()
-            ) as stream:
-                await stream.play(points)
-            if recording is not None:
-                await recording.stop()
-            found["with" if number % 2 else "without"].append(stream.statistics().lateness.p99)
-    return {
-        f"stream_p99_{name}_us": round(sorted(values)[len(values) // 2] * 1e6, 1)
-        for name, values in found.items()
     }
 
 
@@ -183,9 +141,8 @@ async def measured(quick: bool) -> dict[str, Any]:
             robot.feed.forces = True
             found: dict[str, Any] = {
                 "rate": RATE,
-                "moving": await loop_and_size(robot, folder, rounds, seconds, moves=True),
-                "standing": await loop_and_size(robot, folder, rounds, seconds, moves=False),
-                "stream": await streams(robot, folder, rounds, min(seconds, 10.0)),
+                "moving": await cost_and_size(robot, folder, rounds, seconds, moves=True),
+                "standing": await cost_and_size(robot, folder, rounds, seconds, moves=False),
             }
         found["kill"] = kills(sim.port, folder, 5 if quick else 100)
     return found
@@ -194,7 +151,7 @@ async def measured(quick: bool) -> dict[str, Any]:
 def main() -> None:
     options = arguments(__doc__, "recording")
     results = anyio.run(measured, options.quick)
-    for name in ("moving", "standing", "stream", "kill"):
+    for name in ("moving", "standing", "kill"):
         print_table(f"recording, {name}", ("figure", "value"), list(results[name].items()))
     if options.save:
         print(f"written to {write_results('recording', results)}")
