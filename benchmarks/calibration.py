@@ -1,8 +1,6 @@
 """What `aioduco calibrate` finds of simulated arms whose parameters are hidden from it.
 
-    python benchmarks/calibration.py                       20 hidden arms, one after the other
-    python benchmarks/calibration.py --beside 2 --save     two at a time, and keep the result
-    python benchmarks/calibration.py --kept FOLDER         only estimate, from kept recordings
+    python benchmarks/calibration.py [--quick] [--save]    20 hidden arms, two at a time
 
 Each arm is a simulator in a process of its own with a random profile: geometry, lag and gain of the
 drives, noise, updates of readings, times of power, corners that blend, the heartbeat's slack, load,
@@ -14,44 +12,42 @@ are tried in made-up time, too.
 
 from __future__ import annotations
 
-import argparse
+import importlib
 import math
+import multiprocessing
 import statistics
-import subprocess
 import sys
 import tempfile
 from collections import defaultdict
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
-from _common import scheduling, write_results
+from _common import arguments, scheduling, write_results
 
 import aioduco.sync
 from aioduco.cli.measuring import Extent, measure
-from aioduco.kinematics import arm
 from aioduco.models.enums import RobotState
 from aioduco.sim import ArmProfile, Estimate, Simulator
 from aioduco.sim.calibration import Calibration, calibrate
-from aioduco.sim.calibration.evidence import (
-    Evidence,
-    Motions,
-    Poses,
-    Reads,
-    StateRead,
-    TimedCall,
-)
+from aioduco.sim.calibration.evidence import Evidence, Motions, Reads, StateRead, TimedCall
 from aioduco.sim.calibration.times import estimate_times
 from aioduco.sim.calibration.torques import estimate_friction
 from aioduco.sim.controller.power import PowerControl
 from aioduco.sim.controller.tasks import TaskTable
-from aioduco.sim.profile import GEOMETRY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-MODEL = "gcr5_910"
+# what the tests of the calibration make recordings with
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+made: Any = importlib.import_module("sim.calibration.made")
+exact = made.exact
+
 CYCLE = 1e-3  # of the simulated controller [s]
 EXTENT = Extent(poses=28, rounds=1, changes=3)
 
@@ -60,18 +56,10 @@ def hidden(seed: int) -> ArmProfile:
     """A random profile."""
     random = np.random.default_rng(seed)
 
-    def exact(value: float) -> Estimate:
-        return Estimate.around(float(value), 0.0)
-
     def six(name: str, low: float, high: float) -> dict[str, Estimate]:
         return {f"{name}{i}": exact(random.uniform(low, high)) for i in range(1, 7)}
 
-    nominal = arm(MODEL).geometry
-    geometry = {}
-    for name in GEOMETRY:
-        column, joint = name[:-1], int(name[-1]) - 1
-        span = 1e-3 if column in ("a", "d") else math.radians(0.25)
-        geometry[name] = exact(getattr(nominal, column)[joint] + random.uniform(-span, span))
+    geometry = made.hidden_geometry(random)
     lag = random.uniform(0.004, 0.03, 6)
     gain = random.uniform(0.4, 0.95, 6) / lag
     drives = {f"lag{i + 1}": exact(each) for i, each in enumerate(lag)}
@@ -83,11 +71,11 @@ def hidden(seed: int) -> ArmProfile:
     blends |= {f"{kind}_share": (0.3, 0.9) for kind in ("joint", "line")}
     after = np.random.default_rng((seed, 1))  # those below were there before
     return ArmProfile(
-        MODEL,
+        made.MODEL,
         {
             "blends": {name: exact(after.uniform(*span)) for name, span in blends.items()},
             "heartbeat": {"slack": exact(after.uniform(0.0, 1.5))},
-            "geometry": geometry,
+            **geometry.values,
             "drives": drives,
             "noise": six("joint", 1e-5, 5e-5),
             "readings": {"period": exact(random.choice([0.0, 0.01, 0.016, 0.02]))},
@@ -144,10 +132,8 @@ def watched(profile: ArmProfile, random: np.random.Generator, repeats: int = 5) 
             if until == math.inf and not power.busy:
                 until = at + 0.02
         now = at + 0.5
-    none, six = np.zeros(0), np.zeros((0, 6))
-    reads = Reads(none, none, six)
-    poses, motions = Poses(six, np.zeros((0, 4, 4))), Motions(none, six, six, six, six)
-    return Evidence("made", "", poses, motions, reads, reads, tuple(calls), tuple(states))
+    found: Evidence = replace(made.empty(), calls=tuple(calls), states=tuple(states))
+    return found
 
 
 def made_up(seeds: Sequence[int]) -> dict[str, Any]:
@@ -183,12 +169,12 @@ def turned(profile: ArmProfile, random: np.random.Generator) -> Evidence:
                     rows.append((q.tolist(), (fast * unit).tolist(), torque.tolist()))
     joints, speeds, torques = (np.array(column) for column in zip(*rows, strict=True))
     time = 0.008 * np.arange(len(rows), dtype=np.float64)
-    none = np.zeros(0)
-    nothing = Reads(none, none, np.zeros((0, 6)))
-    poses = Poses(np.zeros((0, 6)), np.zeros((0, 4, 4)))
-    motions = Motions(time, joints, speeds, joints, speeds)
-    read = Reads(time[::2] - 1e-3, time[::2] + 1e-3, torques[::2])
-    return Evidence("made", "", poses, motions, nothing, read, (), ())
+    found: Evidence = replace(
+        made.empty(),
+        motions=Motions(time, joints, speeds, joints, speeds),
+        torques=Reads(time[::2] - 1e-3, time[::2] + 1e-3, torques[::2]),
+    )
+    return found
 
 
 def made_up_friction(seeds: Sequence[int]) -> dict[str, Any]:
@@ -260,43 +246,22 @@ def percent(flags: list[float]) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--arms", type=int, default=20)
-    parser.add_argument("--first", type=int, default=100, help="first seed")
-    parser.add_argument("--beside", type=int, default=1, help="arms at a time")
-    parser.add_argument("--kept", type=Path, help="folder of recordings, kept or to be kept")
-    parser.add_argument("--one", type=int, help=argparse.SUPPRESS)
-    parser.add_argument("--save", action="store_true")
-    given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = given.kept or Path(temporary)
-        folder.mkdir(exist_ok=True)
-        if given.one is not None:
-            record(given.one, folder)
-            return
-        seeds = range(given.first, given.first + given.arms)
-        missing = [seed for seed in seeds if not (folder / f"run{seed}.mcap").exists()]
-        for i in range(0, len(missing), given.beside):
-            running = [
-                subprocess.Popen(
-                    [sys.executable, __file__, "--one", str(seed), "--kept", str(folder)]
-                )
-                for seed in missing[i : i + given.beside]
-            ]
-            for process in running:
-                process.wait()
-        pairs = [
-            (hidden(seed), calibrate(folder / f"run{seed}.mcap"))
-            for seed in seeds
-            if (folder / f"run{seed}.mcap").exists()
-        ]
+    options = arguments(__doc__, "calibration")
+    seeds = range(100, 102 if options.quick else 120)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        # two beside each other: more would slow simulated time down on two cores
+        with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+            list(pool.map(record, seeds, repeat(folder)))
+        pairs = [(hidden(seed), calibrate(folder / f"run{seed}.mcap")) for seed in seeds]
     result: dict[str, Any] = {"arms": len(pairs), **compare(pairs)}
     result["kinds"]["times in made-up time [s]"] = made_up(seeds)
-    for name, kind in made_up_friction(range(given.first, given.first + 10 * given.arms)).items():
+    many = range(seeds.start, seeds.start + 10 * len(seeds))
+    for name, kind in made_up_friction(many).items():
         result["kinds"][f"friction {name} in made-up time"] = kind
     for name, kind in {**result["kinds"], "all": result["all"]}.items():
         print(name, {key: float(f"{value:.3g}") for key, value in kind.items()})
-    if given.save:
+    if options.save:
         write_results("calibration", {"scheduling": scheduling(), **result})
 
 
