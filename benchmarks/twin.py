@@ -12,7 +12,6 @@ limits that it learned from another run of such a program on the same arm.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import math
 import multiprocessing
@@ -26,7 +25,7 @@ from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from _common import machine, write_results
+from _common import parser, write_results
 
 from aioduco.compat import DucoCobot, Op
 from aioduco.kinematics import arm as arm_of
@@ -39,7 +38,10 @@ from aioduco.sim.twin.predictor import Deviation, Predictor
 from aioduco.sim.twin.timeline import Timeline
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from aioduco.kinematics import Arm
+    from aioduco.sim.twin.timeline import Item
 
 MODEL = "gcr5_910"
 CYCLE = 0.004
@@ -53,6 +55,8 @@ LATE = 0.004
 HELD_MASS = 0.5
 #: how often the same work in good order is judged, each time with other errors of the readings
 DRAWS = 10
+#: of different friction
+ARMS = 4
 TOOL = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 #: the kinds of hidden changes, with the cause that the twin should name
@@ -264,24 +268,27 @@ class Cell:
             yield "movel", (back, speed, 1.0, 0.0, near, "", "", False, Op(), False)
 
 
+def received(cell: Cell, seconds: float, noise: Noise) -> Iterator[tuple[float, Item]]:
+    """Samples and commands of a run as a twin gets them, each with the time of the run."""
+    line = Timeline()
+    for now, items in cell.run(seconds):
+        for item in filter(None, map(noise, items)):
+            line.put(item)
+        for due in line.due():
+            yield now, due
+
+
 @cache
 def limits(number: int) -> TwinLimits:
     """Limits from a good run of 100 s on one arm."""
-    cell, line, noise = Cell(number, 90_000 + number), Timeline(), Noise(90_000 + number)
+    cell = Cell(number, 90_000 + number)
     predictor = Predictor(cell.arm, TOOL)
     good: list[Deviation] = []
-
-    def take(item: Any) -> None:
+    for _, item in received(cell, 100.0, Noise(90_000 + number)):
         if isinstance(item, TwinCommand):
             predictor.command(item)
         else:
             good.append(predictor.deviation(item))
-
-    for _, items in cell.run(100.0):
-        for item in filter(None, map(noise, items)):
-            line.put(item)
-        for item in line.due():
-            take(item)
     return learn(cell.arm, good)
 
 
@@ -350,21 +357,19 @@ def hour_in_good_order(number: int, seed: int, block: float) -> list[Order]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=20, help="with a change, and without")
-    parser.add_argument("--hours", type=float, default=0.2, help="of work in good order")
-    parser.add_argument("--arms", type=int, default=4, help="of different friction")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=1, help="processes beside each other")
-    parser.add_argument("--save", action="store_true")
-    given = parser.parse_args()
+    options = parser(__doc__, "twin")
+    options.add_argument("--runs", type=int, default=20, help="with a change, and without")
+    options.add_argument("--hours", type=float, default=0.2, help="of work in good order")
+    options.add_argument("--jobs", type=int, default=1, help="processes beside each other")
+    given = options.parse_args()
+    if given.quick:
+        given.runs, given.hours = 2, 0.02
     begun = time.perf_counter()
     matrix: dict[str, Counter[str]] = {}
     times: dict[str, list[float]] = {}
-    arms: int = given.arms
     changes = [list(CHANGES)[count % len(CHANGES)] for count in range(given.runs)]
     runs = range(given.runs)
-    turns, seeds = [count % arms for count in runs], [given.seed * 1000 + count for count in runs]
+    turns, seeds = [count % ARMS for count in runs], [1000 + count for count in runs]
     block = min(0.1, given.hours / DRAWS)
     blocks = range(round(given.hours / DRAWS / block) if block else 0)
     false, false_runs, costs = [], 0, [0.0]
@@ -373,7 +378,7 @@ def main() -> None:
         with_change = pool.map(watched, turns, seeds, changes, [40.0] * given.runs)
         other_seeds = [seed + 500 for seed in seeds]
         without = pool.map(watched, turns, other_seeds, [""] * given.runs, [12.0] * given.runs)
-        ordered = pool.map(hour_in_good_order, [n % arms for n in blocks], blocks, repeat(block))
+        ordered = pool.map(hour_in_good_order, [n % ARMS for n in blocks], blocks, repeat(block))
         for count, run in enumerate(with_change):
             change = run.change
             said = "not seen" if run.first is None else run.first.cause.value
@@ -420,9 +425,9 @@ def main() -> None:
     if given.save:
         command = (
             f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
-            f"--arms {arms} --seed {given.seed} --jobs {given.jobs} --save"
+            f"--jobs {given.jobs} --save"
         )
-        write_results("twin", {"command": command, **result, "machine": machine()})
+        write_results("twin", {"command": command, **result})
 
 
 if __name__ == "__main__":
