@@ -23,7 +23,7 @@ from aioduco.recording.tap import Tap, TappedCall
 from aioduco.sim import Simulator
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
-from _common import machine, scheduling, write_results
+from _common import scheduling, write_results
 from _streaming import BareLoop
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
@@ -420,15 +420,12 @@ def main() -> None:
         ticks, points = policy(follower, given.seconds)
     say("all of it is as it must be")
     if given.save:
-        about = machine()
-        about["packages"]["lerobot"] = lerobot.__version__
         results = {
             "command": "chrt -r 5 .ci/integrations --save",
             "scheduling": scheduling(),
             "lerobot-record, lerobot-replay, lerobot-teleoperate on simulated arms": figures,
             f"a policy at {FPS} Hz that computes 20 ms a step, {given.seconds:g} s": ticks,
             "its set-points": points,
-            "machine": about,
         }
         say(f"written: {write_results('lerobot', results)}")
 

@@ -50,13 +50,23 @@ def scheduling() -> str:
     return names.get(os.sched_getscheduler(0), "other")
 
 
+#: the packages whose versions a result has: as they are imported, and as they are installed
+PACKAGES = {name: name for name in ("aioduco", "thriftpy2", "thrift", "anyio", "numpy")} | {
+    "mujoco": "mujoco-core",
+    "gymnasium": "gymnasium",
+    "panda_gym": "panda-gym",
+    "pybullet": "pybullet",
+    "lerobot": "lerobot",
+}
+
+
 def machine() -> dict[str, Any]:
     """The machine, the commit and the versions of a result; nothing that names a host."""
-    packages = ("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core")
-    versions = {}
-    for name in packages:
-        if importlib.util.find_spec(name.partition("-")[0]) is not None:
-            versions[name.partition("-")[0]] = importlib.metadata.version(name)
+    versions = {
+        name: importlib.metadata.version(installed)
+        for name, installed in PACKAGES.items()
+        if importlib.util.find_spec(name) is not None
+    }
     return {
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
         "commit": commit(),
@@ -117,6 +127,16 @@ def _processor() -> str:
             if line.startswith("model name"):
                 return line.partition(":")[2].strip()
     return platform.machine()
+
+
+def at_most(limit: float, found: float) -> dict[str, Any]:
+    """A line of what is asked for: the limit, what was found, and whether that is enough."""
+    return {"asked": f"at most {limit:g}", "found": found, "reached": found <= limit}
+
+
+def at_least(limit: float, found: float) -> dict[str, Any]:
+    """As `at_most`, of a figure that may be larger."""
+    return {"asked": f"at least {limit:g}", "found": found, "reached": found >= limit}
 
 
 def write_results(name: str, results: dict[str, Any]) -> Path:

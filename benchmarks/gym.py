@@ -1,7 +1,7 @@
 """Steps a second of the environments of Gymnasium, beside panda-gym's in the same run.
 
-    python benchmarks/gym.py                              in one and in two processes
-    chrt -r 5 python benchmarks/gym.py --rounds 8 --save  and keep the result
+    python benchmarks/gym.py                   in one and in two processes
+    chrt -r 5 python benchmarks/gym.py --save  and keep the result
 
 Rounds of ours and of theirs take turns, so that what else the machine does meets both; each figure
 is the median of the rounds. panda-gym is measured where it is installed; its steps are 40 ms as
@@ -10,15 +10,14 @@ well, and its physics Bullet's.
 
 from __future__ import annotations
 
-import argparse
-import importlib.metadata
+import importlib
 import importlib.util
 import statistics
 import time
 from typing import Any
 
 import gymnasium
-from _common import machine, scheduling, write_results
+from _common import arguments, scheduling, write_results
 
 import aioduco.integrations.gym  # noqa: F401 - registers the names
 
@@ -45,11 +44,8 @@ def rate(made: Any, steps: int) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--steps", type=int, default=400)
-    parser.add_argument("--save", action="store_true")
-    given = parser.parse_args()
+    options = arguments(__doc__, "gym")
+    rounds, steps = (2, 40) if options.quick else (8, 400)
     kinds = {"aioduco": OURS}
     if importlib.util.find_spec("panda_gym") is not None:
         importlib.import_module("panda_gym")
@@ -61,9 +57,9 @@ def main() -> None:
             for each in made.values():
                 rate(each, 10)
             rates: dict[str, list[float]] = {kind: [] for kind in made}
-            for _ in range(given.rounds):
+            for _ in range(rounds):
                 for kind, each in made.items():
-                    rates[kind].append(rate(each, given.steps))
+                    rates[kind].append(rate(each, steps))
             for each in made.values():
                 each.close()
             figures: dict[str, Any] = {
@@ -79,26 +75,18 @@ def main() -> None:
             print(f"{name}: {', '.join(f'{what} {figure}' for what, figure in figures.items())}")
     wire = several("aioduco/Reach-wire-v0", 1)
     rate(wire, 10)
-    result["reach over the wire, 1 process"] = {"aioduco, steps/s": round(rate(wire, given.steps))}
+    result["reach over the wire, 1 process"] = {"aioduco, steps/s": round(rate(wire, steps))}
     wire.close()
     print(f"reach over the wire: {result['reach over the wire, 1 process']}")
-    if given.save:
-        about = machine()
-        for package in ("gymnasium", "panda-gym", "pybullet"):
-            if importlib.util.find_spec(package.replace("-", "_")) is not None:
-                about["packages"][package] = importlib.metadata.version(package)
-        command = f"chrt -r 5 python benchmarks/gym.py --rounds {given.rounds} --save"
-        write_results(
-            "gym",
-            {
-                "command": command,
-                "scheduling": scheduling(),
-                "steps a round": given.steps,
-                "rounds": given.rounds,
-                "steps a second, of all processes together": result,
-                "machine": about,
-            },
-        )
+    if options.save:
+        results = {
+            "command": "chrt -r 5 python benchmarks/gym.py --save",
+            "scheduling": scheduling(),
+            "steps a round": steps,
+            "rounds": rounds,
+            "steps a second, of all processes together": result,
+        }
+        print(f"written: {write_results('gym', results)}")
 
 
 if __name__ == "__main__":

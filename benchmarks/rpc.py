@@ -32,7 +32,15 @@ from functools import partial
 from typing import Any
 
 import thriftpy2
-from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
+from _common import (
+    ServerProcess,
+    arguments,
+    at_most,
+    print_table,
+    scheduling,
+    spread,
+    write_results,
+)
 from thriftpy2.protocol import TCyBinaryProtocolFactory
 from thriftpy2.rpc import make_client
 from thriftpy2.transport import TCyBufferedTransportFactory
@@ -226,18 +234,14 @@ def show(name: str, figures: dict[str, Any]) -> None:
 
 
 def judged(calls: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, Any]]:
-    """Each line: what is asked for, what was found, and whether that is enough."""
+    """What is asked for of each function, and what was found."""
     asked = {}
     for name, figures in calls.items():
         ours = figures["aioduco"]["p50_us"]
         limits = {"thriftpy2": 1.3 if name == "getRobotStatus" else 1.35, "bare socket": 2.0}
         for other, limit in limits.items():
-            found = round(ours / figures[other]["p50_us"], 2)
-            asked[f"{name}: p50 to {other}'s"] = {
-                "asked": f"at most {limit:g}",
-                "found": found,
-                "reached": found <= limit,
-            }
+            ratio = round(ours / figures[other]["p50_us"], 2)
+            asked[f"{name}: p50 to {other}'s"] = at_most(limit, ratio)
     return asked
 
 

@@ -13,7 +13,7 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from _common import percentile
+from _common import at_most, percentile
 from simulation_service import client
 
 from aioduco._wire.rpc import Op
@@ -185,14 +185,9 @@ def asks(port: int, quick: bool) -> Iterator[tuple[str, Ask]]:
 
 
 def judged(rows: dict[str, dict[str, float]]) -> dict[str, dict[str, Any]]:
-    """Each line: what is asked for, what was found, and whether that is enough."""
-    found = {
-        "longest under the lock while planning [ms]": max(
-            row["lock_max_ms"] for row in rows.values()
-        ),
-        "longest stop while planning [ms]": max(row["stop_waits_max_ms"] for row in rows.values()),
-    }
+    """What is asked for of long plans, and what was found."""
+    longest = {"under the lock": "lock_max_ms", "stop": "stop_waits_max_ms"}
     return {
-        name: {"asked": f"at most {WAIT:g}", "found": value, "reached": value <= WAIT}
-        for name, value in found.items()
+        f"longest {name} while planning [ms]": at_most(WAIT, max(row[key] for row in rows.values()))
+        for name, key in longest.items()
     }

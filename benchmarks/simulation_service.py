@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from _common import ServerProcess, percentile
+from _common import ServerProcess, at_least, at_most, percentile
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.rpc import Op, RpcClient
@@ -140,7 +140,7 @@ def judged(
     work: float,
     forced: float,
 ) -> dict[str, dict[str, Any]]:
-    """Each line: what is asked for, what was found, and whether that is enough.
+    """What is asked for of the service, and what was found.
 
     Args:
         clock, answers: as `measure` gives them.
@@ -150,27 +150,18 @@ def judged(
     real, free = clock["in real time"], clock["without the clock"]
     state = answers["get_robot_state"]
     rows: dict[str, dict[str, Any]] = {}
-
-    def line(name: str, asked: str, found: float, *, reached: bool) -> None:
-        rows[name] = {"asked": asked, "found": found, "reached": reached}
-
     for case, alone in (("", work), ("force control, ", forced)):
         kept = round(alone / clock[f"{case}without the clock"]["cpu_per_cycle_us"], 2)
         name = f"{case}without the clock, of the speed of tick and step alone"
-        line(name, f"at least {KEPT:g}", kept, reached=kept >= KEPT)
+        rows[name] = at_least(KEPT, kept)
         times = round(clock[f"{case}in real time"]["cpu_per_cycle_us"] / alone, 2)
-        name = f"{case}in real time, times tick and step alone"
-        line(name, f"at most {WAKING:g}", times, reached=times <= WAKING)
-    core, fast = real["core_percent"], free["x_real_time"]
-    name = "one arm at 1 kHz in real time, % of a core"
-    line(name, f"at most {100 * SHARE:g}", core, reached=core <= 100.0 * SHARE)
-    name = "without the clock, server included, times real time"
-    line(name, f"at least {TIMES:g}", fast, reached=fast >= TIMES)
-    rate, late = state["calls_a_second"], state["p99_ms"]
-    name = "calls a second to one client while moving"
-    line(name, f"at least {CALLS:g}", rate, reached=rate >= CALLS)
-    line("their p99 [ms]", f"below {LATENCY:g}", late, reached=late < LATENCY)
-    return rows
+        rows[f"{case}in real time, times tick and step alone"] = at_most(WAKING, times)
+    return rows | {
+        "one arm at 1 kHz in real time, % of a core": at_most(100 * SHARE, real["core_percent"]),
+        "without the clock, server included, times real time": at_least(TIMES, free["x_real_time"]),
+        "calls a second to one client while moving": at_least(CALLS, state["calls_a_second"]),
+        "their p99 [ms]": at_most(LATENCY, state["p99_ms"]),
+    }
 
 
 def main() -> None:
