@@ -89,8 +89,7 @@ class Lateness:
 
     def __init__(self) -> None:
         self.buckets: dict[int, int] = {}
-        self.ticks = self.missed = self.trips = self.starved = 0
-        self.gap = 0.0
+        self.ticks = self.missed = 0
 
     def add(self, lateness: list[tuple[int, int, int]], ticks: int, missed: int) -> None:
         for low, high, count in lateness:
@@ -119,9 +118,6 @@ class Lateness:
             "late_p99.9_us": round(self.percentile(0.999) * 1e6, 1),
             "late_max_us": round(max(self.buckets, default=0) * 1e-3, 1),
             "beyond_2ms": self.beyond(0.002),
-            "longest_gap_ms": round(self.gap * 1e3, 2),
-            "starved": self.starved,
-            "trips": self.trips,
         }
 
 

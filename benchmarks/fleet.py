@@ -93,7 +93,7 @@ async def stop_all(fleet: list[Member]) -> tuple[float, float]:
     begin = time.monotonic()
     await aioduco.stop_all(member.robot for member in fleet)
     stand = time.monotonic() - begin
-    last = await seen(fleet, begin)
+    last = await seen((member.lane for member in fleet), begin)
     for member in fleet:
         member.allowed.set()
     return last - begin, stand
@@ -114,7 +114,7 @@ class Bare:
         begin = time.monotonic()
         for each in self._sockets:
             each.sendall(self._message)
-        last = await seen(fleet, begin)
+        last = await seen((member.lane for member in fleet), begin)
         for each in self._sockets:
             each.recv(4096)
         return last - begin
@@ -124,13 +124,13 @@ class Bare:
             each.close()
 
 
-async def seen(fleet: list[Member], begin: float) -> float:
+async def seen(lanes: Iterable[WireLane], begin: float) -> float:
     """When the last controller's handler was reached; it may be on its way."""
     last = begin
-    for member in fleet:
+    for lane in lanes:
         after: list[float] = []
         while not after:
-            reached = await member.lane.rpc.get_system_value_list("stops")
+            reached = await lane.rpc.get_system_value_list("stops")
             after = [at for at in reached if at >= begin]
         last = max(last, min(after))
     return last
@@ -238,18 +238,12 @@ async def reach(ports: list[int], path: Path, stops: int) -> dict[str, Any]:
         )
         for _ in range(stops):
             await anyio.sleep(0.05)
-            for lane in lanes:
-                await lane.rpc.get_system_value_list("stops")
             begin = time.monotonic()
             done = await client.stop()
             answered_after.append(time.monotonic() - begin)
             if not done.confirmed:
                 raise RuntimeError(f"a stop was not confirmed: {done}")
-            last = begin
-            for lane in lanes:
-                reached = await lane.rpc.get_system_value_list("stops")
-                last = max(last, min(at for at in reached if at >= begin))
-            reached_after.append(last - begin)
+            reached_after.append(await seen(lanes, begin) - begin)
     for lane in lanes:
         await lane.aclose()
     return {"reached": spread(reached_after), "answered": spread(answered_after)}

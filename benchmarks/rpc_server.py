@@ -13,7 +13,7 @@ import socket
 import struct
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import thriftpy2
 from thriftpy2.protocol import TCyBinaryProtocol
@@ -101,6 +101,14 @@ def listen(answer: Callable[[socket.socket], None]) -> int:
     return int(listener.getsockname()[1])
 
 
+def serve(ports: dict[str, int]) -> NoReturn:
+    """Say where this process serves, until its standard input ends."""
+    print(json.dumps(ports), flush=True)
+    sys.stdin.read()
+    # threads that wait for bytes need no farewell
+    os._exit(0)
+
+
 def main() -> None:
     module = thriftpy2.load(str(idl.path()), module_name="rpc_server_thrift")
     handlers = Handlers(module)
@@ -108,10 +116,7 @@ def main() -> None:
         "thrift": listen(lambda sock: answer_calls(sock, module.RPCRobot, handlers)),
         "echo": listen(answer_echoes),
     }
-    print(json.dumps(ports), flush=True)
-    sys.stdin.read()
-    # threads that wait for bytes need no farewell
-    os._exit(0)
+    serve(ports)
 
 
 if __name__ == "__main__":

@@ -124,7 +124,6 @@ async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> No
                     await stream.send(point)
     figures = stream.statistics()
     found.add(figures.buckets["lateness"], figures.ticks, figures.missed)
-    found.starved += figures.starved
 
 
 async def by_loop(found: Lateness, port: int, seconds: float) -> None:
@@ -160,6 +159,7 @@ async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]
     if not urgent_allowed():
         del runs["urgent"]
     found = {name: Lateness() for name in runs}
+    trips = dict.fromkeys(runs, 0)
     noise = Noise()
     for _ in range(slices):
         for name, run in runs.items():
@@ -168,16 +168,16 @@ async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]
             async with load(busy):
                 with beside:
                     await run(found[name])
-            _, _, _, gap, trips = ask(port, "arrivals")
-            found[name].gap = max(found[name].gap, gap)
-            found[name].trips += int(trips)
+            trips[name] += int(ask(port, "arrivals")[0])
     found["bare"] = noise.lateness
-    return {name: lateness.figures() for name, lateness in found.items()}
+    return {
+        name: lateness.figures() | {"trips": trips.get(name, 0)} for name, lateness in found.items()
+    }
 
 
-async def queue_by_worker(kind: str, port: int, seconds: float, stall: bool) -> StreamStatistics:
+async def queue_by_worker(port: int, seconds: float) -> None:
     opened = RealtimeStreams(StreamEndpoint(HOST, port)).stream(
-        "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=WORKERS[kind]
+        "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=WORKERS["process"]
     )
     with contextlib.suppress(TimeoutError):
         async with opened as stream:
@@ -185,12 +185,10 @@ async def queue_by_worker(kind: str, port: int, seconds: float, stall: bool) -> 
                 async with anyio.create_task_group() as tasks:
                     tasks.start_soon(stream.play, sine(round(seconds / CYCLE), 1 / CYCLE))
                     await anyio.sleep(seconds / 2)
-                    if stall:
-                        work_for(0.3)
-    return opened.statistics()
+                    work_for(0.3)
 
 
-async def queue_by_loop(port: int, seconds: float, stall: bool) -> None:
+async def queue_by_loop(port: int, seconds: float) -> None:
     """What a program writes without streams: look at the queue, fill it up, sleep."""
     lane = WireLane("benchmark", HOST, port)
     await lane.open()
@@ -202,7 +200,7 @@ async def queue_by_loop(port: int, seconds: float, stall: bool) -> None:
     start = anyio.current_time()
     for number in range(1, round(seconds / period)):
         await anyio.sleep_until(start + number * period)
-        if stall and number == round(seconds / period) // 2:
+        if number == round(seconds / period) // 2:
             work_for(0.3)
         missing = depth - await rpc.get_realtime_data_queue_size()
         if missing > 0:
@@ -211,24 +209,20 @@ async def queue_by_loop(port: int, seconds: float, stall: bool) -> None:
     await lane.aclose()
 
 
-async def starvation(port: int, busy: bool, stall: bool, quick: bool) -> dict[str, dict[str, Any]]:
+async def starvation(port: int, quick: bool) -> dict[str, dict[str, Any]]:
     """A point each millisecond through the queue, under load; the controller's side of it."""
     slices, seconds = (1, 2.0) if quick else (6, 2.0)
     runs: dict[str, Callable[[], Awaitable[object]]] = {
-        "process": functools.partial(queue_by_worker, "process", port, seconds, stall),
-        "urgent": functools.partial(queue_by_worker, "urgent", port, seconds, stall),
-        "thread": functools.partial(queue_by_worker, "thread", port, seconds, stall),
-        "loop": functools.partial(queue_by_loop, port, seconds, stall),
+        "process": functools.partial(queue_by_worker, port, seconds),
+        "loop": functools.partial(queue_by_loop, port, seconds),
     }
-    if not urgent_allowed():
-        del runs["urgent"]
     found = {name: [0.0, 0.0, 0.0] for name in runs}
     noise = Noise()
     for _ in range(slices):
         for name, run in runs.items():
             ask(port, "starvation")
             beside = noise.beside() if name == "process" else contextlib.nullcontext()
-            async with load(busy):
+            async with load(True):
                 with beside:
                     await run()
             taken, starved, longest = ask(port, "starvation")
@@ -273,23 +267,13 @@ async def realtime(robot: aioduco.Robot, seconds: float) -> dict[str, Any]:
             tasks.start_soon(stream.play, sway(start, seconds))
             await anyio.sleep(seconds / 2)
             work_for(0.3)
-    found = stream.statistics()
-    return figures(found) | {
-        "drained": found.drained,
-        "faults": len(await robot.state.get_last_error()),
-    }
+    return figures(stream.statistics())
 
 
 def figures(found: StreamStatistics) -> dict[str, Any]:
     lateness = Lateness()
     lateness.add(found.buckets["lateness"], found.ticks, found.missed)
-    return row_of(lateness)
-
-
-def row_of(lateness: Lateness) -> dict[str, Any]:
-    row = lateness.figures()
-    wanted = ("ticks", "missed", "late_p50_us", "late_p99_us", "late_p99.9_us", "late_max_us")
-    return {name: row[name] for name in (*wanted, "beyond_2ms")}
+    return lateness.figures()
 
 
 async def simulated(quick: bool) -> dict[str, dict[str, Any]]:
@@ -301,7 +285,7 @@ async def simulated(quick: bool) -> dict[str, dict[str, Any]]:
         noise = Noise()
         return {
             "servoj": await servo(robot, seconds, noise),
-            "bare, beside servoj": row_of(noise.lateness),
+            "bare, beside servoj": noise.lateness.figures(),
             "realtime": await realtime(robot, seconds),
         }
 
@@ -328,8 +312,7 @@ async def measure(port: int, quick: bool) -> dict[str, Any]:
         "busy": await pacing(port, True, quick),
     }
     results["realtime_queue"] = {
-        "busy loop": await starvation(port, True, False, quick),
-        "busy loop, one stall of 300 ms": await starvation(port, True, True, quick),
+        "busy loop, one stall of 300 ms": await starvation(port, quick),
     }
     results["simulator"] = await simulated(quick)
     return results
