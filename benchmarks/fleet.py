@@ -16,6 +16,7 @@ import gc
 import json
 import os
 import resource
+import secrets
 import socket
 import subprocess
 import sys
@@ -203,13 +204,17 @@ def free_endpoint() -> str:
 
 
 def files(folder: Path, ports: list[int]) -> list[Path]:
-    """The file of each gateway: the second one connects to the first."""
+    """The file of each gateway: the second one connects to the first. A stop is proven by keys."""
+    keys = folder / "keys.toml"
+    keys.touch(0o600)
+    keys.write_text("".join(f'{name} = "{secrets.token_hex(32)}"\n' for name in NAMES), "utf-8")
     half = len(ports) // 2
     endpoints = [free_endpoint() for _ in NAMES]
     made = []
     for number, name in enumerate(NAMES):
         text = (
             f'[fleet]\nname = "bench"\ngateway = "{name}"\nexpect = {json.dumps(NAMES)}\n'
+            f'keys = "{keys}"\n'
             f'listen = ["{endpoints[number]}"]\nconnect = {json.dumps(endpoints[:number])}\n'
         )
         for port in ports[number * half : (number + 1) * half]:
