@@ -30,13 +30,14 @@ _ZERO: dict[int, Any] = {
     TType.LIST: list,
     TType.MAP: dict,
 }
-#: results whose fields have other numbers on older controllers: the fields in order, from 1
-_OLDER = {
-    "getRobotIOStatus": (
-        "analogCurrentOutputs analogVoltageOutputs digitalInputs digitalOutputs toolIOIn "
-        "toolIOOut toolButton"
-    )
-}
+#: what `getRobotIOStatus` returns on older controllers: fields that have other numbers there
+_OLDER_IO = (
+    "1: list<double> analogCurrentOutputs 2: list<double> analogVoltageOutputs "
+    "3: list<bool> digitalInputs 4: list<bool> digitalOutputs 5: list<bool> toolIOIn "
+    "6: list<bool> toolIOOut 7: list<bool> toolButton"
+)
+#: functions whose result other controllers return with other fields under the same numbers
+_INSTEAD = {"getRobotIOStatus": (rpc.IOStatus, _OLDER_IO), **newer.INSTEAD}
 #: functions that manual 4.3 adds, by name what they return: without arguments, the name is the call
 NEWER = {
     **dict.fromkeys(
@@ -94,12 +95,12 @@ class Function:
         self.name: str = name
         self.args: Any = payload(f"{name}_args", args)
         self.result: Any = payload(f"{name}_result", result)
-        self.other: Any = _older(self.result, _OLDER[name].split()) if name in _OLDER else None
+        self.other: Any = None
         self.newer: Any = None
         if name in newer.ADDED:
             self.newer = _with(self.result, *newer.ADDED[name], added=True)
-        if name in newer.INSTEAD:
-            self.other = _with(self.result, *newer.INSTEAD[name], added=False)
+        if name in _INSTEAD:
+            self.other = _with(self.result, *_INSTEAD[name], added=False)
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
@@ -233,25 +234,15 @@ def _part(text: str) -> Any:
     return found[0] if len(found) == 1 else found
 
 
-def _older(result: Any, names: list[str]) -> Any:
-    """Make a result class for the fields of a struct in another order.
-
-    The struct that is read is also an instance of the present struct; fields that were not sent
-    have their zero values.
-    """
-    kind, name, struct, required = result.thrift_spec[0]
-    entries = {entry[1]: entry for entry in struct.thrift_spec.values()}
-    spec = {number: entries[each] for number, each in enumerate(names, 1)}
-    older = type(struct.__name__, (struct,), {"thrift_spec": spec, "__slots__": ()})
-    return type(result.__name__, (result,), {"thrift_spec": {0: (kind, name, older, required)}})
-
-
 def _with(result: Any, kind: type, fields: str, *, added: bool) -> Any:
     """Make a result class with another struct, alone or as the element of a list.
 
+    The struct that is read is also an instance of the present struct; fields that were not sent
+    have their zero values, or those of `kind`.
+
     Args:
         result: the result class.
-        kind: class of the struct, which inherits from the present one.
+        kind: class of the struct: the present one, or one that inherits from it.
         fields: fields of the struct, as in the IDL.
         added: whether they come behind those of the present struct, and not in their place.
     """
