@@ -115,9 +115,9 @@ class Dispatcher:
             await self._permits.after_stops(permit)
             await coordinator.modes.leave_overdue(name)
             self._admit(command, permit)
-            tasks = [task for task in coordinator.follower.tasks if task.motion]
-            if tasks or coordinator.modes.moving or coordinator.pending:
-                moved = ", ".join(map(repr, tasks)) or "a mode in which the arm moves"
+            motions = coordinator.follower.motions
+            if motions or coordinator.modes.moving or coordinator.pending:
+                moved = ", ".join(map(repr, motions)) or "a mode in which the arm moves"
                 raise RobotStateError(
                     f"{name} was not opened: {moved} is under way, and the arm can follow only one"
                 )

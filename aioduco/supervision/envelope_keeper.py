@@ -145,16 +145,12 @@ class EnvelopeKeeper:
     # -- motions -------------------------------------------------------------------------------
 
     @property
-    def _motions(self) -> list[Task]:
-        return [task for task in self._coordinator.follower.tasks if task.motion]
-
-    @property
     def _live(self) -> bool:
         """Whether something of this program moves the arm, or is about to."""
         coordinator = self._coordinator
         # what was resumed, and the rest of a blocking call that was answered early, have no task
         taskless = coordinator.gate.resumed or coordinator.modes.moving
-        return bool(taskless or self._motions or coordinator.pending)
+        return bool(taskless or coordinator.follower.motions or coordinator.pending)
 
     async def check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
@@ -166,7 +162,7 @@ class EnvelopeKeeper:
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
         before, self._last = self._last, None
-        newest = next(reversed(self._motions), None)
+        newest = next(reversed(self._coordinator.follower.motions), None)
         if not self._live:
             watch.unchecked, watch.velocity = False, None
         if before is not None and (newest is None or newest is before.newest):
@@ -252,7 +248,7 @@ class EnvelopeKeeper:
         if found is not None:
             await self._refuse(name, found)
         command = await self._slower(command, share)
-        if before is None and any(task.name != name for task in self._motions):
+        if before is None and any(task.name != name for task in self._coordinator.follower.motions):
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
             self._watch.wobj = frames.wobj if wobj is not None and not names[1] else None

@@ -250,9 +250,8 @@ class EnvelopeWatch:
         there = tuple([a + ahead * v for a, v in zip(q, speeds, strict=True)])
         coordinator = self._coordinator
         # A checked motion may be on its way, and not be followed yet.
-        ours = bool(coordinator.pending) or bool(coordinator.streams)
-        ours = ours or any(task.motion for task in coordinator.follower.tasks)
-        checked = ours and not self.unchecked
+        ours = coordinator.pending or coordinator.streams or coordinator.follower.motions
+        checked = bool(ours) and not self.unchecked
         if found := self._beyond(checker, q, there, _LAG if checked else 0.0):
             return found
         if checked:

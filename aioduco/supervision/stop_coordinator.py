@@ -136,9 +136,8 @@ class StopCoordinator:
     @property
     def busy(self) -> bool:
         """Whether anything that this program started moves the arm, or may still do so."""
-        if self.unfollowed_motion or self.modes.moving or self.pending or self.streams:
-            return True
-        return any(task.motion for task in self.follower.tasks)
+        taskless = self.unfollowed_motion or self.modes.moving or self.pending or self.streams
+        return bool(taskless or self.follower.motions)
 
     def permits_ended(self, ending: PermitEnding) -> None:
         """End what sends by itself, at once; from any thread or signal handler.

@@ -44,6 +44,7 @@ from aioduco.supervision.task_state import STOOD, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
+    from typing import Any
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.controller_clock import Clock
@@ -149,6 +150,11 @@ class TaskFollower:
         """The live tasks, in the order of their acceptance."""
         return tuple(self._seen)
 
+    @property
+    def motions(self) -> tuple[Task, ...]:
+        """Of these, the motions."""
+        return tuple(task for task in self.tasks if task.motion)
+
     def follow(self, task: Task) -> None:
         """Follow a task from now on."""
         if self._closed:
@@ -177,9 +183,8 @@ class TaskFollower:
 
     async def new_errors(self, before: Sequence[str]) -> tuple[str, ...]:
         """Return what a command that has failed, and is no task, added to the error list."""
-        try:
-            found = await self._lane.call("get_last_error", (), ASK_LIMIT)
-        except DucoError:
+        found = await self._read("get_last_error")
+        if found is None:
             return ()
         self._error_list = tuple(found)
         return added_entries(before, found)
@@ -187,13 +192,18 @@ class TaskFollower:
     async def _read_error_list(self) -> None:
         self._list_due = False
         told = self._told
-        try:
-            found = await self._lane.call("get_last_error", (), ASK_LIMIT)
-        except DucoError:
-            # The list only explains errors: without it, the controller still moves its arm.
-            return
-        if told == self._told:  # else it may hold errors of a command that was sent meanwhile
+        # The list only explains errors: without it, the controller still moves its arm. And if a
+        # command was sent meanwhile, it may hold the errors of that.
+        found = await self._read("get_last_error")
+        if found is not None and told == self._told:
             self._error_list = tuple(found)
+
+    async def _read(self, name: str) -> Any:
+        """Call a function that reads, and return its answer; None if there is none."""
+        try:
+            return await self._lane.call(name, (), ASK_LIMIT)
+        except DucoError:
+            return None
 
     async def complete(
         self, name: str, task_id: int, timeout: float, stops: int | None = None
@@ -228,9 +238,8 @@ class TaskFollower:
     async def motions_ended(self) -> None:
         """Wait until the motions are seen to have ended, for a second at most."""
         with anyio.move_on_after(END_LIMIT):
-            for task in self.tasks:
-                if task.motion:
-                    await task.wait()
+            for task in self.motions:
+                await task.wait()
 
     async def run(self) -> None:
         """Follow tasks until this is cancelled."""
@@ -299,9 +308,8 @@ class TaskFollower:
         Returns whether the controller answered.
         """
         self.polls += 1
-        try:
-            moving: bool = await self._lane.call("robotmoving", (), ASK_LIMIT)
-        except DucoError:
+        moving: bool | None = await self._read("robotmoving")
+        if moving is None:
             return False
         self._seen[task] = time.monotonic()
         now = self._clock.now()
@@ -319,11 +327,8 @@ class TaskFollower:
         task.placed = True
         if any(other.motion for other in self._seen if other is not task):
             return  # it begins where another motion ends, at an unknown time
-        try:
-            joints: list[float] = await self._lane.call("get_actual_joints_position", (), ASK_LIMIT)
-        except DucoError:
-            return
-        if len(joints) >= 6:
+        joints: list[float] | None = await self._read("get_actual_joints_position")
+        if joints is not None and len(joints) >= 6:
             task._begins_at(joints)
 
     def _answered(self, task: Task, state: TaskState | None) -> None:
@@ -342,12 +347,10 @@ class TaskFollower:
         now = time.monotonic()
         errors: list[str] = []
         if task.life.outcome in _WITH_ERRORS:
-            try:
-                errors = await self._lane.call("get_last_error", (), ASK_LIMIT)
-                self._error_list = tuple(errors)
-            except DucoError:
-                # The outcome is known, and must not wait for the list that only explains it.
-                errors = []
+            # The outcome is known, and does not wait for the list that only explains it.
+            found: list[str] | None = await self._read("get_last_error")
+            if found is not None:
+                errors, self._error_list = found, tuple(found)
         told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
             self._background.start(
