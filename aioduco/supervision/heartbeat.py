@@ -87,19 +87,6 @@ class HeartbeatMachine:
             infinity: never.
     """
 
-    __slots__ = (
-        "_beaten",
-        "_stall_limit",
-        "_time",
-        "beats",
-        "longest_gap",
-        "losses",
-        "missed",
-        "stalls",
-        "state",
-        "suspended_at",
-    )
-
     def __init__(self, time: float, stall_limit: float, now: float) -> None:
         self._time = time
         self._stall_limit = stall_limit
@@ -206,7 +193,7 @@ class Heartbeat:
         seconds: float,
         liveness: Liveness,
         stall_limit: float,
-        changed: Callable[[Heartbeat], None] | None = None,
+        changed: Callable[[Heartbeat], object],
         *,
         remote: bool = False,
     ) -> None:
@@ -295,8 +282,7 @@ class Heartbeat:
                 ):
                     # Before the stop: a program that sees the arm stand must know why, and sends
                     # no further motion.
-                    if self._changed is not None:
-                        self._changed(self)
+                    self._changed(self)
                     self._stop_stalled(every)
                 elif not nudged and now < due:
                     continue
@@ -307,8 +293,7 @@ class Heartbeat:
                         due = min(due, boot_time() + every * _AGAIN)
                 if self._machine.state is not before:
                     self._report(before)
-                if self._changed is not None:
-                    self._changed(self)
+                self._changed(self)
         finally:
             self._own.close()
 

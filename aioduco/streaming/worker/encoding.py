@@ -37,8 +37,6 @@ class Point:
         permit: called last before the set-point is sent; it raises if that is not allowed.
     """
 
-    __slots__ = ("_connection", "_function", "_head", "_pack", "_permit", "_tail", "_timeout")
-
     def __init__(
         self,
         connection: Connection,
@@ -84,17 +82,6 @@ class Batch:
         timeout: time-out of each call [s].
         permit: called last before set-points are sent; it raises if that is not allowed.
     """
-
-    __slots__ = (
-        "_connection",
-        "_function",
-        "_kind",
-        "_permit",
-        "_rest",
-        "_timeout",
-        "head",
-        "tail",
-    )
 
     def __init__(
         self,

@@ -45,18 +45,6 @@ class Limiter:
         limited: ticks in which the target could not be met.
     """
 
-    __slots__ = (
-        "_axes",
-        "_period",
-        "_rules",
-        "_slowing",
-        "_space",
-        "_step",
-        "_target",
-        "config",
-        "limited",
-    )
-
     def __init__(self, space: Space, limits: Limits, period: float, start: Config) -> None:
         self._space = space
         self._period = period

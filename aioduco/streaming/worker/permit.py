@@ -58,17 +58,6 @@ class StreamPermit:
         text: more about the reason.
     """
 
-    __slots__ = (
-        "_ahead",
-        "_away_limit",
-        "_control",
-        "_seen",
-        "_stall_limit",
-        "_times",
-        "reason",
-        "text",
-    )
-
     def __init__(
         self,
         control: Sequence[int],

@@ -20,10 +20,8 @@ from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Watc
 from aioduco.supervision.heartbeat import HeartbeatState, HeartbeatStatistics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
-    from typing import Any
+    from collections.abc import Callable
 
-    from aioduco.supervision.guard.client import Answered
     from aioduco.supervision.settings import RobotSettings
 
 #: seconds for a guard to start and to connect, on top of the time limits of the connections
@@ -195,7 +193,7 @@ class GuardClient:
 
         error: str | None = None
         try:
-            error = await self._request(link, request, limit)
+            error = await _request(link, request, limit)
         finally:
             self._robot = robot
             if error != "":
@@ -217,7 +215,7 @@ class GuardClient:
         cancelled: BaseException | None = None
         if robot:
             _, cancelled = await run_to_completion(
-                lambda: self._request(link, partial(Release, robot), _RELEASE_LIMIT)
+                lambda: _request(link, partial(Release, robot), _RELEASE_LIMIT)
             )
             link.unregister(robot)
         _, again = await thread.run(partial(shared.release, link))
@@ -226,13 +224,6 @@ class GuardClient:
             raise cancelled
 
     # -- what the guard says -------------------------------------------------------------------
-
-    async def _request(
-        self, link: GuardLink, request: Callable[[int], Watch | Release], limit: float
-    ) -> str | None:
-        """Send a request. Returns its error, "" if it went well, None if no answer came."""
-        answered, answer = _answer()
-        return await answer(limit) if link.ask(request, answered) else None
 
     def _heard(self, beat: Beat) -> None:
         self._heard_at = boot_time()
@@ -245,25 +236,22 @@ class GuardClient:
         self._lost()
 
 
-def _answer() -> tuple[Answered, Callable[[float], Coroutine[Any, Any, str | None]]]:
-    """Make what takes an answer, on any thread, and what awaits it for a number of seconds.
-
-    The latter returns the error, "" if it went well, and None if no answer came.
-    """
+async def _request(
+    link: GuardLink, request: Callable[[int], Watch | Release], limit: float
+) -> str | None:
+    """Send a request. Returns its error, "" if it went well, None if no answer came."""
     done = anyio.Event()
     ring = loop_callback(done.set)
     answers: list[str | None] = []
 
-    def answered(error: str | None) -> None:
+    def answered(error: str | None) -> None:  # on the link's thread
         answers.append(error)
         ring()
 
-    async def answer(limit: float) -> str | None:
+    if link.ask(request, answered):
         with anyio.move_on_after(limit):
             await done.wait()
-        return answers[0] if answers else None
-
-    return answered, answer
+    return answers[0] if answers else None
 
 
 def _ignore() -> None:
