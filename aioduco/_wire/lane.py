@@ -210,14 +210,13 @@ class WireLane:
             for carrier in self._carriers:
                 await carrier.closed()
 
-    def within(self, timeout: float | None, permit: Callable[[], object] | None = None) -> AsyncRpc:
+    def within(self, timeout: float | None) -> AsyncRpc:
         """The functions of the wire with another time limit.
 
         Args:
             timeout: time limit of a call [s]; None: no limit, for functions that block.
-            permit: as for `call`.
         """
-        return AsyncRpc(lambda name, args: self.call(name, args, timeout, permit=permit))
+        return AsyncRpc(lambda name, args: self.call(name, args, timeout))
 
     async def call(
         self,
