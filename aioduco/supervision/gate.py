@@ -115,6 +115,9 @@ class Gate:
         hung: whether the program hung or stood still, and has not rearmed the gate.
         stops: number of stops that were begun.
         unconfirmed: whether the last stop was not confirmed.
+        lease: time until which the controller does not stop the arm for want of a beat; inf: for
+            ever.
+        resumed: whether a motion that this program resumed may be moving the arm.
     """
 
     def __init__(
@@ -131,19 +134,17 @@ class Gate:
         #: the epoch of undertakings, which a pause does not end: the program may resume
         self._lasting = _Epoch()
         self._alive = now
-        #: until then the controller does not stop the arm for want of a beat
-        self._lease = math.inf if heartbeat is None else -math.inf
         #: why no beat is answered; empty: the controller does not answer
         self._unbeaten = ""
         #: the stops that are being confirmed
         self._stopping: set[object] = set()
-        #: whether a motion that this program resumed may be moving the arm
-        self._resumed = False
         self._standing_since: float | None = None
         self.closed: str = ""
         self.hung: bool = False
         self.stops: int = 0
         self.unconfirmed: bool = False
+        self.lease: float = math.inf if heartbeat is None else -math.inf
+        self.resumed: bool = False
 
     def __repr__(self) -> str:
         state = (
@@ -173,17 +174,12 @@ class Gate:
         Args:
             sent: when it was sent.
         """
-        if self._heartbeat is None or sent + self._heartbeat <= self._lease:
+        if self._heartbeat is None or sent + self._heartbeat <= self.lease:
             return
-        if sent > self._lease > -math.inf:
+        if sent > self.lease > -math.inf:
             self.end(PermitEnding.LAPSED)
-        self._lease = sent + self._heartbeat
+        self.lease = sent + self._heartbeat
         self._unbeaten = ""
-
-    @property
-    def lease(self) -> float:
-        """Time until which the controller does not stop the arm by itself; inf: for ever."""
-        return self._lease
 
     def lapse(self, why: str = "") -> None:
         """Note that no beat is answered any more.
@@ -193,7 +189,7 @@ class Gate:
         """
         if self._heartbeat is not None:
             self.end(PermitEnding.LAPSED)
-            self._lease = -math.inf
+            self.lease = -math.inf
             self._unbeaten = why
 
     def hang(self) -> None:
@@ -214,7 +210,7 @@ class Gate:
         if now - self._alive > self._stall_limit:
             self._alive = now
             self.hang()
-        elif now > self._lease > -math.inf:
+        elif now > self.lease > -math.inf:
             self.lapse()
 
     # -- permits -------------------------------------------------------------------------------
@@ -308,7 +304,7 @@ class Gate:
     def _closed(self, name: str) -> DucoError | None:
         if self.closed:
             return RobotStateError(f"{name} was not sent: {self.closed}")
-        if not self.hung and self._lease > -math.inf:
+        if not self.hung and self.lease > -math.inf:
             return None
         what = (
             "the event loop hung; call robot.rearm_heartbeat() to go on"
@@ -351,20 +347,15 @@ class Gate:
             self.unconfirmed = True
             raise
         else:
-            self.unconfirmed = self._resumed = False
+            self.unconfirmed = self.resumed = False
         finally:
             self._stopping.discard(token)
 
     # -- what the program moves ----------------------------------------------------------------
 
-    @property
-    def resumed(self) -> bool:
-        """Whether a motion that this program resumed may be moving the arm."""
-        return self._resumed
-
     def resume(self) -> None:
         """Note that this program makes the arm move without a task that it follows."""
-        self._resumed = True
+        self.resumed = True
         self._standing_since = None
 
     def seen(self, now: float, *, standing: bool) -> None:
@@ -374,4 +365,4 @@ class Gate:
         elif self._standing_since is None:
             self._standing_since = now
         elif now - self._standing_since >= STANDING:
-            self._resumed = False
+            self.resumed = False

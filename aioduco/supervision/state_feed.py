@@ -302,8 +302,7 @@ class StateFeed(Uncopied):
             with anyio.move_on_after(max_age), self.subscribe() as subscription:
                 while True:
                     sample = await anext(subscription)
-                    # A sample that was on its way when forces were switched on has none.
-                    if sample.read_forces is not None or not self.forces:
+                    if self._complete(sample):
                         return sample
             # If the loop was blocked meanwhile, it could not take a sample, although the controller
             # may have answered: try once more.
@@ -320,7 +319,11 @@ class StateFeed(Uncopied):
     def _fresh(self, max_age: float) -> bool:
         """Whether the newest sample has all requested parts, and is at most `max_age` [s] old."""
         newest = self._latest
-        return newest is not None and newest.age <= max_age and not self._lacks_forces
+        return newest is not None and newest.age <= max_age and self._complete(newest)
+
+    def _complete(self, sample: Snapshot) -> bool:
+        """Whether it has forces, if they are wanted: it may have been on its way before."""
+        return sample.read_forces is not None or not self.forces
 
     @contextmanager
     def subscribe(
@@ -366,8 +369,8 @@ class StateFeed(Uncopied):
         seen, newest = 0, None
         with anyio.move_on_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:
-                if self.forces and snapshot.read_forces is None:
-                    continue  # it was on its way when forces were switched on
+                if not self._complete(snapshot):
+                    continue
                 if predicate(snapshot):
                     return snapshot
                 seen, newest = seen + 1, snapshot
@@ -434,11 +437,6 @@ class StateFeed(Uncopied):
             tool, external = (() if each.error else each.value for each in rest)
             forces = self._samples.forces(tool, external, rest[-1].at)
         return Snapshot(self._count, states.received_at, states, status, io, forces)
-
-    @property
-    def _lacks_forces(self) -> bool:
-        """Whether forces are wanted, but the newest sample has none."""
-        return self.forces and self._latest is not None and self._latest.read_forces is None
 
     def _note(self, snapshot: Snapshot) -> None:
         before, self._latest, self._error = self._latest, snapshot, None

@@ -132,7 +132,7 @@ def _nothing(*_: object, **__: object) -> None:
 
 
 def _owns_until_it_stands(self: Gate, now: float, *, standing: bool) -> None:
-    self._resumed = self._resumed and not standing
+    self.resumed = self.resumed and not standing
 
 
 def _sees_no_lapse(self: Gate, now: float) -> None:

@@ -116,8 +116,8 @@ def _frames(steps: Any, world: World) -> list[object]:
 
 
 def _gate(gate: Gate, world: World) -> object:
-    times = gate._alive, gate._lease, gate._standing_since
-    states = gate.closed, gate.hung, gate.stops, gate.unconfirmed, gate._resumed
+    times = gate._alive, gate.lease, gate._standing_since
+    states = gate.closed, gate.hung, gate.stops, gate.unconfirmed, gate.resumed
     return len(gate._stopping), *states, *[world.ago(time, world.boot()) for time in times]
 
 

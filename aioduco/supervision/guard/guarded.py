@@ -178,19 +178,16 @@ class GuardClient:
         robot = link.register(self._heard, self._gone)
         settings = self._settings
         limit = _START_LIMIT + 2 * settings.connect_timeout
-
-        def request(token: int) -> Watch:
-            return Watch(
-                robot,
-                token,
-                self._host,
-                self._port,
-                settings.heartbeat,
-                settings.loop_stall_limit,
-                settings.connect_timeout,
-                settings.call_timeout,
-            )
-
+        request = partial(
+            Watch,
+            robot,
+            host=self._host,
+            port=self._port,
+            heartbeat=settings.heartbeat,
+            stall_limit=settings.loop_stall_limit,
+            connect_timeout=settings.connect_timeout,
+            call_timeout=settings.call_timeout,
+        )
         error: str | None = None
         try:
             error = await _request(link, request, limit)
