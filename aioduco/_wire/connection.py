@@ -71,8 +71,8 @@ class Connection:
         # `abandon` must never shut down a descriptor that the system has reused for another file.
         self._guard = threading.RLock()
         self._stream: DeadlineSocket | None = None
-        #: the stream on which a late answer may still arrive
-        self._overdue: DeadlineSocket | None = None
+        #: whether the answer to the last command may still arrive: `late_answer` waits for it
+        self.overdue: bool = False
         self._owner: int | None = None
         self._exchange = codec.Exchange(time.monotonic)
         self._was_open = False
@@ -327,15 +327,14 @@ class Connection:
     def _end(self, reason: str, *, keep: bool = False) -> None:
         with self._guard:
             self._life.poison(reason)
-            if keep:
-                self._overdue = self._stream
-            else:
+            self.overdue = keep and self._stream is not None
+            if not keep:
                 self._drop()
 
     def _drop(self) -> None:
         with self._guard:
             stream, self._stream = self._stream, None
-            self._overdue = None
+            self.overdue = False
             if stream is not None:
                 stream.discard()
         if self._was_open:
@@ -382,8 +381,8 @@ class Connection:
         Returns:
             Whether the answer arrived; the connection is dropped then.
         """
-        stream = self._overdue
-        if stream is None:
+        stream = self._stream
+        if stream is None or not self.overdue:
             return False
         try:
             stream.receive(deadline)
@@ -394,8 +393,3 @@ class Connection:
             return False
         self._drop()
         return True
-
-    @property
-    def overdue(self) -> bool:
-        """Whether `late_answer` can wait for an answer."""
-        return self._overdue is not None

@@ -12,7 +12,7 @@ import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from aioduco._wire.framing import REPLY, Bounds, Malformed, StructScanner
+from aioduco._wire.framing import REPLY, Bounds, Malformed, StructScanner, TType
 
 if TYPE_CHECKING:
     from collections.abc import Set
@@ -22,10 +22,6 @@ _VERSION_MASK: Final = 0xFFFF0000
 
 #: maximum length of a function's name [bytes]; the longest on the wire has 33
 _NAME_LIMIT: Final = 128
-
-#: type numbers in the body of an application error
-_STRING: Final = 11
-_I32: Final = 8
 
 
 class MessageType(enum.IntEnum):
@@ -73,7 +69,9 @@ def application_error(call: Message, code: int, text: str) -> Message:
     """
     said = text.encode()
     body = (
-        struct.pack("!bhI", _STRING, 1, len(said)) + said + struct.pack("!bhib", _I32, 2, code, 0)
+        struct.pack("!bhI", TType.STRING, 1, len(said))
+        + said
+        + struct.pack("!bhib", TType.I32, 2, code, TType.STOP)
     )
     return Message(MessageType.EXCEPTION, call.name, call.seqid, body)
 
