@@ -592,50 +592,6 @@ def test_thrifts_library_is_replaced_only_where_it_is_missing() -> None:
         assert without.find_spec(name) is None
 
 
-def test_a_program_of_the_manual_on_a_simulated_arm() -> None:
-    with Simulator(speed=10.0) as sim:
-        robot = DucoCobot(sim.host, sim.port)
-        assert robot.open() == 0
-        assert robot.power_on(True) == robot.enable(True) == 4
-        assert robot.get_robot_state()[0] == 6
-        assert robot.movej2(JOINTS, 2.0, 4.0, 0.0, True) == 4
-        assert (
-            max(abs(a - b) for a, b in zip(robot.get_actual_joints_position(), JOINTS, strict=True))
-            < 1e-3
-        )
-        assert robot.close() == 0
-
-
-def test_the_generated_module_is_up_to_date_and_the_check_can_fail(tmp_path: Path) -> None:
-    def check(root: Path) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "idl/generate_compat.py", "--check"],
-            cwd=root,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=60,
-        )
-
-    done = check(ROOT)
-    assert done.returncode == 0, done.stdout + done.stderr
-    for name in (
-        "idl/generate_compat.py",
-        "tests/data/manual-3.8.json",
-        "tests/data/vendor-python.json",
-        "aioduco/__init__.py",
-        "aioduco/_wire/__init__.py",
-        "aioduco/_wire/rpc.py",
-        "aioduco/compat/_generated.py",
-    ):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        text = "" if name.endswith("__init__.py") else (ROOT / name).read_text(encoding="utf-8")
-        (tmp_path / name).write_text(text.replace("kp: float = 200.0", "kp: float = 201.0"))
-    done = check(tmp_path)
-    assert done.returncode == 1
-    assert "kp: float = 201.0" in done.stdout
-
-
 def test_functions_of_the_newer_manual_without_arguments_are_sent(
     server: RecordingServer, robot: DucoCobot
 ) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import importlib
 import inspect
 import json
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any, assert_type
@@ -75,39 +75,33 @@ def test_the_facts_name_their_source_and_are_complete() -> None:
     assert len(FACTS["structs"]) == 10
 
 
-def test_the_generated_module_is_up_to_date() -> None:
-    done = subprocess.run(
-        [sys.executable, "idl/generate.py", "--check"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-@pytest.mark.slow
-def test_the_check_finds_a_difference(tmp_path: Path) -> None:
-    """A check that cannot fail checks nothing."""
-    (tmp_path / "idl").mkdir()
-    (tmp_path / "aioduco" / "_wire").mkdir(parents=True)
-    for name in ("idl/generate.py", "idl/robot.thrift"):
-        (tmp_path / name).write_bytes((ROOT / name).read_bytes())
-    text = (ROOT / "aioduco/_wire/rpc.py").read_text(encoding="utf-8")
-    changed = text.replace('self._call("stop", (block,))', 'self._call("pause", (block,))')
-    assert changed != text
-    (tmp_path / "aioduco/_wire/rpc.py").write_text(changed, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "idl/generate.py", "--check"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert done.returncode == 1
-    assert '("pause", (block,))' in done.stdout
+@pytest.mark.cases(2)
+@pytest.mark.parametrize(
+    ("script", "target", "right", "wrong"),
+    [
+        ("generate", "_wire/rpc.py", '_call("stop", (block,))', '_call("pause", (block,))'),
+        ("generate_blocking", "api/blocking.py", "r=r", "r=0.0"),
+        ("generate_compat", "compat/_generated.py", "kp: float = 200.0", "kp: float = 201.0"),
+    ],
+)
+def test_a_generated_module_is_up_to_date_and_the_check_can_fail(
+    script: str,
+    target: str,
+    right: str,
+    wrong: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "idl"))
+    monkeypatch.setattr(sys, "argv", [script, "--check"])
+    generator = importlib.import_module(script)
+    assert generator.main() == 0, capsys.readouterr().out
+    changed = (ROOT / "aioduco" / target).read_text("utf-8").replace(right, wrong)
+    (tmp_path / "changed.py").write_text(changed, "utf-8")
+    monkeypatch.setattr(generator, "TARGET", tmp_path / "changed.py")
+    assert generator.main() == 1
+    assert wrong in capsys.readouterr().out
 
 
 def test_functions_are_those_of_the_facts() -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from wire.servers import ScriptedServer
@@ -34,6 +35,39 @@ def run(code: str) -> str:
     return done.stdout.strip()
 
 
+#: one interpreter, step by step: what it has loaded, and what else there is to see
+STEPS = """
+import sys, threading
+loaded, seen = set(sys.modules), {}
+
+def note(step):
+    seen[step] = set(sys.modules) - loaded
+    loaded.update(seen[step])
+
+import aioduco
+note("package")
+seen["threads"] = threading.active_count()
+seen["not listed"] = set(aioduco.__all__) - set(dir(aioduco))
+from aioduco import OperationMode
+note("value")
+import aioduco.recording, aioduco.testing
+note("parts")
+robot = aioduco.connect("192.0.2.1")
+note("robot")
+try:
+    robot.movel
+except AttributeError as error:
+    seen["movel"] = str(error)
+print(seen)
+"""
+
+
+@cache
+def steps() -> dict[str, Any]:
+    seen: dict[str, Any] = eval(run(STEPS))
+    return seen
+
+
 def told_to_type_checkers(package: ModuleType = aioduco) -> dict[str, str]:
     """By name the module from which the package's source imports it for type checkers."""
     assert package.__file__ is not None
@@ -48,14 +82,28 @@ def told_to_type_checkers(package: ModuleType = aioduco) -> dict[str, str]:
     return found
 
 
-def test_importing_the_package_loads_no_dependency() -> None:
-    heavy = {"numpy", "anyio", "asyncio", "thriftpy2", "multiprocessing", "dataclasses"}
-    assert run(f"import sys, aioduco; print({heavy} & set(sys.modules))") == "set()"
+def test_importing_the_package_loads_no_dependency_and_starts_no_thread() -> None:
+    dependencies = {"numpy", "anyio", "asyncio", "thriftpy2", "multiprocessing", "dataclasses"}
+    extras = {"mujoco", "ruckig", "PIL", "typer", "rich", "matplotlib", "pytest", "thrift"}
+    assert steps()["package"] & (dependencies | extras | {"aioduco.sim"}) == set()
+    assert steps()["threads"] == 1
+
+
+def test_dir_lists_every_public_name_before_it_is_loaded() -> None:
+    assert steps()["not listed"] == set()
 
 
 def test_a_value_is_loaded_without_the_robot() -> None:
-    code = "import sys; from aioduco import OperationMode; print('aioduco.robot' in sys.modules)"
-    assert run(code) == "False"
+    assert "aioduco.models.enums" in steps()["value"]
+    assert "aioduco.robot" not in steps()["value"]
+
+
+def test_parts_of_the_package_load_their_names_on_first_use() -> None:
+    assert "anyio" not in steps()["parts"]
+
+
+def test_the_place_of_a_name_is_known_before_its_section_is_loaded() -> None:
+    assert steps()["movel"] == "movel is robot.motion.movel"
 
 
 @pytest.mark.parametrize("name", sorted(set(aioduco.__all__) - set(aioduco.errors.__all__)))
@@ -65,7 +113,7 @@ def test_a_name_is_what_type_checkers_were_told(name: str) -> None:
         assert name not in told
     elif name == "events":
         assert told[name] == "aioduco.supervision"
-        assert run("import aioduco; print(aioduco.events.__name__)") == f"{told[name]}.events"
+        assert aioduco.events.__name__ == f"{told[name]}.events"
     else:
         assert aioduco._HOME[name] == told[name]
         assert getattr(aioduco, name) is vars(sys.modules[told[name]])[name]
@@ -77,27 +125,16 @@ def test_what_is_loaded_when_it_is_used_is_public_and_told_to_type_checkers() ->
     assert len(aioduco.__all__) == len(set(aioduco.__all__))
 
 
-@pytest.mark.cases(1)
-@pytest.mark.parametrize("package", [aioduco.recording, aioduco.testing])
-def test_a_package_gives_on_first_use_what_type_checkers_were_told(package: ModuleType) -> None:
-    told = told_to_type_checkers(package)
-    assert {name: f"{package.__name__}.{module}" for name, module in package._HOME.items()} == told
-    assert set(told) == set(package.__all__)
-    assert run(f"from {package.__name__} import *; print({set(told)} - set(globals()))") == "set()"
-    assert run(f"import sys, {package.__name__}; print('anyio' in sys.modules)") == "False"
-
-
-def test_dir_lists_every_public_name_before_it_is_loaded() -> None:
-    code = (
-        "import aioduco; print(set(aioduco.__all__) - set(dir(aioduco)), 'Joints' in dir(aioduco))"
-    )
-    assert run(code) == "set() True"
-
-
-@pytest.mark.slow
-def test_a_star_brings_every_public_name() -> None:
-    code = "import aioduco\nfrom aioduco import *\nprint(set(aioduco.__all__) - set(globals()))"
-    assert run(code) == "set()"
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("package", [aioduco, aioduco.recording, aioduco.testing])
+def test_a_star_brings_every_public_name(package: ModuleType) -> None:
+    namespace: dict[str, Any] = {}
+    exec(f"from {package.__name__} import *", namespace)
+    assert set(package.__all__) <= set(namespace)
+    if package is not aioduco:
+        told = told_to_type_checkers(package)
+        assert {name: f"{package.__name__}.{at}" for name, at in package._HOME.items()} == told
+        assert set(told) == set(package.__all__)
 
 
 def test_another_name_is_refused_as_of_any_module() -> None:
@@ -154,13 +191,12 @@ def needless(loaded: set[str], allowed: set[str]) -> set[str]:
         within = any(name == each or name.startswith(f"{each}.") for each in allowed)
         return name in packages or (within and name != "aioduco._wire.thrift")
 
-    started_with = set(run("import sys; print(*sys.modules)").split())
-    return {name for name in loaded - started_with if not is_needed(name)}
+    return {name for name in loaded if not is_needed(name)}
 
 
 def test_a_robot_is_made_without_what_it_may_need_later() -> None:
-    code = "import sys, aioduco; aioduco.connect('192.0.2.1'); print(*sys.modules)"
-    assert needless(set(run(code).split()), TO_CONNECT) == set()
+    seen = steps()
+    assert needless(seen["package"] | seen["value"] | seen["robot"], TO_CONNECT) == set()
 
 
 def standing(peer: Peer) -> None:
@@ -172,11 +208,11 @@ def standing(peer: Peer) -> None:
 def test_a_stop_from_a_shell_loads_no_more_than_it_needs() -> None:
     with ScriptedServer(standing) as server:
         loaded = run(
-            "import sys\n"
+            "import sys; begun = set(sys.modules)\n"
             "from aioduco.supervision.operator_stop import stop_arm as stop\n"
             "stop.__kwdefaults__ = dict.fromkeys(stop.__kwdefaults__, 30.0)  # on a busy machine\n"
             f"sys.argv[1:] = 'stop', '{server.host}:{server.port}'\n"
-            "from aioduco.cli import main; main(); print(*sys.modules)"
+            "from aioduco.cli import main; main(); print(*set(sys.modules) - begun)"
         )
     said, _, modules = loaded.partition("\n")
     assert "the arm stands" in said
@@ -203,21 +239,3 @@ def test_an_open_robot_has_loaded_all_its_sections() -> None:
     with ScriptedServer(standing) as server:
         code = OPENED.format(host=server.host, port=server.port, needed=set(_NEEDED_OPEN))
         assert run(code) == "[] set()"
-
-
-@pytest.mark.cases(1)
-@pytest.mark.parametrize(
-    ("package", "extra", "begin"),
-    [
-        ("websockets", "panel", "from aioduco.integrations.panel import Panel"),
-        ("gymnasium", "gym", "import aioduco.integrations.gym"),
-        ("opentelemetry", "otel", "from aioduco.integrations.otel import Telemetry"),
-        ("cv2", "camera", "from aioduco.devices.cameras import OpenCvCamera"),
-    ],
-)
-def test_a_missing_package_names_its_extra(package: str, extra: str, begin: str) -> None:
-    code = f"import sys; sys.modules[{package!r}] = None; {begin}"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    last = done.stderr.splitlines()[-1]
-    assert last.startswith("aioduco.errors.MissingExtra: ")
-    assert last.endswith(f"needs {package}: pip install 'aioduco[{extra}]'")

@@ -5,8 +5,6 @@ from __future__ import annotations
 import ast
 import importlib
 import re
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -563,20 +561,3 @@ def test_pure_modules_do_no_io() -> None:
     assert wrong == []
     for place in PURE:
         assert any(below(one.path, {place}) for one in imports()), f"there is no {place}"
-
-
-def test_importing_the_package_loads_none_of_its_extras() -> None:
-    """And starts nothing: no thread, no output."""
-    code = (
-        "import sys, threading, aioduco\n"
-        "extras = {'mujoco', 'ruckig', 'PIL', 'typer', 'rich', 'matplotlib', 'aioduco.sim'}\n"
-        "print(sorted(extras & set(sys.modules)), threading.active_count())\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert (done.stdout, done.stderr, done.returncode) == ("[] 1\n", "", 0)

@@ -7,8 +7,6 @@ import functools
 import inspect
 import json
 import pickle
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -37,14 +35,6 @@ def test_every_function_of_the_wire_has_a_place_and_is_there(robot: object) -> N
         where = names.place(name)
         assert (where is None) is (name in names.BY_ITSELF), name
         assert where is None or callable(found(robot, where)), name
-
-
-def test_the_place_is_known_before_its_section_is_loaded() -> None:
-    code = "import aioduco; aioduco.connect('192.0.2.1').movel"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
-    )
-    assert done.stderr.splitlines()[-1].endswith("NamedElsewhere: movel is robot.motion.movel")
 
 
 def test_so_has_every_name_that_the_manual_prints() -> None:
