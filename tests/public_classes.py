@@ -25,13 +25,8 @@ def _places() -> list[str]:
     for group in map(importlib.import_module, _GROUPS):
         inside = pkgutil.iter_modules(group.__path__, f"{group.__name__}.")
         public += [module.name for module in inside if module.ispkg]
-    pages = [
-        place
-        for page in sorted(_PAGES.rglob("*.md"))
-        for place in re.findall(
-            r"^::: (aioduco\S*)", page.read_text(encoding="utf-8"), re.MULTILINE
-        )
-    ]
+    texts = (page.read_text(encoding="utf-8") for page in sorted(_PAGES.rglob("*.md")))
+    pages = [place for text in texts for place in _NAMED.findall(text)]
     return ["aioduco", *public, *_DEEPER, *pages]
 
 

@@ -80,12 +80,6 @@ def test_version() -> None:
     assert run("--version").stdout == f"{aioduco.__version__}\n"
 
 
-def test_help_names_the_commands() -> None:
-    shown = run("--help").stdout
-    assert "sim" in shown
-    assert "demo" in shown
-
-
 @pytest.mark.parametrize("command", ["sim", "demo"])
 def test_an_unknown_arm_is_refused_and_the_known_ones_are_listed(command: str) -> None:
     answer = run(command, "--model", "ur5")
@@ -126,7 +120,7 @@ def test_a_gripper_that_does_not_exist_is_named_with_those_that_do() -> None:
     assert "robotiq_2f85" in answer.output
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) -> None:
     with process("sim", "--port", "0") as sim:

@@ -149,11 +149,9 @@ TURNS = [
 ]
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("sensor", ["torque", "force"])
-def test_a_hidden_load_is_found_and_written(
-    arm: Simulator, tmp_path: Path, sensor: str, thorough: bool
-) -> None:
+def test_a_hidden_load_is_found_and_written(arm: Simulator, tmp_path: Path, sensor: str) -> None:
     file = WaypointFile.new()
     for number, turn in enumerate(TURNS):
         file.add(f"p{number}", np.add(HOME, turn))
@@ -170,8 +168,6 @@ def test_a_hidden_load_is_found_and_written(
         assert float(mass[1]) == pytest.approx(2.3, abs=0.01)
         # the drives know the load now: they see no more of it
         assert np.abs(robot.state.get_ext_torque()).max() < 0.1
-        if not thorough:
-            return
         ended = invoke(*words, "--tool", "both", "--yes", *_set(sensor, hidden))
         assert ended.exit_code == 0, ended.output
         assert np.allclose(robot.frames.get_tool_load(), tool.with_load(hidden), atol=0.01)

@@ -37,6 +37,7 @@ def command(text: str, name: str) -> str:
     return str(found)
 
 
+@pytest.mark.slow
 def test_program_runs_as_it_stands(tmp_path: Path) -> None:
     """Only the address is another one: that of a simulated controller."""
     source = program(README)

@@ -86,30 +86,31 @@ def test_an_empty_host_is_no_host_of_this_computer(
         make("")
 
 
-def test_there_is_no_other_parser_of_addresses() -> None:
-    """None that splits at the last colon, or takes brackets off."""
-    split = re.compile(r"""\.r?(partition|split)\(":"|strip\("\[\]"\)|prefix\("\["\)""")
-    own = {
-        *("models/address.py", "api/section.py", "devices/teleoperation/devices.py"),
-        "integrations/panel/page_connection.py",  # the headers of HTTP
-        "cli/preflight.py",  # a file and its line
-    }
-    found = {
-        path.relative_to(ROOT).as_posix()
-        for path in ROOT.rglob("*.py")
-        if split.search(path.read_text(encoding="utf-8"))
-    }
-    assert found <= own
+#: by what it does, what it looks like in a source, and the modules that do it
+ONCE = {
+    # that splits at the last colon, or takes brackets off
+    "parser of addresses": (
+        r"""\.r?(partition|split)\(":"|strip\("\[\]"\)|prefix\("\["\)""",
+        {
+            *("models/address.py", "api/section.py", "devices/teleoperation/devices.py"),
+            "integrations/panel/page_connection.py",  # the headers of HTTP
+            "cli/preflight.py",  # a file and its line
+        },
+    ),
+    "writer of addresses": (
+        r"\{[\w.\[\]]*(host|\[0\])\}:\{[\w.\[\]]*(port|\[1\])\}",
+        {"models/host_port.py"},
+    ),
+    "reader of TOML": (r"^\s*(import|from)\b.*\btomllib\b", {"models/toml_files.py"}),
+}
 
 
-def test_there_is_no_other_reader_of_toml() -> None:
-    imported = re.compile(r"^\s*(import|from)\b.*\btomllib\b", re.MULTILINE)
-    found = {
-        path.relative_to(ROOT).as_posix()
-        for path in ROOT.rglob("*.py")
-        if imported.search(path.read_text(encoding="utf-8"))
-    }
-    assert found == {"models/toml_files.py"}
+def test_there_is_no_other_parser_or_writer() -> None:
+    sources = {path: path.read_text(encoding="utf-8") for path in ROOT.rglob("*.py")}
+    for what, (pattern, own) in ONCE.items():
+        code = re.compile(pattern, re.MULTILINE)
+        found = {str(path.relative_to(ROOT)) for path, text in sources.items() if code.search(text)}
+        assert found <= own, what
 
 
 def test_an_address_is_shown_as_it_is_written() -> None:
@@ -118,13 +119,3 @@ def test_an_address_is_shown_as_it_is_written() -> None:
         assert parse_address(host_port(host, port)) == (host, port)
     assert "[::1]:7003" in str(ConnectError("::1", 7003, "refused"))
     assert "[::1]:7003" in repr(aioduco.connect("::1"))
-
-
-def test_nothing_else_puts_a_host_and_a_port_together() -> None:
-    joined = re.compile(r"\{[\w.\[\]]*(host|\[0\])\}:\{[\w.\[\]]*(port|\[1\])\}")
-    found = {
-        path.relative_to(ROOT).as_posix()
-        for path in ROOT.rglob("*.py")
-        if joined.search(path.read_text(encoding="utf-8"))
-    }
-    assert found <= {"models/host_port.py"}

@@ -121,9 +121,7 @@ def test_a_saved_file_is_the_same_but_for_its_text(
     if kind == "waypoints":
         assert after.startswith(before)
     assert "b" in str(READERS[kind][0](link).__dict__)
-    assert [each.name for each in tmp_path.iterdir()] == ["folder", "real.toml"] or len(
-        list(tmp_path.iterdir())
-    ) == 2
+    assert {each.name for each in tmp_path.iterdir()} == {"folder", "real.toml"}
 
 
 def test_a_failed_save_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -274,7 +272,7 @@ def test_a_value_of_another_kind_is_refused_by_a_typed_error(
     path.write_text(text, encoding="utf-8")
     read(path)
     whole, wrong = tomllib.loads(text), []
-    for number, place in enumerate(places(whole)):
+    for number, place in enumerate(list(places(whole))[:: 1 if thorough else 5]):
         others = OTHERS[number % 5 :: 5] if thorough else [OTHERS[number % len(OTHERS)]]
         for other in others:
             changed = copy.deepcopy(whole)

@@ -114,6 +114,7 @@ def test_a_strange_file_is_read_or_refused_by_a_typed_error(kind: str, tmp_path:
         tracemalloc.stop()
 
 
+@pytest.mark.slow
 def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     plain = channel(1, "/x") + message(1, b"{}")
