@@ -59,13 +59,13 @@ class Desk(Bench):
         self.answer(name, start)
 
     def blocks(self, name: str) -> None:
-        """Make a function that starts a motion answer at its end, if `block` is true."""
+        """Make a function that starts a motion answer at its end, unless `block` is false."""
         start = self._answers[name]
-        at = idl.functions()[name].parameters.index("block")
+        parameters = idl.functions()[name].parameters
 
         def called(*args: Any) -> int:
             task_id: int = start(*args)
-            if args[at]:
+            if dict(zip(parameters, args, strict=True)).get("block", True):
                 eventually(lambda: TaskState(self.task_state(task_id)).ended, 60.0)
                 return self.task_state(task_id)
             return task_id

@@ -1,4 +1,7 @@
-"""`robot.blocking`: motions by calls that the controller answers at their end."""
+"""`robot.blocking`: motions by calls that the controller answers at their end.
+
+`test_conducted.py` tests how they end, by a stop, an error or a lost connection.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +12,13 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import pytest
 from client.bench import HOME, POSE
-from moments import cancelled_once
 
 import aioduco
 import aioduco.sync
-from aioduco import HeartbeatState, Jog, Outcome, TaskState
+from aioduco import Jog, Outcome, TaskState
 from aioduco._wire import idl
 from aioduco.sim import Simulator
-from aioduco.testing import Cut, FaultProxy, Place, eventually_async
+from aioduco.testing import eventually_async
 from api.cases import NOBODY, Case, blocking_cases, cases
 from api.desk import HELD
 
@@ -102,14 +104,6 @@ async def test_a_blocking_call_returns_the_state_at_its_end(
     assert "stop" not in desk.commands
 
 
-@pytest.mark.slow
-async def test_it_lasts_longer_than_a_call_may_take(desk: Desk) -> None:
-    desk.motion_time = 1.2
-    async with aioduco.connect(desk.host, desk.port, call_timeout=1.0) as robot:
-        assert await line(robot) is TaskState.FINISHED
-        assert not desk.moving()
-
-
 async def test_other_calls_and_other_blocking_calls_go_on_beside_it(
     robot: aioduco.Robot, desk: Desk
 ) -> None:
@@ -129,34 +123,6 @@ async def test_other_calls_and_other_blocking_calls_go_on_beside_it(
         await eventually_async(lambda: len(states) == 1)
         desk.arrive()
     assert states == [TaskState.FINISHED, TaskState.FINISHED]
-
-
-@pytest.mark.parametrize(
-    ("answer", "error"),
-    [
-        (2, aioduco.Refused),
-        (3, aioduco.TaskStopped),
-        (5, aioduco.TaskInterrupted),
-        (6, aioduco.TaskFailed),
-        (7, aioduco.TaskIllegal),
-        (8, aioduco.TaskParameterMismatch),
-        (-1, aioduco.Refused),
-    ],
-)
-async def test_another_end_is_an_error_that_says_what_the_controller_lists(
-    robot: aioduco.Robot, desk: Desk, answer: int, error: type[Exception]
-) -> None:
-    desk.errors = ["an older one"]
-
-    def fails(*_: Any) -> int:
-        desk.errors = ["an older one", "movel: out of reach"]
-        return answer
-
-    desk.answer("movel", fails)
-    with pytest.raises(error, match="movel") as caught:
-        await line(robot)
-    if isinstance(caught.value, aioduco.TaskError):
-        assert caught.value.errors == ("movel: out of reach",)
 
 
 async def test_a_motion_that_is_read_ahead_may_move_on(desk: Desk) -> None:
@@ -224,30 +190,6 @@ async def test_what_only_a_command_ends_is_refused(
 
 
 # -- the gate --------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("on_cancel", ["stop", "detach", "pause"])
-async def test_cancelling_it_stops_the_arm(desk: Desk, on_cancel: Any) -> None:
-    desk.motion_time = 30.0
-    async with aioduco.connect(desk.host, desk.port, on_cancel=on_cancel) as robot:
-        async with cancelled_once(desk.moving) as scope:
-            await line(robot)
-        assert scope.cancelled_caught
-        assert not desk.moving()
-
-
-async def test_a_stop_ends_it(robot: aioduco.Robot, desk: Desk) -> None:
-    desk.motion_time = 30.0
-    async with anyio.create_task_group() as tg:
-
-        async def stop() -> None:
-            await eventually_async(desk.moving)
-            await robot.stop()
-
-        tg.start_soon(stop)
-        with pytest.raises(aioduco.TaskStopped):
-            await line(robot)
-        assert not desk.moving()
 
 
 async def test_it_waits_through_a_pause(robot: aioduco.Robot, desk: Desk) -> None:
@@ -318,45 +260,6 @@ async def test_in_a_permit_that_has_ended_nothing_is_sent(robot: aioduco.Robot, 
             await line(robot)
     assert desk.received("movel") == ()
     assert await line(robot) is TaskState.FINISHED
-
-
-async def test_leaving_the_robot_stops_it(desk: Desk) -> None:
-    desk.motion_time = 30.0
-    async with anyio.create_task_group() as tg, aioduco.connect(desk.host, desk.port) as robot:
-
-        async def one() -> None:
-            with pytest.raises((aioduco.TaskStopped, aioduco.ConnectionLost)):
-                await line(robot)
-
-        tg.start_soon(one)
-        await eventually_async(desk.moving)
-    assert not desk.moving()
-
-
-@pytest.mark.slow
-async def test_if_its_answer_is_lost_the_arm_is_stopped(desk: Desk) -> None:
-    desk.motion_time = 30.0
-    async with (
-        FaultProxy(desk.host, desk.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
-        proxy.on("movel", Cut(Place.AFTER_REQUEST))
-        with pytest.raises(aioduco.OutcomeUnknown):
-            await line(robot)
-        assert "stop" in desk.commands
-        assert not desk.moving()
-
-
-async def test_without_a_heartbeat_nothing_is_sent(desk: Desk) -> None:
-    async with aioduco.connect(desk.host, desk.port, heartbeat=0.2) as robot:
-        gate = desk.hold("rpc_heartbeat", None)
-        await eventually_async(
-            lambda: robot.heartbeat and robot.heartbeat.state is not HeartbeatState.BEATING
-        )
-        with pytest.raises(aioduco.HeartbeatLost, match="movel was not sent"):
-            await line(robot)
-        gate.set()
-    assert desk.received("movel") == ()
 
 
 async def test_a_robot_that_is_not_open_sends_nothing(desk: Desk) -> None:

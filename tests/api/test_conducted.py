@@ -2,58 +2,163 @@
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anyio
 import pytest
-from client.bench import HOME, BenchTask
+from client.bench import HOME, POSE
 from moments import cancelled_once
 
 import aioduco
 from aioduco import HeartbeatState, RealtimeMode, RealtimePoint
-from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
+from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from api.desk import Desk
 
 
-def replays(desk: Desk, answer: int | None = None) -> None:
-    """Have `replay` move the arm, and answer when it stands, or at once with an answer."""
+class AnsweredAtItsEnd(NamedTuple):
+    """A motion that the controller answers when it has ended."""
 
-    def replay(*_: Any) -> int:
-        now = time.monotonic()
-        task_id = desk._add(BenchTask("replay", now, now + desk.motion_time))
-        if answer is not None:
-            return task_id if answer > 8 else answer
-        eventually(lambda: not desk.moving(), 60.0)  # as a controller that blocks
-        return int(desk.tasks[task_id].state or desk.task_state(task_id))
-
-    desk.answer("replay", replay)
+    name: str
+    call: Callable[[aioduco.Robot], Awaitable[object]]
 
 
-async def test_a_replay_returns_at_its_end(robot: aioduco.Robot, desk: Desk) -> None:
+MOTIONS = [
+    AnsweredAtItsEnd("replay", lambda robot: robot.motion.replay("track", 50, 0)),
+    AnsweredAtItsEnd("movel", lambda robot: robot.blocking.movel(POSE, v=0.2, a=0.5)),
+]
+
+
+@pytest.fixture(params=MOTIONS, ids=lambda each: each.name)
+def motion(request: pytest.FixtureRequest, desk: Desk) -> AnsweredAtItsEnd:
+    made: AnsweredAtItsEnd = request.param
+    desk.moves(made.name)
+    desk.blocks(made.name)
+    desk.motion_time = 30.0
+    return made
+
+
+async def test_it_returns_at_its_end(
+    robot: aioduco.Robot, desk: Desk, motion: AnsweredAtItsEnd
+) -> None:
     desk.motion_time = 0.1
-    replays(desk)
-    await robot.motion.replay("track", 50, 0)
+    await motion.call(robot)
     assert not desk.moving()
     assert "stop" not in desk.commands
 
 
 @pytest.mark.slow
-async def test_a_replay_lasts_longer_than_a_call_may_take(desk: Desk) -> None:
+async def test_it_lasts_longer_than_a_call_may_take(desk: Desk, motion: AnsweredAtItsEnd) -> None:
     desk.motion_time = 1.5
-    replays(desk)
     async with aioduco.connect(desk.host, desk.port, call_timeout=1.0, pool_size=1) as robot:
-        await robot.motion.replay("track", 50, 0)
+        await motion.call(robot)
         assert not desk.moving()
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize(
+    ("answer", "error"),
+    [
+        (2, aioduco.Refused),
+        (3, aioduco.TaskStopped),
+        (5, aioduco.TaskInterrupted),
+        (6, aioduco.TaskFailed),
+        (7, aioduco.TaskIllegal),
+        (8, aioduco.TaskParameterMismatch),
+        (-1, aioduco.Refused),
+    ],
+)
+async def test_another_end_is_an_error_that_says_what_the_controller_lists(
+    robot: aioduco.Robot,
+    desk: Desk,
+    motion: AnsweredAtItsEnd,
+    answer: int,
+    error: type[Exception],
+) -> None:
+    desk.errors = ["an older one"]
+
+    def fails(*_: Any) -> int:
+        desk.errors = ["an older one", "out of reach"]
+        return answer
+
+    desk.answer(motion.name, fails)
+    with pytest.raises(error, match=motion.name) as caught:
+        await motion.call(robot)
+    if motion.name == "movel" and isinstance(caught.value, aioduco.TaskError):
+        assert caught.value.errors == ("out of reach",)
+
+
+@pytest.mark.parametrize("on_cancel", ["stop", "detach", "pause"])
+async def test_cancelling_it_stops_the_arm(
+    desk: Desk, motion: AnsweredAtItsEnd, on_cancel: Any
+) -> None:
+    async with aioduco.connect(desk.host, desk.port, on_cancel=on_cancel) as robot:
+        async with cancelled_once(desk.moving) as scope:
+            await motion.call(robot)
+        assert scope.cancelled_caught
+        assert not desk.moving()
+
+
+async def test_a_stop_ends_it(robot: aioduco.Robot, desk: Desk, motion: AnsweredAtItsEnd) -> None:
+    async with anyio.create_task_group() as tg:
+
+        async def stop() -> None:
+            await eventually_async(desk.moving)
+            await robot.stop()
+
+        tg.start_soon(stop)
+        with pytest.raises(aioduco.TaskStopped):
+            await motion.call(robot)
+        assert not desk.moving()
+
+
+async def test_leaving_the_robot_stops_it(desk: Desk, motion: AnsweredAtItsEnd) -> None:
+    async with anyio.create_task_group() as tg, aioduco.connect(desk.host, desk.port) as robot:
+
+        async def move() -> None:
+            with pytest.raises((aioduco.TaskStopped, aioduco.ConnectionLost)):
+                await motion.call(robot)
+
+        tg.start_soon(move)
+        await eventually_async(desk.moving)
+    assert not desk.moving()
+
+
+@pytest.mark.slow
+async def test_if_its_answer_is_lost_the_arm_is_stopped(
+    desk: Desk, motion: AnsweredAtItsEnd
+) -> None:
+    async with (
+        FaultProxy(desk.host, desk.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port) as robot,
+    ):
+        proxy.on(motion.name, Cut(Place.AFTER_REQUEST))
+        with pytest.raises(aioduco.OutcomeUnknown):
+            await motion.call(robot)
+        assert "stop" in desk.commands
+        assert not desk.moving()
+
+
+async def test_without_a_heartbeat_nothing_is_sent(desk: Desk, motion: AnsweredAtItsEnd) -> None:
+    async with aioduco.connect(desk.host, desk.port, heartbeat=0.2) as robot:
+        gate = desk.hold("rpc_heartbeat", None)
+        await eventually_async(
+            lambda: robot.heartbeat and robot.heartbeat.state is not HeartbeatState.BEATING
+        )
+        with pytest.raises(aioduco.HeartbeatLost, match=f"{motion.name} was not sent"):
+            await motion.call(robot)
+        gate.set()
+    assert desk.received(motion.name) == ()
 
 
 async def test_a_replay_that_is_answered_with_an_id_is_followed(
     robot: aioduco.Robot, desk: Desk
 ) -> None:
+    desk.moves("replay")
     desk.motion_time = 0.1
-    replays(desk, answer=1000)
     await robot.motion.replay("track", 50, 0)
     assert not desk.moving()
     desk.motion_time = 30.0
@@ -63,86 +168,6 @@ async def test_a_replay_that_is_answered_with_an_id_is_followed(
     assert desk.commands[:3] == ["replay", "replay", "stop"]
     # If it was cancelled before its answer came, the arm is stopped once more when it has come.
     assert set(desk.commands[3:]) <= {"stop"}
-
-
-@pytest.mark.parametrize(
-    ("answer", "error"),
-    [(6, aioduco.TaskFailed), (7, aioduco.TaskIllegal), (-1, aioduco.Refused)],
-)
-async def test_a_replay_that_fails(
-    robot: aioduco.Robot, desk: Desk, answer: int, error: type[Exception]
-) -> None:
-    desk.answer("replay", answer)
-    with pytest.raises(error, match="replay"):
-        await robot.motion.replay("track", 50, 0)
-
-
-async def test_cancelling_a_replay_stops_the_arm(robot: aioduco.Robot, desk: Desk) -> None:
-    desk.motion_time = 30.0
-    replays(desk)
-    async with cancelled_once(desk.moving) as scope:
-        await robot.motion.replay("track", 50, 0)
-    assert scope.cancelled_caught
-    assert not desk.moving()
-
-
-async def test_a_stop_ends_a_replay(robot: aioduco.Robot, desk: Desk) -> None:
-    desk.motion_time = 30.0
-    replays(desk)
-    async with anyio.create_task_group() as tg:
-
-        async def stop() -> None:
-            await eventually_async(desk.moving)
-            await robot.stop()
-
-        tg.start_soon(stop)
-        with pytest.raises(aioduco.TaskStopped):
-            await robot.motion.replay("track", 50, 0)
-    assert not desk.moving()
-
-
-async def test_leaving_the_robot_stops_a_replay(desk: Desk) -> None:
-    desk.motion_time = 30.0
-    replays(desk)
-    async with anyio.create_task_group() as tg, aioduco.connect(desk.host, desk.port) as robot:
-
-        async def replay() -> None:
-            with pytest.raises((aioduco.TaskStopped, aioduco.ConnectionLost)):
-                await robot.motion.replay("track", 50, 0)
-
-        tg.start_soon(replay)
-        await eventually_async(desk.moving)
-    assert not desk.moving()
-
-
-@pytest.mark.slow
-async def test_a_replay_whose_answer_is_lost_is_stopped(desk: Desk) -> None:
-    desk.motion_time = 30.0
-    replays(desk)
-    async with (
-        FaultProxy(desk.host, desk.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
-        proxy.on("replay", Cut(Place.AFTER_REQUEST))
-        with pytest.raises(aioduco.OutcomeUnknown):
-            await robot.motion.replay("track", 50, 0)
-        assert "stop" in desk.commands
-        assert not desk.moving()
-
-
-async def test_without_a_heartbeat_nothing_is_replayed(desk: Desk) -> None:
-    async with aioduco.connect(desk.host, desk.port, heartbeat=0.2) as robot:
-        gate = desk.hold("rpc_heartbeat", None)
-        await eventually_async(lambda: beats(robot) is not HeartbeatState.BEATING)
-        with pytest.raises(aioduco.HeartbeatLost, match="replay was not sent"):
-            await robot.motion.replay("track", 50, 0)
-        gate.set()
-    assert "replay" not in desk.commands
-
-
-def beats(robot: aioduco.Robot) -> HeartbeatState:
-    assert robot.heartbeat is not None
-    return robot.heartbeat.state
 
 
 # -- realtime control ------------------------------------------------------------------------------

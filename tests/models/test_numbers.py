@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import math
 from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
-import made as making
 import numpy as np
 import pytest
 import yaml
-from made import made
-from public_classes import public_classes
 
 import aioduco
 import aioduco.sync
@@ -82,22 +78,6 @@ def test_what_is_no_finite_number_is_refused(name: str) -> None:
     for value in (math.nan, math.inf, None, "1", True, 10**400, 10**5000, 1j, [1]):
         with pytest.raises(ParameterError):
             TAKERS[name](value)
-
-
-def test_every_public_value_takes_numbers_of_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """None fails, and what is checked to be a number is kept as one of Python's."""
-    monkeypatch.setitem(making._SIMPLE, float, np.float32(0.5))
-    monkeypatch.setitem(making._SIMPLE, int, np.int64(3))
-    wrong = []
-    kind: type[Any]
-    for kind in public_classes():
-        if not dataclasses.is_dataclass(kind) or inspect.isabstract(kind):
-            continue
-        try:
-            made(kind)
-        except Exception as error:  # all of them in one message
-            wrong.append(f"{kind}: {error!r}")
-    assert not wrong, "\n".join(wrong)
 
 
 def test_system_values_of_numpy_are_kept_as_python_has_them() -> None:
