@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import pty
-import select
 import signal
 import socket
 import subprocess
@@ -19,6 +17,7 @@ from cli_runner import CliRunner
 from moments import complaints
 from patient import COMMAND_LINE
 from PIL import Image
+from terminals import terminal
 
 import aioduco
 import aioduco.sync
@@ -33,7 +32,6 @@ from aioduco.models.enums import RobotState
 from aioduco.models.force_sample import FORCE_REQUEST
 from aioduco.models.names import SPELLINGS, place
 from aioduco.sim import Simulator
-from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -114,12 +112,6 @@ def test_missing_extra_is_named(
 # -- sim -----------------------------------------------------------------------------------------
 
 
-def test_a_gripper_that_does_not_exist_is_named_with_those_that_do() -> None:
-    answer = run("sim", "--port", "0", "--gripper", "hand")
-    assert answer.exit_code == 1
-    assert "robotiq_2f85" in answer.output
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) -> None:
@@ -162,12 +154,6 @@ def test_sim_plays_the_generation_and_streams_the_forces_that_it_is_told() -> No
         sim.send_signal(signal.SIGTERM)
         sim.communicate(timeout=20)
     assert sim.returncode == 0
-
-
-def test_a_generation_that_there_is_not() -> None:
-    answer = run("sim", "--port", "0", "--generation", "5")
-    assert answer.exit_code == 1
-    assert "4.3" in answer.output
 
 
 @pytest.mark.slow
@@ -261,9 +247,11 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
         (("--mounting", "0,0,0.5"), 2, "mounting is '0,0,0.5', but must be"),
         (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
         (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
+        (("--gripper", "hand"), 1, "robotiq_2f85"),
+        (("--generation", "5"), 1, "4.3"),
     ],
 )
-def test_sim_says_what_it_cannot_show(options: tuple[str, ...], code: int, says: str) -> None:
+def test_sim_says_what_it_cannot_do(options: tuple[str, ...], code: int, says: str) -> None:
     answer = run("sim", "--port", "0", *options)
     assert answer.exit_code == code
     assert says in answer.output
@@ -478,38 +466,15 @@ def test_demo_reports_what_went_wrong() -> None:
 
 @pytest.mark.slow
 def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None:
-    """On a pseudo terminal, with a Ctrl-C typed there, which its own simulator must survive."""
-    ours, theirs = pty.openpty()
-    options = ("demo", "--plot", str(tmp_path / "demo.png"))
-    seen = bytearray()
-
-    def shows(text: bytes) -> bool:
-        while select.select([ours], [], [], 0.0)[0]:
-            seen.extend(os.read(ours, 65536))
-        return text in seen
-
-    def until_it_shows(text: bytes) -> None:
-        eventually(lambda: shows(text), timeout=50, what=lambda: f"{text!r} in {bytes(seen)!r}")
-
-    with subprocess.Popen(
-        [*COMMAND_LINE, *options],
-        stdin=theirs,
-        stdout=theirs,
-        stderr=theirs,
-        start_new_session=True,
-        env=os.environ | {"TERM": "xterm-256color", "COLUMNS": "100"},
-    ) as demo:
-        try:
-            until_it_shows(b"over the pick")
-            os.killpg(demo.pid, signal.SIGINT)
-            until_it_shows(b"interrupted: the arm was stopped, and stands")
-            assert demo.wait(timeout=20) == 130
-        finally:
-            demo.kill()
-            os.close(ours)
-            os.close(theirs)
-    assert b"J6" in seen
-    assert b"mm" in seen
+    """With a Ctrl-C typed there, which its own simulator must survive."""
+    plot = str(tmp_path / "demo.png")
+    with terminal("demo", "--plot", plot, command=COMMAND_LINE) as demo:
+        demo.until_it_shows(b"over the pick")
+        os.killpg(demo.program.pid, signal.SIGINT)
+        demo.until_it_shows(b"interrupted: the arm was stopped, and stands")
+        assert demo.exit_code() == 130
+    assert b"J6" in demo.seen
+    assert b"mm" in demo.seen
 
 
 # -- call

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import fcntl
 import io
 import math
 import os
-import pty
-import select
 import signal
-import struct
-import subprocess
-import termios
 import threading
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
 from client.bench import Bench
 from rich.console import Console
+from terminals import terminal
 from test_cli import COMMAND, run, wait_until_it_moves
 from test_cli_robot import HOME, at, ready_arm
 
@@ -34,10 +28,10 @@ from aioduco.models.enums import Outcome, SafetyState
 from aioduco.models.samples import Samples
 from aioduco.supervision.heartbeat import HeartbeatState
 from aioduco.supervision.state_feed import Snapshot
-from aioduco.testing import eventually, eventually_async
+from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from aioduco.sim import Simulator
 
@@ -271,60 +265,6 @@ async def test_a_monitor_looks_on_and_disturbs_nobody(bench: Bench) -> None:
 # -- in a terminal -------------------------------------------------------------------------------
 
 
-class Terminal:
-    """A pseudo-terminal with a program in it."""
-
-    def __init__(self, descriptor: int, program: subprocess.Popen[bytes]) -> None:
-        self._descriptor = descriptor
-        self.program = program
-        self.seen = bytearray()
-
-    def shows(self, text: bytes) -> bool:
-        while select.select([self._descriptor], [], [], 0.0)[0]:
-            try:
-                self.seen.extend(os.read(self._descriptor, 65536))
-            except OSError:  # the program has ended
-                break
-        return text in self.seen
-
-    def until_it_shows(self, text: bytes) -> None:
-        eventually(
-            lambda: self.shows(text), timeout=60, what=lambda: f"{text!r} in {bytes(self.seen)!r}"
-        )
-
-    def exit_code(self) -> int | None:
-        """Take what the program still shows, until it has ended."""
-        eventually(lambda: self.shows(b"") and self.program.poll() is not None, timeout=60)
-        return self.program.returncode
-
-    def press(self, keys: bytes) -> None:
-        self.seen.clear()
-        os.write(self._descriptor, keys)
-
-
-@contextmanager
-def terminal(*words: str, command: Sequence[str] = COMMAND) -> Iterator[Terminal]:
-    ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 120, 0, 0))
-    before = termios.tcgetattr(theirs)
-    environment = {key: os.environ[key] for key in os.environ if key not in {"COLUMNS", "LINES"}}
-    with subprocess.Popen(
-        [*command, *words],
-        stdin=theirs,
-        stdout=theirs,
-        stderr=theirs,
-        start_new_session=True,
-        env=environment | {"TERM": "xterm-256color"},
-    ) as program:
-        try:
-            yield Terminal(ours, program)
-            assert termios.tcgetattr(theirs) == before, "the terminal is as it was"
-        finally:
-            program.kill()
-            os.close(ours)
-            os.close(theirs)
-
-
 def moving(sim: Simulator, robot: aioduco.sync.Robot, to: float) -> aioduco.sync.Task:
     task = robot.motion.movej2.start((to, *HOME[1:]), v=0.05, a=2.0)
     wait_until_it_moves(sim)
@@ -338,7 +278,7 @@ def test_in_a_terminal_it_shows_the_arm_and_stops_it() -> None:
         aioduco.sync.connect(
             sim.host, sim.port, heartbeat=30.0, call_timeout=30.0, clock=sim.clock
         ) as robot,
-        terminal("monitor", at(sim)) as shown,
+        terminal("monitor", at(sim), command=COMMAND) as shown,
     ):
         shown.until_it_shows(b"standing, no task")
         task = moving(sim, robot, 3.0)
@@ -368,7 +308,7 @@ def test_in_a_terminal_it_shows_the_arm_and_stops_it() -> None:
 def test_a_signal_ends_it_and_stops_nothing(
     bench: Bench, number: signal.Signals, code: int
 ) -> None:
-    with terminal("monitor", f"{bench.host}:{bench.port}") as shown:
+    with terminal("monitor", f"{bench.host}:{bench.port}", command=COMMAND) as shown:
         shown.until_it_shows(b"standing, no task")
         os.killpg(shown.program.pid, number)
         shown.until_it_shows(b"nothing was stopped")
@@ -382,6 +322,6 @@ def test_it_needs_a_terminal_and_a_controller() -> None:
     answer = run("monitor")
     assert answer.exit_code == 2
     assert "aioduco status --json" in answer.stderr
-    with terminal("monitor", "127.0.0.1:1") as shown:
+    with terminal("monitor", "127.0.0.1:1", command=COMMAND) as shown:
         shown.until_it_shows(b"cannot connect to 127.0.0.1:1")
         assert shown.exit_code() == 1

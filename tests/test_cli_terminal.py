@@ -14,7 +14,8 @@ import pytest
 from patient import COMMAND_LINE
 from ports import free_port
 from recording.playback.recorded import write
-from test_cli_monitor import moving, terminal
+from terminals import terminal
+from test_cli_monitor import moving
 from test_cli_robot import ready_arm
 
 import aioduco
@@ -83,8 +84,10 @@ ROWS = [
     Row("ros1 --host {host}", shows=b"of ROS 1", code=1),
     Row("ros2 --host {host}", shows=b"of ROS 2", code=1),
 ]
-#: in a test of their own below, or in the files named above
-ELSEWHERE = {"demo", "monitor", "stop", "pause", "resume", "teleop", "sim-do"}
+#: in a test of their own below, in the files named above, or, for twin and calibrate, in tests/sim
+ELSEWHERE = {
+    *("demo", "monitor", "stop", "pause", "resume", "teleop", "sim-do", "twin", "calibrate"),
+}
 
 
 @pytest.fixture
@@ -147,7 +150,7 @@ def test_a_motion_is_paused_resumed_and_stopped_from_a_terminal() -> None:
     ):
         task = moving(sim, robot, 3.0)
         for words, typed in (("pause", ()), ("resume", YES), ("stop", ())):
-            with terminal(words, f"{sim.host}:{sim.port}") as shell:
+            with terminal(words, f"{sim.host}:{sim.port}", command=COMMAND_LINE) as shell:
                 for text, keys in typed:
                     shell.until_it_shows(text)
                     shell.press(keys)

@@ -242,9 +242,3 @@ def test_our_defaults_are_the_manuals() -> None:
                 wrong.append(f"{name}.{parameter}: {of.default}, not {stated(one)}")
     assert wrong == []
     assert seen > 50
-
-
-def test_the_data_has_the_whole_manual() -> None:
-    sections = [one["section"] for one in FUNCTIONS.values()]
-    assert len(sections) == 188
-    assert set(sections) == {f"1.3.{number}" for number in range(1, 17)}

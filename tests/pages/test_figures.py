@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,11 +18,8 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture
 def figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """docs/figures.py, with results of this test."""
-    spec = importlib.util.spec_from_file_location("figures", ROOT / "docs" / "figures.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    module = importlib.import_module("figures")
     row = {"p50_us": 10.0, "p99_us": 20.0, "p99.9_us": 30.0}
     rows: dict[str, Any] = {str(n): row | {"stops": n} for n in (99, 100, 999, 1000)}
     machine = {"date": "2026-01-02", "processor": "CPU", "cores": 2, "system": "S", "python": "3"}

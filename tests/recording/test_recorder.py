@@ -428,10 +428,6 @@ def test_what_was_written_before_a_kill_is_read(bench: Bench, tmp_path: Path, li
         assert last >= due * 1e9 + offset
 
 
-def test_chunks_are_written_often_enough() -> None:
-    assert writer.FLUSH_EVERY < 1.0
-
-
 @pytest.mark.slow
 def test_an_interpreter_that_ends_with_a_recording_ends_it(bench: Bench, tmp_path: Path) -> None:
     code = (
