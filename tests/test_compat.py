@@ -341,6 +341,9 @@ def test_a_lost_connection_raises_what_the_vendors_class_raises(server: Recordin
         assert lost.value.args[0] == lost.value.__dict__["message"] == str(lost.value)
     assert robot.open() == -1  # nobody is there
     assert isinstance(robot.last_error, ConnectError)
+    assert str(server.port) in str(robot.last_error)
+    with pytest.raises(ConnectionError), robot:
+        pass
     assert robot.close() == 0
 
 
@@ -486,15 +489,6 @@ def test_one_left_open_warns(server: RecordingServer) -> None:
     robot.open()
     with pytest.warns(ResourceWarning, match="unclosed <DucoCobot"):
         robot.__del__()
-
-
-def test_nobody_there(server: RecordingServer) -> None:
-    server.__exit__(None, None, None)
-    robot = DucoCobot(server.host, server.port)
-    assert robot.open() == -1
-    assert "not connect" in str(robot.last_error) or str(server.port) in str(robot.last_error)
-    with pytest.raises(ConnectionError), robot:
-        pass
 
 
 def test_get_version_asks_nobody() -> None:
