@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from cli_runner import CliRunner
+from interpreter import python
 from moments import complaints
 from patient import COMMAND_LINE
 from PIL import Image
@@ -348,14 +349,7 @@ def test_demo_loads_everything_before_its_event_loop_runs(tmp_path: Path) -> Non
 
     How the demonstration ends is another test's: the simulated clock runs fast here.
     """
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", IMPORTS],
-        check=False,
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        timeout=100,
-    )
+    done = python("-W", "error", "-c", IMPORTS, cwd=tmp_path)
     assert complaints(done.stderr) == "1\n[]\n"
 
 

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from interpreter import python
 from rich.live import Live
 from rich.table import Table
 from rich.text import Text
@@ -92,10 +93,7 @@ def test_warnings_and_tracebacks_of_a_command_are_shown_not_carried_out() -> Non
         "logging.getLogger('aioduco.x').warning('told %s', '\\x1b]0;pwned\\x07')\n"
         "raise RuntimeError('\\x1b[2J')\n"
     )
-    ended = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False,
-        env={**os.environ, "PYTHONIOENCODING": "utf-8"},
-    )  # fmt: skip
+    ended = python("-c", program, env={**os.environ, "PYTHONIOENCODING": "utf-8"})
     assert ended.returncode == 1
     assert "told \\x1b]0;pwned" in ended.stderr
     assert "RuntimeError: \\x1b[2J" in ended.stderr

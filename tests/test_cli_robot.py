@@ -8,15 +8,15 @@ import os
 import re
 import signal
 import subprocess
-import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 import typer
+from interpreter import python
 from patient import COMMAND_LINE
-from test_cli import COMMAND, address, process, run, wait_until_it_moves
+from test_cli import address, process, run, wait_until_it_moves
 
 import aioduco
 import aioduco.sync
@@ -374,18 +374,15 @@ def test_commands_and_names_of_robots_are_completed(config: Path) -> None:
 
     def completed(*words: str) -> list[str]:
         typed = " ".join(("aioduco", *words))
-        done = subprocess.run(
-            [sys.executable, "-c", COMPLETED],
+        done = python(
+            "-c",
+            COMPLETED,
             env={
                 "XDG_CONFIG_HOME": str(config.parents[1]),
                 "_AIODUCO_COMPLETE": "complete_bash",
                 "COMP_WORDS": typed,
                 "COMP_CWORD": str(len(words)),
             },
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=60,
         )
         assert done.stderr == ""
         return done.stdout.split()
@@ -406,13 +403,7 @@ print(sorted(heavy & set(sys.modules)))
 
 @pytest.mark.slow
 def test_the_command_line_loads_little_before_it_knows_what_to_do() -> None:
-    done = subprocess.run(
-        [COMMAND[0], "-W", "error", "-c", HEAVY],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    done = python("-W", "error", "-c", HEAVY)
     assert (done.returncode, done.stdout, done.stderr) == (0, "[]\n", "")
 
 

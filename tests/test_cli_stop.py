@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from cli_runner import CliRunner
+from interpreter import python
 from patient import COMMAND_LINE
 from wire.servers import ScriptedServer
 
@@ -163,11 +163,5 @@ def test_it_needs_no_extra(missing: str) -> None:
         "from aioduco.cli import main\nmain()"
     )
     with ScriptedServer(answers) as server:
-        done = subprocess.run(
-            [sys.executable, "-c", program, "stop", f"{server.host}:{server.port}"],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=60,
-        )
+        done = python("-c", program, "stop", f"{server.host}:{server.port}")
     assert (done.returncode, done.stderr) == (0, "")

@@ -7,14 +7,13 @@ import inspect
 import json
 import math
 import signal
-import subprocess
-import sys
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
+from interpreter import python
 from thrift import Thrift
 from thrift.transport.TTransport import TTransportException
 
@@ -561,14 +560,7 @@ def test_a_program_for_the_vendors_class_runs_unchanged(
     (tmp_path / "lib").mkdir()
     (tmp_path / "vendor").mkdir()
     with Simulator(speed=10.0) as sim:
-        done = subprocess.run(
-            [sys.executable, *runner, str(program), sim.host, str(sim.port)],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=60,
-        )
+        done = python(*runner, str(program), sim.host, str(sim.port), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[:3] == ["open 0 0", "power 4 4", "move 4"]
@@ -656,7 +648,6 @@ def test_packages_without_the_vendors_files(line: str, tmp_path: Path) -> None:
         "try:\n    import vendor_apj\nexcept ImportError:\n    print('others are missing')\n",
         encoding="utf-8",
     )
-    command = [sys.executable, "-m", "aioduco.compat", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = python("-m", "aioduco.compat", str(program))
     assert done.stdout.split("\n", 1)[0] in ("aioduco.compat", "aioduco._wire.rpc"), done.stderr
     assert "others are missing" in done.stdout

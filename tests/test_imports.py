@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ast
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from interpreter import python
 from wire.servers import ScriptedServer
 
 import aioduco.recording
@@ -24,13 +24,7 @@ if TYPE_CHECKING:
 
 def run(code: str) -> str:
     """What some code prints in an interpreter of its own."""
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    done = python("-W", "error", "-c", code)
     assert (done.stderr, done.returncode) == ("", 0)
     return done.stdout.strip()
 

@@ -4,26 +4,15 @@ from __future__ import annotations
 
 import importlib.metadata
 import re
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from interpreter import python
 
 import aioduco
 
 ROOT = Path(__file__).parents[1]
-
-
-def python(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-W", "error", *arguments],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=50,
-    )
 
 
 def test_version_is_that_of_the_installed_package() -> None:
@@ -39,7 +28,9 @@ def test_core_depends_on_three_packages() -> None:
 
 def test_command_line_says_what_it_needs_when_its_extra_is_missing() -> None:
     done = python(
-        "-c", "import sys; sys.modules['typer'] = None; import aioduco.cli as c; c.main()"
+        "-Werror",
+        "-c",
+        "import sys; sys.modules['typer'] = None; from aioduco.cli import main; main()",
     )
     assert done.returncode == 1
     assert done.stderr.strip() == "the command aioduco needs typer: pip install 'aioduco[cli]'"
@@ -77,7 +68,7 @@ except aioduco.MissingExtra as error:
     assert (str(again), again.extra) == (str(error), error.extra)
     print(error.extra, error)
 """
-    done = python("-c", code)
+    done = python("-Werror", "-c", code)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith(f"{extra} ")
     assert done.stdout.endswith(f"needs {absent}: pip install 'aioduco[{extra}]'\n")

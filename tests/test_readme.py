@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from interpreter import python
 from moments import complaints
 
 from aioduco import kinematics
@@ -46,13 +45,7 @@ def test_program_runs_as_it_stands(tmp_path: Path) -> None:
         assert there != source
         file = tmp_path / "program.py"
         file.write_text(there, encoding="utf-8")
-        done = subprocess.run(
-            [sys.executable, "-W", "error", str(file)],
-            check=False,
-            capture_output=True,
-            text=True,
-            timeout=50,
-        )
+        done = python("-W", "error", str(file))
         assert (done.returncode, complaints(done.stderr)) == (0, "")
         first, last = done.stdout.splitlines()
         assert re.fullmatch(r"task \d+ runs, the program goes on", first)

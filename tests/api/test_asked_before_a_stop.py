@@ -134,6 +134,7 @@ async def test_what_reads_before_it_is_sent_is_not_sent_after_a_stop(case: Case)
         names, error = await _stopped(case, read)
         assert case.name not in names, f"sent after the stop that came while {read} was read"
         assert isinstance(error, aioduco.TaskStopped), read
+        assert "was not sent" in str(error)
 
 
 async def into_realtime(robot: aioduco.Robot) -> None:

@@ -15,13 +15,13 @@ import itertools
 import os
 import re
 import socket
-import subprocess
 import sys
 import sysconfig
 import types
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from interpreter import python
 from patient import patient_queue
 from ports import free_port
 
@@ -144,14 +144,7 @@ def run_with_robot(code: str, namespace: dict[str, Any], host: str) -> None:
 
 def run_in_pytest(code: str, folder: Path) -> None:
     (folder / "test_page.py").write_text(code, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_page.py"],
-        check=False,
-        capture_output=True,
-        text=True,
-        cwd=folder,
-        timeout=110,
-    )
+    done = python("-m", "pytest", "-q", "-p", "no:cacheprovider", "test_page.py", cwd=folder)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -195,14 +188,7 @@ def test_a_page_that_is_one_program_runs(page: Page, tmp_path: Path) -> None:
     assert len(parts) > 1
     file = tmp_path / "program.py"
     file.write_text("\n".join(parts), encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-W", "error", str(ROOT / "tests" / "patient.py"), str(file)],
-        check=False,
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        timeout=110,
-    )
+    done = python("-W", "error", str(ROOT / "tests" / "patient.py"), str(file), cwd=tmp_path)
     # A busy machine may hold up the event loop of a program.
     said = [line for line in done.stderr.splitlines() if "loop did not get to run" not in line]
     assert (done.returncode, said) == (0, [])

@@ -16,6 +16,7 @@ import anyio
 import foxglove
 import pytest
 from client.bench import HOME, Bench
+from interpreter import python
 
 import aioduco
 import aioduco.sync
@@ -365,13 +366,7 @@ anyio.run(main, int(sys.argv[1]), sys.argv[2])
 @pytest.mark.slow
 def test_a_full_disk_ends_the_recording_and_not_the_program(bench: Bench, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
-    done = subprocess.run(
-        [sys.executable, "-c", _FULL, str(bench.port), str(path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=100,
-    )
+    done = python("-c", _FULL, str(bench.port), str(path))
     assert done.returncode == 0, done.stderr
     assert "ended early" in done.stderr
     name, size, full = done.stdout.split()

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from interpreter import python
 
 from aioduco import sync
 from aioduco.errors import OutcomeUnknown
@@ -92,7 +91,7 @@ import pytest
 
 
 def test_nothing_is_loaded():
-    assert not {"mujoco", "thriftpy2", "aioduco.sim", "aioduco.testing"} & set(sys.modules)
+    assert not {"mujoco", "thriftpy2", "aioduco.sim", "aioduco.robot"} & set(sys.modules)
 
 
 @pytest.fixture
@@ -118,13 +117,8 @@ async def test_the_fixture_is_found(duco_robot):
 )
 def test_outside_of_this_project(tmp_path: Path, options: list[str], mark: str) -> None:
     (tmp_path / "test_outside.py").write_text(OUTSIDE.replace("{mark}", mark))
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *options, str(tmp_path)],
-        check=False,
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=60,
+    done = python(
+        "-m", "pytest", "-q", "-p", "no:cacheprovider", *options, str(tmp_path), cwd=tmp_path
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "2 passed" in done.stdout
@@ -168,16 +162,10 @@ def test_another_arm(duco_sync_robot):
 
 def run_program(folder: Path, *options: str) -> tuple[int, str]:
     (folder / "test_program.py").write_text(PROGRAM)
-    done = subprocess.run(
-        [
-            *(sys.executable, "-m", "pytest", "-rs", "-p", "no:cacheprovider"),
-            *("-o", "asyncio_mode=auto", *SCOPE, *options, str(folder)),
-        ],
-        check=False,
+    done = python(
+        *("-m", "pytest", "-rs", "-p", "no:cacheprovider"),
+        *("-o", "asyncio_mode=auto", *SCOPE, *options, str(folder)),
         cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=100,
     )
     return done.returncode, done.stdout + done.stderr
 
