@@ -18,6 +18,7 @@ from aioduco.recording import read
 from aioduco.recording.container import MAGIC
 from aioduco.recording.figures import draw_page
 from aioduco.recording.playback import RecordedPath
+from recording.mcap_records import HEAD, channel, message, record, text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,24 +26,7 @@ if TYPE_CHECKING:
 
 zstandard = pytest.importorskip("zstandard")
 
-HEAD = MAGIC + struct.pack("<BQ", 1, 8) + bytes(8)
 END = struct.pack("<BQI", 0x0F, 4, 0) + MAGIC
-
-
-def record(kind: int, body: bytes) -> bytes:
-    return struct.pack("<BQ", kind, len(body)) + body
-
-
-def text(value: str) -> bytes:
-    return struct.pack("<I", len(value.encode())) + value.encode()
-
-
-def channel(number: int, topic: str) -> bytes:
-    return record(4, struct.pack("<HH", number, 0) + text(topic) + text("json") + bytes(4))
-
-
-def message(number: int, data: bytes, at: int = 10**18) -> bytes:
-    return record(5, struct.pack("<HIQQ", number, 0, at, at) + data)
 
 
 def chunk(plain: bytes, packed: bytes | None = None, size: int | None = None) -> bytes:

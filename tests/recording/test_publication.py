@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from client.bench import HOME, Bench
-from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
@@ -25,6 +24,7 @@ import aioduco
 import aioduco.sync
 from aioduco.recording import read
 from aioduco.testing import eventually_async
+from recording.mcap_records import decoded
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -77,12 +77,7 @@ class Watcher:
         channel = self.channels[topic]
         if channel["encoding"] == "json":
             return json.loads(data)
-        files = descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(channel["schema"]))
-        pool = descriptor_pool.DescriptorPool()
-        for file in files.file:
-            pool.Add(file)
-        found = pool.FindMessageTypeByName(channel["schemaName"])
-        return message_factory.GetMessageClass(found).FromString(data)
+        return decoded(base64.b64decode(channel["schema"]), channel["schemaName"], data)
 
 
 @asynccontextmanager

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 from pyarrow import parquet
 
@@ -30,6 +29,7 @@ from aioduco.recording.container import (
     SCHEMA,
 )
 from aioduco.sim import Simulator
+from recording.mcap_records import channel, decoded, message, record, text
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,16 +56,6 @@ def run(whole: Path) -> RecordedRun:
     return read(whole)
 
 
-def decoded(schema: Any, data: bytes) -> Any:
-    """A message by protobuf's own library, from the schema in the file."""
-    files = descriptor_pb2.FileDescriptorSet.FromString(schema.data)
-    pool = descriptor_pool.DescriptorPool()
-    for file in files.file:
-        pool.Add(file)
-    kind = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema.name))
-    return kind.FromString(data)
-
-
 @pytest.mark.slow
 def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: RecordedRun) -> None:
     ours = {topic: list(run.messages(topic)) for topic in run.topics}
@@ -81,7 +71,7 @@ def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: Rec
             if channel.message_encoding == "json":
                 assert mine.data == json.loads(message.data)
                 continue
-            theirs = decoded(schema, message.data)
+            theirs = decoded(schema.data, schema.name, message.data)
             match schema.name:
                 case "foxglove.JointStates":
                     assert mine.data["names"] == [joint.name for joint in theirs.joints]
@@ -211,14 +201,6 @@ def test_a_garbled_chunk_ends_what_is_read(whole: Path, tmp_path: Path) -> None:
     assert sum(found.topics.values()) < sum(read(whole).topics.values())
 
 
-def record_of(kind: int, content: bytes) -> bytes:
-    return struct.pack("<BQ", kind, len(content)) + content
-
-
-def text_of(text: bytes) -> bytes:
-    return struct.pack("<I", len(text)) + text
-
-
 @pytest.mark.parametrize(
     ("kind", "content"),
     [
@@ -227,13 +209,13 @@ def text_of(text: bytes) -> bytes:
         pytest.param(SCHEMA, b"\0", id="short schema"),
         pytest.param(CHANNEL, b"\0" * 3, id="short channel"),
         pytest.param(CHANNEL, struct.pack("<HHI", 2, 0, 9) + b"/x", id="short text"),
-        pytest.param(CHANNEL, b"\0" * 4 + text_of(b"\xff") + text_of(b"json"), id="no UTF-8"),
-        pytest.param(METADATA, text_of(b"\xff") + text_of(b""), id="no UTF-8 in metadata"),
-        pytest.param(METADATA, text_of(b"end") + struct.pack("<I", 9), id="short metadata"),
+        pytest.param(CHANNEL, b"\0" * 4 + text(b"\xff") + text(b"json"), id="no UTF-8"),
+        pytest.param(METADATA, text(b"\xff") + text(b""), id="no UTF-8 in metadata"),
+        pytest.param(METADATA, text(b"end") + struct.pack("<I", 9), id="short metadata"),
         pytest.param(CHUNK, b"\0" * 27, id="short chunk"),
         pytest.param(
             CHUNK,
-            struct.pack("<QQQI", 0, 0, 2, 0) + text_of(b"") + struct.pack("<Q", 2) + b"\5\1",
+            struct.pack("<QQQI", 0, 0, 2, 0) + text(b"") + struct.pack("<Q", 2) + b"\5\1",
             id="incomplete record in a chunk",
         ),
     ],
@@ -241,27 +223,27 @@ def text_of(text: bytes) -> bytes:
 def test_a_damaged_record_ends_what_is_read(kind: int, content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "bad.mcap"
     before = [
-        record_of(METADATA, text_of(b"aioduco") + text_of(text_of(b"arm") + text_of(b"gcr5"))),
-        record_of(CHANNEL, struct.pack("<HH", 1, 0) + text_of(b"/io") + text_of(b"json")),
-        record_of(MESSAGE, struct.pack("<HIQQ", 1, 0, 5, 5) + b'{"a": 1}'),
+        record(METADATA, text(b"aioduco") + text(text(b"arm") + text(b"gcr5"))),
+        channel(1, "/io"),
+        message(1, b'{"a": 1}', 5),
     ]
-    after = [before[-1], record_of(DATA_END, b"\0" * 4)]
+    after = [before[-1], record(DATA_END, b"\0" * 4)]
     path.write_bytes(MAGIC + b"".join([*before, *after]))
     assert read(path).complete
-    path.write_bytes(MAGIC + b"".join([*before, record_of(kind, content), *after]))
+    path.write_bytes(MAGIC + b"".join([*before, record(kind, content), *after]))
     found = read(path)
     assert not found.complete
     assert found.metadata == {"arm": "gcr5"}
-    assert [message.data for message in found.messages()] == [{"a": 1}]
+    assert [each.data for each in found.messages()] == [{"a": 1}]
 
 
 def test_a_damaged_begin_is_that_of_the_first_message(tmp_path: Path) -> None:
     path = tmp_path / "bad.mcap"
     records = [
-        record_of(METADATA, text_of(b"aioduco") + text_of(text_of(b"started") + text_of(b"1?"))),
-        record_of(CHANNEL, struct.pack("<HH", 1, 0) + text_of(b"/io") + text_of(b"json")),
-        record_of(MESSAGE, struct.pack("<HIQQ", 1, 0, 5, 5) + b'{"a": 1}'),
-        record_of(DATA_END, b"\0" * 4),
+        record(METADATA, text(b"aioduco") + text(text(b"started") + text(b"1?"))),
+        channel(1, "/io"),
+        message(1, b'{"a": 1}', 5),
+        record(DATA_END, b"\0" * 4),
     ]
     path.write_bytes(MAGIC + b"".join(records))
     found = read(path)

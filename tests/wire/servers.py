@@ -8,7 +8,7 @@ import struct
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TType
@@ -180,7 +180,7 @@ class ScriptedServer:
         """Wait until so many connections have run to the end of their scripts."""
         self.wait_for(lambda: self.finished >= count)
 
-    def __enter__(self) -> ScriptedServer:
+    def __enter__(self) -> Self:
         self._accepting.start()
         return self
 
