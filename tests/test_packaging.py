@@ -43,9 +43,9 @@ def test_command_line_says_what_it_needs_when_its_extra_is_missing() -> None:
         ("matplotlib", "plot", "from aioduco.cli import stream_figure as f; f.plot({}, 'x.png')"),
         ("mujoco", "sim", "from aioduco.sim import Simulator; Simulator()"),
         ("gymnasium", "gym", "import aioduco.integrations.gym"),
-        ("opentelemetry", "otel", "from aioduco.integrations.otel import Telemetry"),
         ("cv2", "camera", "from aioduco.devices.cameras import OpenCvCamera"),
         ("websockets", "panel", "from aioduco.integrations.panel import Panel"),
+        ("opentelemetry", "otel", "from aioduco.integrations.otel import Telemetry"),
     ],
 )
 def test_a_missing_extra_is_a_typed_error_that_says_what_to_install(

@@ -106,7 +106,6 @@ async def test_an_error_in_its_block_stops_the_arm(
     assert "stop" in desk.commands
 
 
-@pytest.mark.cases(6)
 async def test_cancelling_its_await_stops_the_arm(
     robot: aioduco.Robot, desk: Desk, name: str
 ) -> None:
