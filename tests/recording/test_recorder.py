@@ -446,6 +446,7 @@ async def test_what_an_observer_raises_stands_between_nothing(
         raise ZeroDivisionError
 
     end = robot._supervisor.observe(fails, fails)
+    bench.motion_time = 600.0
     task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     await robot.stop()
     with pytest.raises(TaskStopped):

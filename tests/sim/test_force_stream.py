@@ -150,7 +150,8 @@ async def test_a_length_that_is_not_known(monkeypatch: pytest.MonkeyPatch) -> No
 async def test_nobody_is_there() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
-        async with ForceStream("127.0.0.1", taken.getsockname()[1], timeout=0.05) as stream:
+        async with ForceStream("127.0.0.1", taken.getsockname()[1]) as stream:
+            stream.timeout = 0.05  # of the sample alone
             with pytest.raises(ConnectionLost, match="no sample within"):
                 await stream.sample()
     with pytest.raises(ConnectionLost, match="open it"):

@@ -389,7 +389,8 @@ async def test_the_callers_own_timeout_is_a_cancellation(way: str) -> None:
             with pytest.raises(TimeoutError):
                 await asyncio.wait_for(call, SHORT)
         assert lane.statistics().abandoned == 1
-        assert server.names == ["pause"]
+        # On a busy machine the connection may have been reset before the server read from it.
+        assert server.names in ([], ["pause"])
         server.wait_finished(1)
         await works(lane)
 
