@@ -25,8 +25,7 @@ from aioduco.cli.play import play
 from aioduco.cli.plot import plot
 from aioduco.cli.preflight import preflight
 from aioduco.cli.record import record
-from aioduco.cli.ros1 import ros1
-from aioduco.cli.ros2 import ros2
+from aioduco.cli.ros import ros1, ros2
 from aioduco.cli.sim import sim
 from aioduco.cli.sim_do import sim_do
 from aioduco.cli.status import status

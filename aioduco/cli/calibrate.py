@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.output import say
 
 __all__ = ["calibrate"]
@@ -50,6 +50,5 @@ def calibrate(
     try:
         found.profile.save(output)
     except OSError as error:
-        say(f"{output} cannot be written: {error.strerror or error}", error=True)
-        raise typer.Exit(FAILED) from None
+        fail(f"{output} cannot be written: {error.strerror or error}")
     say(f"written to {output}")

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
-from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import limits_at
@@ -91,8 +91,7 @@ def call(
                 robot.envelope = limits
             result = function_of(robot, where)(*positional, **named)
     except TypeError as error:
-        say(f"{name}: {error}", error=True)
-        raise typer.Exit(FAILED) from None
+        fail(f"{name}: {error}")
     if json:
         print_json(result)
     elif result is not None:

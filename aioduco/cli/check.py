@@ -10,7 +10,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.number_lists import numbers
 from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
@@ -223,8 +223,7 @@ def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: s
         base = None if wobj is None else numbers("wobj", wobj, 6)
         report = look(points, arm=model, near=near, tool=tip, wobj=base)
     except (OSError, ParameterError) as error:
-        say(str(error), error=True)
-        raise typer.Exit(2) from None
+        fail(str(error), 2)
     say(str(report))
     if not report.ok:
         raise typer.Exit(1)

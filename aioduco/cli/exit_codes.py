@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NoReturn
 
 from aioduco.cli.output import say
 
@@ -20,6 +20,7 @@ __all__ = [
     "USAGE",
     "Terminated",
     "ended_by_errors",
+    "fail",
 ]
 
 #: the command failed; the message says why
@@ -38,6 +39,14 @@ SIGNALLED: Final = 128
 
 class Terminated(KeyboardInterrupt):
     """A request to end (SIGTERM); it is handled as Ctrl-C is, so that the arm is stopped."""
+
+
+def fail(message: object, code: int = FAILED) -> NoReturn:
+    """End the command with a message on the standard error, and an exit code."""
+    import typer  # noqa: PLC0415 - not for `aioduco stop`, which is to be quick
+
+    say(message, error=True)
+    raise typer.Exit(code)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option, numbers
 from aioduco.cli.output import say
 
@@ -167,8 +168,7 @@ def export(
                 (folder / file).write_bytes(content)
             say(folder)
     except (OSError, ParameterError) as error:
-        say(str(error), error=True)
-        raise typer.Exit(2) from None
+        fail(str(error), 2)
 
 
 def _arms(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from aioduco.cli.output import say
+from aioduco.cli.exit_codes import fail
 from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -42,8 +42,7 @@ def need(*extras: str) -> None:
     names = [name for absent in missing.values() for name in absent]
     if names:
         install = ",".join(["cli", *(extra for extra, absent in missing.items() if absent)])
-        say(f"this needs {' and '.join(names)}: pip install 'aioduco[{install}]'", error=True)
-        raise typer.Exit(1)
+        fail(f"this needs {' and '.join(names)}: pip install 'aioduco[{install}]'")
 
 
 def arm(model: str) -> Arm:

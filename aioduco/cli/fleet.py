@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json as json_module
 import math
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +11,7 @@ import anyio
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors
+from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors, fail
 from aioduco.cli.output import say
 from aioduco.models.similar import did_you_mean
 
@@ -43,7 +42,7 @@ def serve(file: File) -> None:
     from aioduco.integrations.fleet import FleetGateway  # noqa: PLC0415
 
     async def run() -> int:
-        with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
+        with receive_signals() as signals:
             async with FleetGateway(settings):
                 arms = ", ".join(arm.name for arm in settings.arms) or "no arm"
                 where = ", ".join(settings.listen)
@@ -134,8 +133,7 @@ def _settings(file: Path) -> FleetSettings:
         if settings.keys:
             read_keys(settings.keys)
     except (FleetFileError, OSError) as error:
-        say(str(error), error=True)
-        raise typer.Exit(USAGE) from None
+        fail(str(error), USAGE)
     return settings
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Final
 import typer
 
 from aioduco.cli import extras
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 
 __all__ = ["init"]
@@ -202,10 +203,8 @@ def init(
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
     except FileExistsError:
-        say(f"{folder} exists already; nothing was written", error=True)
-        raise typer.Exit(1) from None
+        fail(f"{folder} exists already; nothing was written")
     except OSError as error:
-        say(f"{folder} cannot be written: {error}", error=True)
-        raise typer.Exit(1) from None
+        fail(f"{folder} cannot be written: {error}")
     say(f"written to {folder}: {', '.join(files)}")
     say(f"try it: cd {folder} && pytest && aioduco preflight main.py")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
-from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -148,13 +148,11 @@ def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[st
     """
     found = look(address, in_work_object=in_work_object)
     if not found["ready"]:
-        say(
+        fail(
             f"the arm at {address} is not ready: robot {found['robot'].name}, program "
             f"{found['program'].name}, safety {found['safety'].name}; nothing was sent. "
             "`aioduco bring-up` or `aioduco recover` leads it there",
-            error=True,
         )
-        raise typer.Exit(FAILED)
     return found
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ipaddress
 import os
-import signal
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,9 +13,10 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import load_cell
-from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
+from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
 from aioduco.cli.jog import Manual  # noqa: TC001 - typer evaluates it
 from aioduco.cli.output import say
+from aioduco.cli.signals import receive_signals
 from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import DucoError
 
@@ -128,15 +128,14 @@ def panel(
             raise  # no controller: some are errors of the system, too, and none of this page's port
         except OSError as error:
             why = error.strerror or error
-            say(f"cannot listen on {bind}:{listen} (--bind, --listen): {why}", error=True)
-            raise typer.Exit(FAILED) from None
+            fail(f"cannot listen on {bind}:{listen} (--bind, --listen): {why}")
     say("the panel was ended; what it moved stands", error=True)
     raise typer.Exit(SIGNALLED + told)
 
 
 async def _serve(made: Panel, address: str) -> int:
     """Serve the page until a signal arrives; return its number."""
-    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+    with receive_signals() as signals:
         async with made:
             say(f"{address} is on {made.url}; whoever reaches it may watch, and stop the arm")
             if made.token:

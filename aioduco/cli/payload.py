@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.number_lists import Mounting
 from aioduco.cli.output import print_json, say
@@ -181,13 +181,11 @@ def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile)
         steps = max(2, int(np.abs(after - before).max() / _CHECKED) + 1)
         for q in np.linspace(before, after, steps):
             if scene.collides(q):
-                say(
+                fail(
                     f"on the way from {where} to {there}, {scene.clearance(q)}: nothing moved. "
                     "`aioduco teach` stores other poses, or ones in between; without --poses the "
                     "arm is guided by hand",
-                    error=True,
                 )
-                raise typer.Exit(FAILED)
         before, where = after, there
 
 
@@ -198,8 +196,7 @@ def _arm(robot: Robot) -> Arm:
 
     found = model_named(told(robot.version.get_robot_type()))
     if found is None:
-        say("the controller tells no arm that is known: --model says which one it is", error=True)
-        raise typer.Exit(FAILED)
+        fail("the controller tells no arm that is known: --model says which one it is")
     return found
 
 
@@ -237,13 +234,14 @@ def _mean(robot: Robot, sensor: Sensor) -> Vector:
         robot.sleep(max(0.0, begin + number * _EVERY - time.monotonic()))
     mean: Vector = np.mean(values, axis=0)
     if not np.isfinite(mean).all():
-        say(
+        fail(
             f"the controller tells no {sensor.value}: "
-            + ("is a sensor set up? Try --sensor torque" if sensor is Sensor.FORCE
-               else "it is older; try --sensor force"),
-            error=True,
-        )  # fmt: skip
-        raise typer.Exit(FAILED)
+            + (
+                "is a sensor set up? Try --sensor torque"
+                if sensor is Sensor.FORCE
+                else "it is older; try --sensor force"
+            ),
+        )
     return mean
 
 

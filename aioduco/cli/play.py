@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.output import say
-from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import control_session, observing_session
 
 if TYPE_CHECKING:
-    from aioduco.envelope import Envelope
     from aioduco.recording.playback import RecordedPath, WaypointFile
-    from aioduco.sync import Robot
 
 __all__ = ["play"]
-
-#: speed of the joint that turns farthest, on the way to the start of a recording [rad/s]
-_APPROACH = 0.3
 
 
 def play(
@@ -95,8 +88,9 @@ def play(
     extras.need("record", *(("sim",) if simulates else ()))
     if model is not None:
         extras.arm(model)
+    from aioduco.cli.playing import PlayedFile  # noqa: PLC0415 - for this command alone
     from aioduco.recording import read  # noqa: PLC0415
-    from aioduco.recording.playback import (  # noqa: PLC0415 - for this command alone
+    from aioduco.recording.playback import (  # noqa: PLC0415
         RecordedPath,
         WaypointFile,
         read_envelope,
@@ -124,145 +118,14 @@ def play(
             limits = read_envelope(envelope, arm=told)
         if limits is not None:
             told = limits.arm.name
-        task = _Playing(what, told, speed, outputs, record, limits)
+        task = PlayedFile(what, told, speed, outputs, record, limits)
         if check and host is None:
-            task.check(told)
+            task.check()
             return
         if simulates:
             task.simulate(around, keep=host is None)
         if host is not None:
             task.on_arm(robot_at(host, port, cell), only_check=check, yes=yes)
-
-
-class _Playing:
-    """One file, played on one robot or two."""
-
-    def __init__(
-        self,
-        what: RecordedPath | WaypointFile,
-        model: str | None,
-        speed: float,
-        outputs: bool,
-        record: Path | None,
-        envelope: Envelope | None,
-    ) -> None:
-        self._envelope = envelope
-        self._what = what
-        self._model = model
-        self._speed = speed
-        self._outputs = outputs
-        self._record = record
-
-    def check(self, model: str | None) -> None:
-        """Check it without a robot."""
-        from aioduco.kinematics import arm  # noqa: PLC0415
-        from aioduco.recording.playback import RecordedPath, check_path  # noqa: PLC0415
-        from aioduco.recording.playback.path_check import check_waypoints  # noqa: PLC0415
-
-        if model is None:
-            say("it does not say for which arm it is: --model says so", error=True)
-            raise typer.Exit(FAILED)
-        limits = self._envelope
-        if isinstance(self._what, RecordedPath):
-            found = [str(each) for each in check_path(self._what, arm(model), envelope=limits)]
-        else:
-            found = check_waypoints(self._what, arm(model), envelope=limits)
-        _report(found)
-
-    def simulate(self, around: dict[str, Any], *, keep: bool) -> None:
-        """Play it on a simulated arm; errors there are raised."""
-        import aioduco.sync  # noqa: PLC0415
-        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
-        from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
-
-        say(f"on a simulated {self._model or 'gcr5_910'}: {self._called()}")
-        start = self._what.start if isinstance(self._what, RecordedPath) else None
-        options = {**around, "model": self._model or "gcr5_910"}
-        if start is not None:
-            options["joints"] = list(start)
-        with (
-            Simulator.spawn(**options) as sim,
-            aioduco.sync.connect(
-                sim.host, sim.port, clock=sim.clock, record=self._record if keep else None
-            ) as robot,
-        ):
-            robot.bring_up()
-            robot.envelope = self._envelope
-            self._play(robot)
-
-    def on_arm(self, address: RobotAddress, *, only_check: bool, yes: bool) -> None:
-        """Check it, ask, and play it on the real arm."""
-        # No heartbeat: another program may still lead the arm.
-        with observing_session(address) as robot:
-            _report(self._against(robot), only=only_check)
-            if only_check:
-                return
-            states = robot.state.get_robot_state()
-            text = f"{self._called()} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
-        ask(text, "Move the arm?", yes=yes)
-        with control_session(address) as robot:
-            robot.bring_up()
-            robot.envelope = self._envelope
-            if self._record is None:
-                self._play(robot)
-            else:
-                with robot.record(self._record):
-                    self._play(robot)
-
-    def _against(self, robot: Robot) -> list[str]:
-        import aioduco.sync  # noqa: PLC0415
-        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
-
-        if isinstance(self._what, RecordedPath):
-            found = aioduco.sync.check_path_on(
-                robot, self._what, arm=self._model, envelope=self._envelope
-            )
-            return [str(each) for each in found]
-        return aioduco.sync.check_waypoints_on(
-            robot, self._what, arm=self._model, envelope=self._envelope
-        )
-
-    def _called(self) -> str:
-        """What is played, for people."""
-        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
-
-        if isinstance(self._what, RecordedPath):
-            return f"{self._what.source.name}, {self._what.duration:.2f} s of motion"
-        count = len(self._what.waypoints)
-        return f"{self._what.title}, {count} waypoint{'' if count == 1 else 's'}"
-
-    def _announced(self, robot: Robot) -> str:
-        """Announcement of the motion, as text."""
-        import numpy as np  # noqa: PLC0415
-
-        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
-        from aioduco.recording.playback.path_check import fastest  # noqa: PLC0415
-
-        here = np.asarray(robot.state.get_actual_joints_position())
-        if isinstance(self._what, RecordedPath):
-            first, then = self._what.start, f"joints turn at up to {fastest(self._what):.2f} rad/s"
-        else:
-            first = self._what.waypoints[0].joints
-            then = f"{len(self._what.waypoints)} waypoints"
-        far = np.rad2deg(np.abs(first.array - here))
-        joint = int(far.argmax())
-        return f"joint {joint + 1} turns by {far[joint]:.1f}° to the begin, then {then}."
-
-    def _play(self, robot: Robot) -> None:
-        import aioduco.sync  # noqa: PLC0415
-        from aioduco.recording.playback import RecordedPath  # noqa: PLC0415
-
-        if isinstance(self._what, RecordedPath):
-            result = aioduco.sync.play(
-                robot, self._what, approach=_APPROACH, outputs=self._outputs, arm=self._model
-            )
-            worst = max(result.path_error.max(), abs(result.goal_error).max())
-            say(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
-            return
-        count = aioduco.sync.run_waypoints(
-            robot, self._what, arm=self._model, speed=min(self._speed, 1.0)
-        )
-        say(f"{count} waypoints were reached")
 
 
 def _model_of(what: RecordedPath | WaypointFile) -> str | None:
@@ -271,12 +134,3 @@ def _model_of(what: RecordedPath | WaypointFile) -> str | None:
 
     found = model_named(what.arm)
     return None if found is None else found.name
-
-
-def _report(found: list[str], *, only: bool = True) -> None:
-    for each in found:
-        say(each, error=True)
-    if found:
-        raise typer.Exit(FAILED)
-    if only:
-        say("nothing speaks against it")

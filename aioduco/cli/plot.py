@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 from aioduco.models.toml_files import read_text
 
@@ -45,8 +46,7 @@ def plot(
         draw(found, target)
     except (OSError, ValueError, LookupError, RecursionError, TypeError) as error:
         why = error.strerror if isinstance(error, OSError) else repr(error)
-        say(f"{figures} cannot be drawn: {why}", error=True)
-        raise typer.Exit(1) from None
+        fail(f"{figures} cannot be drawn: {why}")
     say(f"written to {target}")
 
 
@@ -64,8 +64,7 @@ def _recording(path: Path, target: Path, over: Path | None) -> None:
     except (OSError, DucoError) as error:
         # an error of a recording has its name
         text = str(error) if isinstance(error, DucoError) else f"{path} cannot be drawn: {error}"
-        say(text, error=True)
-        raise typer.Exit(1) from None
+        fail(text)
     for each in (run, other):
         if each is not None and not each.complete:
             say(f"{each.path} was cut off: it is drawn up to there")

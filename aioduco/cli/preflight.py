@@ -11,8 +11,8 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile  # noqa: TC001 - typer evaluates it
 from aioduco.cli.cell_file import RobotName, simulated_parts
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from aioduco.cli.safe_console import SafeConsole
@@ -122,8 +122,7 @@ def preflight(
             raise typer.Exit(FOUND if failed else 0)
         report = run(program, arguments or [], settings, quiet=quiet)
     except DucoError as error:
-        say(str(error), error=True)
-        raise typer.Exit(NOT_RUN) from None
+        fail(str(error), NOT_RUN)
     _show(console, report)
     if result is not None:
         result.write_text(json.dumps(report.as_json(), indent=2) + "\n", encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from aioduco.cli.exit_codes import NOT_CONFIRMED
+from aioduco.cli.exit_codes import NOT_CONFIRMED, fail
 from aioduco.cli.output import say, shown
 
 __all__ = ["SAFE", "ask", "typed_line"]
@@ -33,8 +33,7 @@ def ask(what: str, question: str, *, yes: bool) -> None:
     except typer.Abort:
         agreed = False
     if not agreed:
-        say("not confirmed: nothing was sent that moves the arm", error=True)
-        raise typer.Exit(NOT_CONFIRMED)
+        fail("not confirmed: nothing was sent that moves the arm", NOT_CONFIRMED)
 
 
 def typed_line(question: str) -> str | None:

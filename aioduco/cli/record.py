@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
@@ -53,8 +53,7 @@ def record(
     dropped = f", {figures.dropped} dropped" if figures.dropped else ""
     say(f"{recording.path}: {figures.written} entries{dropped}, {figures.size} bytes")
     if recording.error is not None:
-        say(f"it ended early: {recording.error}", error=True)
-        raise typer.Exit(FAILED)
+        fail(f"it ended early: {recording.error}")
     if figures.longest_gap:
         say(f"longest time without a sample of the moving arm: {figures.longest_gap:.3f} s")
         say(playable(recording.path, figures.written))

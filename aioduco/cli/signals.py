@@ -1,49 +1,58 @@
-"""Receive signals that ask a command to end in its event loop, on every operating system."""
+"""Receive signals that ask a command to end, on every operating system."""
 
 from __future__ import annotations
 
 import signal
 import socket
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import anyio
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator
 
-__all__ = ["receive_signals"]
+__all__ = ["ENDS", "receive_signals", "wakeup_socket"]
+
+#: the signals that ask a command to end
+ENDS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 @contextmanager
-def receive_signals(*signals: signal.Signals) -> Iterator[AsyncIterator[signal.Signals]]:
-    """Receive signals instead of being ended by them. Use it on the main thread.
+def wakeup_socket() -> Iterator[tuple[socket.socket, Callable[[], object]]]:
+    """Receive these signals instead of being ended by them. Use it on the main thread.
 
-    The interpreter writes a byte for each signal, and the event loop reads it. Not every event
-    loop supports signal handlers, and a byte wakes up a loop that is waiting.
+    The system may deliver a signal to any thread, also to a thread of a library. A blocking call of
+    the main thread would then not return, and not every event loop supports signal handlers. The
+    byte that the interpreter writes for the signal wakes up both.
 
-    Args:
-        signals: the signals to receive.
+    Yields:
+        A socket from which the signals' numbers are read, and a function that makes it readable.
     """
-    ours, others = socket.socketpair()
-    with ours, others:
-        ours.setblocking(False)
-        others.setblocking(False)
-        before = signal.set_wakeup_fd(others.fileno(), warn_on_full_buffer=False)
-        handlers = {number: signal.signal(number, lambda *_: None) for number in signals}
+    heard, rung = socket.socketpair()
+    with heard, rung:
+        heard.setblocking(False)
+        rung.setblocking(False)
+        before = signal.set_wakeup_fd(rung.fileno(), warn_on_full_buffer=False)
+        handlers = {number: signal.signal(number, lambda *_: None) for number in ENDS}
         try:
-            yield _numbers(ours, signals)
+            yield heard, lambda: rung.send(b"!")
         finally:
             for number, handler in handlers.items():
                 signal.signal(number, handler)
             signal.set_wakeup_fd(before)
 
 
-async def _numbers(
-    link: socket.socket, signals: tuple[signal.Signals, ...]
-) -> AsyncIterator[signal.Signals]:
+@contextmanager
+def receive_signals() -> Iterator[AsyncIterator[signal.Signals]]:
+    """The same in an event loop: iterate over the signals as they come."""
+    with wakeup_socket() as (heard, _):
+        yield _numbers(heard)
+
+
+async def _numbers(link: socket.socket) -> AsyncIterator[signal.Signals]:
     while True:
         await anyio.wait_readable(link)
         for number in link.recv(4096):
-            if number in signals:
+            if number in ENDS:
                 yield signal.Signals(number)

@@ -3,31 +3,27 @@
 from __future__ import annotations
 
 import contextlib
-import signal
-import socket
 import sys
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, NoReturn, cast
 
 import typer
 
 from aioduco.cli import extras, picture, watching
 from aioduco.cli.addresses import CellFile  # noqa: TC001 - typer evaluates it
 from aioduco.cli.cell_file import RobotName, simulated_parts
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import say
+from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import RenderError
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from aioduco.sim.server.generations import Generation
 
 __all__ = ["sim"]
-
-ENDS = (signal.SIGINT, signal.SIGTERM)
 
 
 def sim(
@@ -136,7 +132,7 @@ def sim(
     from aioduco.sim.spawned import SWITCH_INTERVAL  # noqa: PLC0415 - as above
 
     sys.setswitchinterval(SWITCH_INTERVAL)
-    with _wakeup_socket() as (heard, ring):
+    with wakeup_socket() as (heard, ring):
         try:
             simulator = Simulator(
                 generation=cast("Generation", generation),
@@ -154,27 +150,23 @@ def sim(
             )
             simulator.start()
         except ValueError as error:
-            say(str(error), error=True)
-            raise typer.Exit(1) from None
+            fail(str(error))
         except OSError as error:
             given = (port, status_port, force_port)
             ports = " or ".join(str(each) for each in given if each is not None)
-            _say_taken(host, ports, error)
-            raise typer.Exit(1) from None
+            _fail_taken(host, ports, error)
         with contextlib.ExitStack() as stack:
             stack.enter_context(contextlib.closing(simulator))
             commands = control_port_of(port) if control_port is None else control_port
             try:
                 lines = LineServer(Console(simulator).answer, commands)
             except OSError as error:
-                _say_taken("127.0.0.1", f"{commands} for commands", error)
-                raise typer.Exit(1) from None
+                _fail_taken("127.0.0.1", f"{commands} for commands", error)
             stack.enter_context(contextlib.closing(lines))
             try:
                 watch = watching.SimulatorWatch(simulator, render, view=view)
             except RenderError as error:
-                say(str(error), error=True)
-                raise typer.Exit(1) from None
+                fail(str(error))
             where = host_port(simulator.host, simulator.port)
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"
@@ -185,26 +177,5 @@ def sim(
             watch.until(heard)
 
 
-def _say_taken(host: str, ports: str, error: OSError) -> None:
-    say(f"cannot listen on {host}:{ports}: {error.strerror or error}", error=True)
-
-
-@contextlib.contextmanager
-def _wakeup_socket() -> Iterator[tuple[socket.socket, Callable[[], object]]]:
-    """A socket that becomes readable after a signal, and a function that makes it readable.
-
-    The system may deliver a signal to any thread, also to a thread of a library. A blocking call
-    of the main thread would then not return. The byte that the interpreter writes for the signal
-    makes a `select` return in any case.
-    """
-    heard, rung = socket.socketpair()
-    with heard, rung:
-        rung.setblocking(False)
-        before = signal.set_wakeup_fd(rung.fileno(), warn_on_full_buffer=False)
-        handlers = {number: signal.signal(number, lambda *_: None) for number in ENDS}
-        try:
-            yield heard, lambda: rung.send(b"!")
-        finally:
-            for number, handler in handlers.items():
-                signal.signal(number, handler)
-            signal.set_wakeup_fd(before)
+def _fail_taken(host: str, ports: str, error: OSError) -> NoReturn:
+    fail(f"cannot listen on {host}:{ports}: {error.strerror or error}")

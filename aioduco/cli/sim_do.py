@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 
 __all__ = ["control_port_of", "sim_do"]
@@ -40,12 +41,10 @@ def sim_do(
             with line.makefile("r") as answer:
                 said = answer.read().rstrip("\n")
     except OSError as error:
-        say(
+        fail(
             f"no simulator takes commands on {_HOST}:{where}: {error.strerror or error}; "
             "`aioduco sim` names its port for commands when it starts",
-            error=True,
         )
-        raise typer.Exit(1) from None
     failed = said.startswith("error")
     say(said, error=failed)
     raise typer.Exit(1 if failed else 0)

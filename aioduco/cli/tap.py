@@ -15,7 +15,9 @@ import typer
 from aioduco._process.platform import private
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
+from aioduco.cli.signals import ENDS
 from aioduco.errors import ParameterError
 from aioduco.models.address import parse_address
 from aioduco.models.host_port import host_port
@@ -84,20 +86,18 @@ def tap(
                 else:
                     say(f"{item.at - begin:10.3f} {item}")
     except (DucoError, OSError, RuntimeError) as error:
-        say(str(error), error=True)
-        raise typer.Exit(1) from None
+        fail(str(error))
 
 
 @contextlib.contextmanager
 def _ended_by_signals(end: Callable[[], None]) -> Iterator[None]:
     """On Ctrl-C or SIGTERM, call `end` instead of raising, so that files are complete."""
-    signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(each, lambda *_: end()) for each in signals]
+    handlers = {number: signal.signal(number, lambda *_: end()) for number in ENDS}
     try:
         yield
     finally:
-        for each, handler in zip(signals, before, strict=True):
-            signal.signal(each, handler)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
 from aioduco.cli.sessions import control_session, observing_session
@@ -123,8 +123,7 @@ def _touched(robot: Robot, least: int) -> ToolTip:
         if word == "q":
             if tip is not None and len(poses) >= least:
                 return tip
-            say(f"{len(poses)} touches gave no tip: nothing was written", error=True)
-            raise typer.Exit(FAILED)
+            fail(f"{len(poses)} touches gave no tip: nothing was written")
         if word == "d":
             del poses[-1:]
         elif word:
@@ -158,8 +157,7 @@ def _axes(robot: Robot, tip: ToolTip) -> ToolAxes:
 def _line(question: str) -> str:
     word = typed_line(question)
     if word is None:
-        say("it was ended: nothing was written", error=True)
-        raise typer.Exit(FAILED)
+        fail("it was ended: nothing was written")
     return word
 
 

@@ -14,10 +14,11 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
-from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
+from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import observing_session, wait_until_ended
+from aioduco.cli.signals import receive_signals
 from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
 
@@ -118,8 +119,7 @@ def twin(
         wait_until_ended(what, robot, shown.going, seconds)
         shown.going()
     if made.error is not None:
-        say(f"it ended early: {made.error}", error=True)
-        raise typer.Exit(FAILED)
+        fail(f"it ended early: {made.error}")
     raise typer.Exit(PARTED if shown.count else 0)
 
 
@@ -199,13 +199,11 @@ def _show_page(
         try:
             told, count = anyio.run(_serve_page, made, str(address), seconds, as_json)
         except OSError as error:
-            say(f"cannot listen on port {listen}: {error.strerror or error}", error=True)
-            raise typer.Exit(FAILED) from None
+            fail(f"cannot listen on port {listen}: {error.strerror or error}")
     if told == signal.SIGTERM:
         raise typer.Exit(SIGNALLED + told)
     if made.twin is not None and made.twin.error is not None:
-        say(f"it ended early: {made.twin.error}", error=True)
-        raise typer.Exit(FAILED)
+        fail(f"it ended early: {made.twin.error}")
     raise typer.Exit(PARTED if count else 0)
 
 
@@ -214,7 +212,7 @@ async def _serve_page(
 ) -> tuple[int, int]:
     """Serve the page; return the signal that ended it, 0 for none, and how often they parted."""
     told = 0
-    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+    with receive_signals() as signals:
         async with made:
             assert made.twin is not None
             shown = _Shown(made.twin, as_json=as_json)

@@ -8,8 +8,7 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import FAILED
-from aioduco.cli.output import say
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
 __all__ = ["view"]
@@ -53,5 +52,4 @@ def view(
             what = f"{address} is on {publication.url}"
             wait_until_ended(what, robot, lambda: publication.running, seconds)
     if publication.error is not None:
-        say(f"it ended early: {publication.error}", error=True)
-        raise typer.Exit(FAILED)
+        fail(f"it ended early: {publication.error}")

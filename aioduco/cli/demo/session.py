@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from aioduco.cli.signals import receive_signals
 from aioduco.errors import ControllerError, DucoError
 
 if TYPE_CHECKING:
+    import signal
     from collections.abc import Iterator
 
     from anyio.abc import TaskStatus
@@ -116,7 +116,7 @@ async def _end_on_signal(
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
-    with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
+    with receive_signals() as signals:
         task_status.started()
         async for number in signals:
             told.append(number)

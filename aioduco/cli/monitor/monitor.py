@@ -9,7 +9,7 @@ import anyio
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import SIGNALLED, USAGE, ended_by_errors
+from aioduco.cli.exit_codes import SIGNALLED, USAGE, ended_by_errors, fail
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -39,8 +39,7 @@ def monitor(
     """
     address = robot_at(host, port, cell)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        say("this needs a terminal; `aioduco status --json` does not", error=True)
-        raise typer.Exit(USAGE)
+        fail("this needs a terminal; `aioduco status --json` does not", USAGE)
     # All imports run before the event loop: loading would block it.
     from rich.live import Live  # noqa: PLC0415
 

@@ -9,7 +9,6 @@ Guarantees:
 from __future__ import annotations
 
 import logging
-import signal
 import time
 from collections import deque
 from dataclasses import replace
@@ -24,6 +23,7 @@ from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
+    import signal
     from collections.abc import Awaitable, Callable
 
     from aioduco.robot import Robot
@@ -104,7 +104,7 @@ class MonitorClient:
         return self._told
 
     async def _until_told(self, looking: anyio.CancelScope) -> None:
-        with receive_signals(signal.SIGINT, signal.SIGTERM) as signals:
+        with receive_signals() as signals:
             async for self._told in signals:
                 looking.cancel()
 

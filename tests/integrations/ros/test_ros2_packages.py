@@ -16,7 +16,7 @@ import pytest
 import yaml
 
 import aioduco
-from aioduco.cli.ros2 import _NEEDED
+from aioduco.cli.ros import _ROS2
 from aioduco.integrations.ros.node_parameters import parameter_defaults
 from aioduco.integrations.ros.ros1.definitions import MESSAGES, SERVICES
 
@@ -74,7 +74,7 @@ def test_packages_name_what_the_driver_imports() -> None:
     }
     assert messages
     assert messages <= named
-    assert messages <= {*_NEEDED}
+    assert messages <= {*_ROS2}
 
 
 @pytest.mark.parametrize("package", ["aioduco_driver", "aioduco_msgs"])

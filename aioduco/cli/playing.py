@@ -1,0 +1,146 @@
+"""One file that `aioduco play` checks, and plays on a simulated or a real arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import aioduco.sync
+from aioduco.cli.exit_codes import fail
+from aioduco.cli.output import say
+from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import control_session, observing_session
+from aioduco.kinematics import arm
+from aioduco.recording.playback import RecordedPath, WaypointFile, check_path
+from aioduco.recording.playback.path_check import check_waypoints, fastest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from aioduco.cli.addresses import RobotAddress
+    from aioduco.envelope import Envelope
+    from aioduco.sync import Robot
+
+__all__ = ["PlayedFile"]
+
+#: speed of the joint that turns farthest, on the way to the start of a recording [rad/s]
+_APPROACH = 0.3
+_NOTHING = "nothing speaks against it"
+
+
+@dataclass(frozen=True, slots=True)
+class PlayedFile:
+    """One file, played on one robot or two.
+
+    Attributes:
+        content: the recording or the waypoints.
+        model: name of the arm; None for the one that the controller reports.
+        speed: factor on the speeds of waypoints.
+        outputs: whether the digital outputs of a recording are set, too.
+        record: file to which the arm is recorded; None for none.
+        envelope: limits to keep; None for none.
+    """
+
+    content: RecordedPath | WaypointFile
+    model: str | None
+    speed: float
+    outputs: bool
+    record: Path | None
+    envelope: Envelope | None
+
+    def check(self) -> None:
+        """Check it without a robot."""
+        if self.model is None:
+            fail("it does not say for which arm it is: --model says so")
+        known, limits = arm(self.model), self.envelope
+        if isinstance(self.content, RecordedPath):
+            _report(check_path(self.content, known, envelope=limits))
+        else:
+            _report(check_waypoints(self.content, known, envelope=limits))
+        say(_NOTHING)
+
+    def simulate(self, around: dict[str, Any], *, keep: bool) -> None:
+        """Play it on a simulated arm; errors there are raised."""
+        from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
+
+        model = self.model or "gcr5_910"
+        say(f"on a simulated {model}: {self}")
+        options = {**around, "model": model}
+        if isinstance(self.content, RecordedPath):
+            options["joints"] = list(self.content.start)
+        record = self.record if keep else None
+        with (
+            Simulator.spawn(**options) as sim,
+            aioduco.sync.connect(sim.host, sim.port, clock=sim.clock, record=record) as robot,
+        ):
+            robot.bring_up()
+            robot.envelope = self.envelope
+            self._play(robot)
+
+    def on_arm(self, address: RobotAddress, *, only_check: bool, yes: bool) -> None:
+        """Check it, ask, and play it on the real arm."""
+        # No heartbeat: another program may still lead the arm.
+        with observing_session(address) as robot:
+            _report(self._against(robot))
+            if only_check:
+                say(_NOTHING)
+                return
+            states = robot.state.get_robot_state()
+            text = f"{self} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
+        ask(text, "Move the arm?", yes=yes)
+        with control_session(address) as robot:
+            robot.bring_up()
+            robot.envelope = self.envelope
+            if self.record is None:
+                self._play(robot)
+            else:
+                with robot.record(self.record):
+                    self._play(robot)
+
+    def _against(self, robot: Robot) -> Iterable[object]:
+        """Reasons against playing it on a robot."""
+        limits: dict[str, Any] = {"arm": self.model, "envelope": self.envelope}
+        if isinstance(self.content, RecordedPath):
+            return aioduco.sync.check_path_on(robot, self.content, **limits)
+        return aioduco.sync.check_waypoints_on(robot, self.content, **limits)
+
+    def __str__(self) -> str:
+        content = self.content
+        if isinstance(content, RecordedPath):
+            return f"{content.source.name}, {content.duration:.2f} s of motion"
+        count = len(content.waypoints)
+        return f"{content.title}, {count} waypoint{'' if count == 1 else 's'}"
+
+    def _announced(self, robot: Robot) -> str:
+        """Announcement of the motion, as text."""
+        content = self.content
+        if isinstance(content, RecordedPath):
+            first, then = content.start, f"joints turn at up to {fastest(content):.2f} rad/s"
+        else:
+            first, then = content.waypoints[0].joints, f"{len(content.waypoints)} waypoints"
+        here = np.asarray(robot.state.get_actual_joints_position())
+        far = np.rad2deg(np.abs(first.array - here))
+        joint = int(far.argmax())
+        return f"joint {joint + 1} turns by {far[joint]:.1f}° to the begin, then {then}."
+
+    def _play(self, robot: Robot) -> None:
+        if isinstance(self.content, RecordedPath):
+            result = aioduco.sync.play(
+                robot, self.content, approach=_APPROACH, outputs=self.outputs, arm=self.model
+            )
+            worst = max(result.path_error.max(), abs(result.goal_error).max())
+            say(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
+            return
+        speed = min(self.speed, 1.0)
+        count = aioduco.sync.run_waypoints(robot, self.content, arm=self.model, speed=speed)
+        say(f"{count} waypoints were reached")
+
+
+def _report(found: Iterable[object]) -> None:
+    """Print the reasons against playing a file, and end the command if there are any."""
+    lines = "\n".join(map(str, found))
+    if lines:
+        fail(lines)

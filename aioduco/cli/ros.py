@@ -1,0 +1,104 @@
+"""`aioduco ros1` and `aioduco ros2`: the driver of an arm as a node of ROS."""
+
+from __future__ import annotations
+
+import importlib.util
+import logging
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+from aioduco.cli.exit_codes import fail
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+__all__ = ["ros1", "ros2"]
+
+#: Python packages that the node of ROS 1 needs, and those of Debian that have them
+_ROS1 = {
+    "rospy": "python3-rospy",
+    "actionlib": "python3-actionlib",
+    "genpy": "python3-genpy",
+    "trajectory_msgs": "python3-trajectory-msgs",
+    "sensor_msgs": "python3-sensor-msgs",
+    "tf2_msgs": "python3-tf2-msgs",
+    "diagnostic_msgs": "python3-diagnostic-msgs",
+    "std_srvs": "python3-std-srvs",
+}
+#: Python packages that the node of ROS 2 needs; `ros-base` has all but the last line
+_ROS2 = (
+    *("rclpy", "lifecycle_msgs", "rcl_interfaces", "builtin_interfaces", "sensor_msgs"),
+    *("geometry_msgs", "trajectory_msgs", "std_srvs"),
+    *("std_msgs", "diagnostic_msgs", "tf2_msgs", "control_msgs", "aioduco_msgs"),
+)
+
+Port: TypeAlias = Annotated[
+    int | None, typer.Option(min=1, max=65535, help="Port of the controller. Default: 7003.")
+]
+
+
+def ros1(
+    remappings: Annotated[
+        list[str] | None,
+        typer.Argument(help="ROS arguments: `_prefix:=left_ __ns:=left joint_states:=/js` …"),
+    ] = None,
+    host: Annotated[str, typer.Option(help="Address of the controller; or _host:=…")] = "",
+    port: Port = None,
+) -> None:
+    """Run the driver of one arm as a node of ROS 1, until Ctrl-C. Two arms are two nodes."""
+    if missing := _missing(_ROS1):
+        fail(
+            f"this needs {' and '.join(missing)} of ROS 1: source its setup.bash, or on Debian "
+            f"`apt install {' '.join(_ROS1[name] for name in missing)}`, and use that Python "
+            "(python3 -m venv --system-site-packages)"
+        )
+    from aioduco.integrations.ros.ros1.message_classes import install  # noqa: PLC0415 - as below
+
+    install()
+    from aioduco.integrations.ros.ros1 import node  # noqa: PLC0415 - it imports what is installed
+
+    _run(node.main, remappings or [], host, port)
+
+
+def ros2(
+    context: typer.Context,
+    host: Annotated[str, typer.Option(help="Address of the controller; or -p host:=…")] = "",
+    port: Port = None,
+) -> None:
+    """Run the driver of one arm as a node of ROS 2, until Ctrl-C. Two arms are two nodes.
+
+    ROS's own arguments follow: --ros-args -p prefix:=left_ -r __node:=left_driver …
+    """
+    if missing := _missing(_ROS2):
+        fail(
+            f"this needs {' and '.join(missing)} of ROS 2: source its setup.bash, and that of a "
+            "workspace with the packages in integrations/ros2/ built by colcon, and use that "
+            "Python (python3 -m venv --system-site-packages)"
+        )
+    from aioduco.integrations.ros.ros2 import driver_process  # noqa: PLC0415 - it imports what is installed
+
+    _run(driver_process.main, context.args, host, port)
+
+
+def _missing(packages: Iterable[str]) -> list[str]:
+    return [name for name in packages if importlib.util.find_spec(name) is None]
+
+
+def _run(
+    main: Callable[[Sequence[str], dict[str, Any]], None],
+    arguments: Sequence[str],
+    host: str,
+    port: int | None,
+) -> None:
+    """Run a node until it ends; its parameters are the options that were given."""
+    from aioduco.errors import DucoError  # noqa: PLC0415 - for these commands alone
+
+    given: dict[str, Any] = {"host": host} if host else {}
+    if port is not None:
+        given["port"] = port
+    logging.getLogger("aioduco").setLevel(logging.INFO)
+    try:
+        main(arguments, given)
+    except DucoError as error:
+        fail(str(error))
