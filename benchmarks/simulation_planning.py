@@ -185,9 +185,13 @@ def asks(port: int, quick: bool) -> Iterator[tuple[str, Ask]]:
 
 
 def judged(rows: dict[str, dict[str, float]]) -> dict[str, dict[str, Any]]:
-    """What is asked for of long plans, and what was found."""
-    longest = {"under the lock": "lock_max_ms", "stop": "stop_waits_max_ms"}
+    """What is asked for of long plans, and what was found; beside it, what the machine does."""
+    lock, stop, idle = (
+        max(row[key] for row in rows.values())
+        for key in ("lock_max_ms", "stop_waits_max_ms", "idle_stop_max_ms")
+    )
     return {
-        f"longest {name} while planning [ms]": at_most(WAIT, max(row[key] for row in rows.values()))
-        for name, key in longest.items()
+        "longest under the lock while planning [ms]": at_most(WAIT, lock),
+        "longest stop while planning [ms]": at_most(WAIT, stop),
+        "longest stop while nothing is planned [ms]": {"asked": "", "found": idle, "reached": ""},
     }

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import DucoError
@@ -112,7 +113,7 @@ class FleetSettings:
 
     @classmethod
     def read(cls, path: str | PathLike[str]) -> FleetSettings:
-        """Read a file.
+        """Read a file. The files that it names are found from its own folder.
 
         Raises:
             FleetFileError: the file is not valid; the text says why.
@@ -122,7 +123,10 @@ class FleetSettings:
             table = read_toml(path)
         except ValueError as error:
             raise FleetFileError(f"{path}: {error}") from error
-        return cls.of(table)
+        read = cls.of(table)
+        folder = Path(path).parent
+        named = {name: getattr(read, name) for name in ("zenoh", "keys")}
+        return replace(read, **{name: each and str(folder / each) for name, each in named.items()})
 
     @classmethod
     def of(cls, table: dict[str, Any]) -> FleetSettings:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given
@@ -20,6 +20,9 @@ from aioduco.integrations.fleet.reports import (
     StopRequest,
 )
 from aioduco.integrations.fleet.settings import FleetFileError, FleetSettings
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 ARM = {"name": "left", "host": "127.0.0.1"}
 READERS = (StopRequest, StopReport, GatewayReport)
@@ -156,6 +159,17 @@ def test_a_report_says_how_old_it_is() -> None:
 def test_a_wrong_file_is_refused_with_what_is_wrong(table: dict[str, Any], said: str) -> None:
     with pytest.raises(FleetFileError, match=said):
         FleetSettings.of(table)
+
+
+def test_files_that_a_file_names_are_found_from_its_folder(tmp_path: Path) -> None:
+    file, zenoh = tmp_path / "fleet.toml", tmp_path / "elsewhere" / "zenoh.json5"
+    file.write_text(
+        f"[fleet]\nname = 'hall'\nkeys = 'keys.toml'\nzenoh = {json.dumps(str(zenoh))}\n"
+    )
+    settings = FleetSettings.read(file)
+    assert (settings.keys, settings.zenoh) == (str(tmp_path / "keys.toml"), str(zenoh))
+    file.write_text("[fleet]\nname = 'hall'\n")
+    assert FleetSettings.read(file) == FleetSettings("hall")
 
 
 def test_a_file_says_nothing_of_the_network_it_listens_on_loopback() -> None:
