@@ -125,8 +125,11 @@ class FleetSettings:
             raise FleetFileError(f"{path}: {error}") from error
         read = cls.of(table)
         folder = Path(path).parent
-        named = {name: getattr(read, name) for name in ("zenoh", "keys")}
-        return replace(read, **{name: each and str(folder / each) for name, each in named.items()})
+        return replace(
+            read,
+            zenoh=read.zenoh and str(folder / read.zenoh),
+            keys=read.keys and str(folder / read.keys),
+        )
 
     @classmethod
     def of(cls, table: dict[str, Any]) -> FleetSettings:
