@@ -54,7 +54,7 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
             for colour, (points, faces) in merged(_drawn(link, meshes)).items():
                 ET.SubElement(
                     asset, "mesh", name=f"{link.name}_{colour}",
-                    vertex=" ".join(f"{value:.5g}" for value in points.ravel().round(5)),
+                    vertex=" ".join(f"{value:.6g}" for value in points.ravel().round(5)),
                     face=" ".join(map(str, faces.ravel())),
                 )  # fmt: skip
         _bodies(world, tree, meshes)
