@@ -111,7 +111,7 @@ def test_each_parameter_is_checked(name: str) -> None:
         # `Section` checks the one; the frames of velocities are checked where they are turned
         if parameter != "timeout" and (name, parameter) not in TURNED:
             alone = rf'\(\s*"{parameter}",'
-            together = rf'ranges\.[a-z_]+\([^"()]*\b{parameter}\b'
+            together = rf'(ranges\.[a-z_]+|directions_of)\([^"()]*\b{parameter}\b'
             # what motions have in common
             group = rf'\b({"|".join(arguments.__all__)})\([^"()]*\b{parameter}\b'
             if not re.search(f"{alone}|{together}", source):

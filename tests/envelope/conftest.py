@@ -45,7 +45,7 @@ def sim(seen: Seen) -> Iterator[Simulator]:
 @pytest.fixture
 async def robot(sim: Simulator, seen: Seen) -> AsyncIterator[aioduco.Robot]:
     connected = aioduco.connect(
-        sim.host, sim.port, clock=sim.clock, state_rate=100.0, lag_limit=None
+        sim.host, sim.port, clock=sim.clock, state_rate=150.0, lag_limit=None
     )
     async with connected as robot:
         await robot.bring_up()

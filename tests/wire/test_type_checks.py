@@ -15,7 +15,7 @@ from thriftpy2.thrift import TType
 from thriftpy2.transport import TMemoryBuffer
 
 from aioduco import TaskState
-from aioduco._wire import codec, idl, rpc
+from aioduco._wire import codec, idl, newer, rpc
 from aioduco._wire.type_checks import type_of
 from aioduco.errors import ParameterError
 
@@ -97,6 +97,9 @@ def test_nothing_that_does_not_fit_is_encoded(name: str) -> None:
             with pytest.raises(ParameterError) as raised:
                 codec.encode(function, args)
             where = raised.value.parameter
+            if name in newer.SCHEMES and parameter == "scheme_name" and bad == ["text"]:
+                assert where == "epose[0]"  # lists in all fields of a scheme are those of 4.3
+                continue
             # a text that is no Unicode is found by thriftpy2, which names the field alone
             assert where == parameter + path or where in re.findall(r"\w+", parameter + path)
             assert "nothing was sent" in str(raised.value)

@@ -342,7 +342,7 @@ def test_play_keeps_to_an_envelope(tmp_path: Path) -> None:
         ("speed = 1", "speed"),
         ("arm = 'gcr5_910'", "limit"),
         ("arm = 'gcr10_1300'\n[[limit]]\nkind = 'plane'", "gcr5_910"),
-        ("[[limit]]\nkind = 'cone'", "box, sphere, plane"),
+        ("[[limit]]\nkind = 'cone'", '"box", "sphere", "plane"'),
         ("[[limit]]\nkind = 'sphere'\nat = [0, 0, 0]", "radius"),
         ("[[limit]]\nkind = 'tool_speed'\nmost = -1", "most of limit 1"),
     ],
