@@ -72,6 +72,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="run all cases of all tests, which takes minutes; without it a few of each",
     )
     parser.addoption(
+        "--share",
+        type=quick.share,
+        metavar="K/N",
+        help="run the Kth of N shares of the cases alone, always the same ones: by turns, N runs "
+        "take all of them",
+    )
+    parser.addoption(
         "--bare-platform",
         action="store_true",
         help="run without what Windows lacks, see tests/bare: no memory files, no poll, no sends "
@@ -181,6 +188,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             for mark in item.iter_markers("linux"):
                 item.add_marker(pytest.mark.skip(f"this platform lacks: {mark.args[0]}"))
     kept, left = (items, []) if config.getoption("thorough") else quick.divided(items)
+    if (share := config.getoption("share")) is not None:
+        left += [item for item in kept if not quick.in_share(item.nodeid, *share)]
+        kept = [item for item in kept if quick.in_share(item.nodeid, *share)]
     if left:
         config.hook.pytest_deselected(items=left)
     if _is_divided(config):

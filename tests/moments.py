@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _BUSY = re.compile(
-    r"^the event loop (?:did not get to run|was blocked) for [\d.]+ s.*\n", re.MULTILINE
+    r"^(?:the event loop (?:did not get to run|was blocked) for [\d.]+ s"
+    r"|\S+: \d+ times the arm moved for more than [\d.]+ s without a sample).*\n",
+    re.MULTILINE,
 )
 
 

@@ -9,6 +9,7 @@ table below does, by the longest beginning of its file's path.
 from __future__ import annotations
 
 import os
+import zlib
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hypothesis import settings
@@ -149,6 +150,23 @@ def part(sizes: Mapping[T, int], process: int, processes: int) -> list[T]:
         taken[least].add(file)
         load[least] += sizes[file]
     return [file for file in sizes if file in taken[process % processes]]
+
+
+def share(text: str) -> tuple[int, int]:
+    """Read `3/8`, the third of eight shares of the cases.
+
+    Raises:
+        ValueError: it is none.
+    """
+    number, shares = (int(part) for part in text.split("/"))
+    if not 1 <= number <= shares:
+        raise ValueError(text)
+    return number, shares
+
+
+def in_share(nodeid: str, number: int, shares: int) -> bool:
+    """Whether a case is in this share, from 1, of all cases: each is in one, always the same."""
+    return zlib.crc32(nodeid.encode()) % shares == number - 1
 
 
 def _cases_of(item: pytest.Item) -> int:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from quick import CASES, divided, part, slow_first, spread, spread_cases
+from quick import CASES, divided, in_share, part, share, slow_first, spread, spread_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -98,3 +98,17 @@ def test_each_file_is_collected_by_one_process(files: int, processes: int) -> No
     assert sorted(number for each in parts for number in each) == list(range(files))
     assert part(sizes, processes, processes) == parts[0]
     assert part({"a": 1, "b": 2, "large": 6, "c": 3}, 0, 2) == ["large"]
+
+
+def test_each_case_is_in_one_share() -> None:
+    names = ids(items("tests/models/test_a.py::test_a", 400))
+    shares = [[name for name in names if in_share(name, number, 8)] for number in range(1, 9)]
+    assert sorted(name for each in shares for name in each) == sorted(names)
+    assert all(shares)
+
+
+@pytest.mark.parametrize("text", ["0/8", "9/8", "3", "1/2/3", "a/b"])
+def test_a_share_that_is_none_is_refused(text: str) -> None:
+    assert share("8/8") == (8, 8)
+    with pytest.raises(ValueError, match=r"."):
+        share(text)
