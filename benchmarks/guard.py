@@ -23,7 +23,6 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -51,6 +50,8 @@ HEARTBEAT = 0.5
 #: what the controller of these figures gives beyond the heartbeat time [s]
 SLACK = 0.0
 STALL_LIMIT = 0.6
+#: what is compared
+KINDS: dict[str, GuardKind | None] = {"without guard": None, "with guard": "process"}
 #: turns in which the stops with a guard and without one are measured
 TURNS = 5
 #: s of work, and of rest after it
@@ -139,7 +140,7 @@ async def latencies(desk: Desk, count: int) -> dict[str, list[float]]:
     async def add(name: str, send: Callable[[], Awaitable[float]]) -> None:
         late[name] = await desk.stops(count, send)
 
-    await desk.stops(3, desk.stop)  # the turn before has broken every connection
+    await desk.stops(3, desk.stop)  # the turn before has broken the lane's connection
     await add("idle", desk.stop)
     async with anyio.create_task_group() as tasks:
         for _ in range(68):
@@ -157,13 +158,27 @@ async def latencies(desk: Desk, count: int) -> dict[str, list[float]]:
     return late
 
 
-async def compared(desks: dict[str, Desk], count: int) -> dict[str, dict[str, Figures]]:
-    """Take turns, so that whatever else the machine does meets all alike."""
-    late: dict[str, dict[str, list[float]]] = {name: {} for name in desks}
+async def compared(
+    lane: WireLane, server: ServerProcess, cores: set[int], count: int
+) -> dict[str, dict[str, Figures]]:
+    """Take turns, so that whatever else the machine does meets all alike.
+
+    One robot is open at a time: what another one does in this program would count.
+    """
+    late: dict[str, dict[str, list[float]]] = {name: {} for name in KINDS}
     for _ in range(TURNS):
-        for name, desk in desks.items():
-            for case, found in (await latencies(desk, count // TURNS)).items():
-                late[name].setdefault(case, []).extend(found)
+        for name, guard in KINDS.items():
+            async with aioduco.connect(
+                HOST, lane.port, guard=guard, call_timeout=600.0, heartbeat=60.0, lag_limit=None
+            ) as robot:
+                seat = robot._supervisor.guard
+                if seat is not None and seat.pid is not None:
+                    # beside the program, not on its core alone: it is to be free of it
+                    for thread in os.listdir(f"/proc/{seat.pid}/task"):  # noqa: PTH208
+                        os.sched_setaffinity(int(thread), cores)
+                found = await latencies(Desk(robot, lane, server), count // TURNS)
+            for case, times in found.items():
+                late[name].setdefault(case, []).extend(times)
     return {
         name: {case: spread(found) | {"stops": len(found)} for case, found in cases.items()}
         for name, cases in late.items()
@@ -363,36 +378,16 @@ async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[s
         "stop": {},
         "death": {},
     }
-    kinds: tuple[tuple[str, GuardKind | None], ...] = (
-        ("without guard", None),
-        ("with guard", "process"),
-    )
-    async with AsyncExitStack() as stack:
-        lanes = {name: WireLane("bench", HOST, port) for name, _ in kinds}
-        for lane in lanes.values():
-            await lane.open()
-            stack.push_async_callback(lane.aclose)
-        async with AsyncExitStack() as robots:
-            desks = {}
-            for name, guard in kinds:
-                robot = await robots.enter_async_context(
-                    aioduco.connect(
-                        HOST, port, guard=guard, call_timeout=600.0, heartbeat=60.0, lag_limit=None
-                    )
-                )
-                seat = robot._supervisor.guard
-                if seat is not None and seat.pid is not None:
-                    # beside the program, not on its core alone: it is to be free of it
-                    for thread in os.listdir(f"/proc/{seat.pid}/task"):  # noqa: PTH208
-                        os.sched_setaffinity(int(thread), cores)
-                desks[name] = Desk(robot, lanes[name], server)
-            results["stop"] = await compared(desks, 300 if quick else 1000)
-        for name, guard in kinds:
-            lane = lanes[name]
-            if guard is None:
-                async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:
-                    results["end"] = await ends(Desk(robot, lane, server), 15 if quick else 100)
+    lane = WireLane("bench", HOST, port)
+    await lane.open()
+    try:
+        results["stop"] = await compared(lane, server, cores, 300 if quick else 1000)
+        async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:
+            results["end"] = await ends(Desk(robot, lane, server), 15 if quick else 100)
+        for name, guard in KINDS.items():
             results["death"][name] = await deaths(lane, port, guard, 2 if quick else 20)
+    finally:
+        await lane.aclose()
     return results
 
 
