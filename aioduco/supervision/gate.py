@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 
     from aioduco.errors import DucoError
 
-__all__ = ["STANDING", "Gate", "Permit", "PermitEnding"]
+__all__ = ["Gate", "Permit", "PermitEnding"]
 
 #: seconds for which an arm must be seen to stand until a resumed motion counts as over: it may not
 #: have begun to move
-STANDING = 0.5
+_STANDING = 0.5
 
 
 class PermitEnding(Enum):
@@ -364,5 +364,5 @@ class Gate:
             self._standing_since = None
         elif self._standing_since is None:
             self._standing_since = now
-        elif now - self._standing_since >= STANDING:
+        elif now - self._standing_since >= _STANDING:
             self.resumed = False

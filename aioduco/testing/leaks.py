@@ -131,7 +131,11 @@ def _files() -> dict[int, str]:
 
 
 def _children(parent: int) -> dict[int, str]:
-    children = {}
+    children: dict[int, str] = {}
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return children  # none, so that not all processes of the system need be read
     for entry in Path("/proc").iterdir():
         if not entry.name.isdigit():
             continue

@@ -14,7 +14,7 @@ import aioduco
 import aioduco.sync
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
-from aioduco.supervision.gate import STANDING, Gate, PermitEnding
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
@@ -172,14 +172,42 @@ def test_a_closed_gate_gives_no_permit() -> None:
             asked()
 
 
+def test_what_needs_no_beat_is_sent_before_the_first_one_and_after_a_lapse() -> None:
+    ended: list[PermitEnding] = []
+    gate = Gate(1.0, 20.0, 0.0, ended.append)
+    gate.check(gate.ask("power_on", 0.1, moves=False), 0.2)
+    gate.beaten(0.3)
+    gate.look(1.4)
+    gate.check(gate.ask("power_on", 1.5, moves=False), 1.6)
+    assert ended == [PermitEnding.LAPSED]
+
+
+def test_a_gate_shows_why_it_is_shut() -> None:
+    gate = beating()
+    assert repr(gate) == "<Gate open, 0 stops>"
+    with gate.stop():
+        assert repr(gate) == "<Gate stopping, 1 stops>"
+    gate.look(2.1)
+    gate.close("the robot is being closed")
+    assert repr(gate) == "<Gate closed, hung, 1 stops>"
+
+
 def test_what_was_resumed_is_the_programs_until_it_was_seen_standing_for_a_while() -> None:
     gate = beating()
+    assert not gate.resumed
     gate.resume()
     gate.seen(0.1, standing=True)  # it has not begun to move
     gate.seen(0.2, standing=False)
     gate.seen(3.0, standing=True)
+    gate.seen(3.4, standing=True)
     assert gate.resumed
-    gate.seen(3.0 + STANDING, standing=True)
+    gate.seen(3.5, standing=True)
+    assert not gate.resumed
+    gate.resume()
+    gate.seen(3.6, standing=True)  # what was seen before counts no more
+    assert gate.resumed
+    with gate.stop():
+        assert gate.resumed
     assert not gate.resumed
 
 
