@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
-    "BRAKING",
     "STOOD",
     "ContinuousMotion",
     "JointEta",
@@ -42,7 +41,7 @@ __all__ = [
 ]
 
 #: seconds after its time for which a motion may still slow down before it is stopped
-BRAKING = 2.0
+_BRAKING = 2.0
 #: seconds for which the arm must have stood before a motion counts as over, if the controller has
 #: ended its task early: the arm may not have begun to move
 STOOD = 0.25
@@ -76,7 +75,7 @@ class ContinuousMotion:
     @property
     def limit(self) -> float | None:
         """Seconds after which the arm is stopped; None for no limit."""
-        return None if self.time is None else self.time + BRAKING
+        return None if self.time is None else self.time + _BRAKING
 
 
 @dataclass(frozen=True, slots=True)

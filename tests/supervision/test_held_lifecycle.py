@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.task_state import BRAKING, ContinuousMotion, TaskLifecycle
+from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle
 
 MOTION = ContinuousMotion("speed_stop", time=1.0)
 GUIDING = ContinuousMotion("end_teach_mode", until_commanded=True)
@@ -108,7 +108,7 @@ def test_another_motion_takes_over() -> None:
 
 
 def test_its_limits() -> None:
-    assert MOTION.limit == 1.0 + BRAKING
+    assert MOTION.limit == 3.0  # its time, and two seconds in which it slows down
     assert GUIDING.limit is None
     assert [held.mode for held in (MOTION, GUIDING, JOG)] == [False, True, False]
     assert not ContinuousMotion("stop", until_commanded=True).mode

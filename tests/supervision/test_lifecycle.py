@@ -40,6 +40,13 @@ def test_the_same_state_twice_is_no_change() -> None:
     assert life.started
 
 
+def test_it_shows_its_state_and_its_end() -> None:
+    life = TaskLifecycle()
+    assert repr(life) == "<TaskLifecycle IDLE live, successor none>"
+    life.observe(TaskState.FINISHED)
+    assert repr(life) == "<TaskLifecycle FINISHED finished, successor none>"
+
+
 @pytest.mark.parametrize("late", list(TaskState))
 def test_an_end_is_final(late: TaskState) -> None:
     life = TaskLifecycle()

@@ -225,6 +225,9 @@ async def test_a_motion_that_is_lost_sight_of_raises_when_the_arm_stands(
         (("a", "b"), (), ()),
         (("a", "b"), ("c", "a"), ("c",)),  # one that is sorted otherwise
         (("a", "b"), ("c", "d"), ("c", "d")),
+        (("a", "b"), ("b", "a"), ("a",)),  # the oldest entry was dropped, and came again
+        (("a", "b"), ("c", "a", "a"), ("c", "a")),
+        (("z",), ("a", "z"), ("a",)),
     ],
 )
 def test_what_was_added_to_the_error_list(

@@ -36,7 +36,8 @@ def test_a_standing_arm_is_watched_as_long_as_the_answer_may_come() -> None:
     stand(one, 0.0, 0.1)
     assert one.step(0.1) is NextStep.LOOK
     assert one.step(ANSWER_BY - 0.1) is NextStep.LOOK
-    assert one.step(ANSWER_BY) is NextStep.RESET
+    for now in (ANSWER_BY, ANSWER_BY + 1.0):
+        assert one.step(now) is NextStep.RESET
 
 
 def test_an_answer_makes_a_new_stop_certain() -> None:
@@ -61,6 +62,16 @@ def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, wa
     assert one.step(outage + watch + 1.0) is NextStep.LOOK
     look(one, outage + watch)
     assert one.step(outage + watch) is NextStep.DONE
+
+
+def test_an_outage_is_as_long_as_from_the_reset_to_the_stop() -> None:
+    one = motion()
+    one.connection_reset(10.0)
+    stand(one, 10.0, 10.5)
+    look(one, 10.9)
+    assert one.step(10.9) is NextStep.LOOK
+    look(one, 11.1)
+    assert one.step(11.1) is NextStep.DONE
 
 
 def test_the_last_look_begins_after_the_watch() -> None:
@@ -150,12 +161,13 @@ def test_a_program_that_was_suspended_looks_before_it_gives_up(stops: bool) -> N
     assert one.step(1000.01) is NextStep.DONE
 
 
-def test_an_arm_that_still_moves_after_the_time_is_given_up() -> None:
+@pytest.mark.parametrize("late", [5.0, 6.0])
+def test_an_arm_that_still_moves_after_the_time_is_given_up(late: float) -> None:
     one = UnansweredMotion.none(0.0, 5.0, stops=False)
     look(one, 4.9, moving=True)
-    assert one.step(5.0) is NextStep.LOOK
-    look(one, 5.0, moving=True)
-    assert one.step(5.0) is NextStep.GIVE_UP
+    assert one.step(late) is NextStep.LOOK
+    look(one, late, moving=True)
+    assert one.step(late) is NextStep.GIVE_UP
 
 
 def test_where_no_stop_is_wanted_none_is_asked_for() -> None:
