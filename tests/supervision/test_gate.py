@@ -185,6 +185,7 @@ def test_what_needs_no_beat_is_sent_before_the_first_one_and_after_a_lapse() -> 
 def test_a_gate_shows_why_it_is_shut() -> None:
     gate = beating()
     assert repr(gate) == "<Gate open, 0 stops>"
+    assert not gate.resumed
     with gate.stop():
         assert repr(gate) == "<Gate stopping, 1 stops>"
     gate.look(2.1)
@@ -194,7 +195,6 @@ def test_a_gate_shows_why_it_is_shut() -> None:
 
 def test_what_was_resumed_is_the_programs_until_it_was_seen_standing_for_a_while() -> None:
     gate = beating()
-    assert not gate.resumed
     gate.resume()
     gate.seen(0.1, standing=True)  # it has not begun to move
     gate.seen(0.2, standing=False)
@@ -203,11 +203,16 @@ def test_what_was_resumed_is_the_programs_until_it_was_seen_standing_for_a_while
     assert gate.resumed
     gate.seen(3.5, standing=True)
     assert not gate.resumed
+
+
+def test_what_was_seen_before_it_was_resumed_does_not_count_and_a_stop_ends_it() -> None:
+    gate = beating()
+    gate.seen(3.0, standing=True)
     gate.resume()
-    gate.seen(3.6, standing=True)  # what was seen before counts no more
+    gate.seen(3.6, standing=True)
     assert gate.resumed
     with gate.stop():
-        assert gate.resumed
+        pass
     assert not gate.resumed
 
 

@@ -17,7 +17,7 @@ from quick import examples
 
 from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState
-from aioduco.errors import CallTimeout, NotSent, OutcomeUnknown
+from aioduco.errors import CallTimeout, ConnectError, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, channel, opened
@@ -401,8 +401,8 @@ async def test_many_timeouts_on_a_silent_controller_leave_nothing() -> None:
             async with anyio.create_task_group() as group:
                 for _ in range(4):
                     call = lane.call("get_tcp_pose", (), SHORT / 2)
-                    # on a busy machine the time can be over before it is sent
-                    group.start_soon(expect, (CallTimeout, NotSent), call)
+                    # on a busy machine the time can be over before it is sent, or connected
+                    group.start_soon(expect, (CallTimeout, NotSent, ConnectError), call)
         figures = lane.statistics()
         assert figures.failed == 20
         assert figures.connections <= 4
