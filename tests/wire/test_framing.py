@@ -137,6 +137,7 @@ def result(name: str, body: bytes, seqid: int = 1) -> bytes:
 
 DOUBLES = "get_tcp_pose"
 TEXTS = "get_last_error"
+STRUCTS = "get_eaxis_info"
 
 CLAIMS = {
     "a string of 2 GiB": ("get_robot_version", b"\x0b\x00\x00" + struct.pack("!i", 2**31 - 1)),
@@ -209,7 +210,7 @@ def test_fields_left_out_have_their_zero_values() -> None:
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "no reply"),
         (b"\x80\x01\x00\x01\x00\x00\x00\x04", "no reply"),
         (b"\x00\x00\x00\x20\x80\x01\x00\x02", "no reply"),
-        (result("get_tcp_speed", b"\x00"), "another function"),
+        (result("get_tcp_speed", b"\x00"), "another function: b'get_tcp_speed"),
         (result(DOUBLES, b"\x00", seqid=2), "another call"),
     ],
 )
@@ -250,6 +251,15 @@ def test_text_that_is_not_utf8_is_still_text() -> None:
     reader = codec.ReplyReader(FUNCTIONS[TEXTS], 1)
     assert reader.whole(data)
     assert reader.value(data) == ["\\xc5\\xf6ײ"]
+
+
+def test_text_in_a_struct_that_is_not_utf8_is_still_text() -> None:
+    bad = "轨道".encode("gbk")
+    name = b"\x0b\x00\x01" + struct.pack("!i", len(bad)) + bad
+    data = result(STRUCTS, b"\x0f\x00\x00\x0c" + struct.pack("!i", 1) + name + b"\x00\x00")
+    reader = codec.ReplyReader(FUNCTIONS[STRUCTS], 1)
+    assert reader.whole(data)
+    assert reader.value(data)[0].scheme_name == bad.decode("utf-8", "backslashreplace")
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
