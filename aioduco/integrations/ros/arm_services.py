@@ -1,4 +1,4 @@
-"""Services of an arm, for any middleware: each a coroutine that never raises."""
+"""Services of an arm, for any middleware: none of them raises. All but one are coroutines."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
+
+    from anyio.from_thread import BlockingPortal
 
     from aioduco import Robot
     from aioduco.integrations.ros.trajectory_server import TrajectoryServer
@@ -79,6 +81,21 @@ class ArmServices:
         """Stop the arm, and wait until it stands. A running goal is aborted."""
         self._goals.stopped()
         return await _answered(self._robot.stop(), "the arm stands")
+
+    def stop_now(self, portal: BlockingPortal) -> ServiceReply:
+        """Stop the arm from a thread: the stop needs no event loop, and nothing delays it.
+
+        Args:
+            portal: portal to the event loop, on which this waits until the arm stands.
+        """
+        try:
+            self._robot.stop_now()
+        except DucoError as error:
+            return ServiceReply(False, str(error))
+        try:
+            return portal.call(self.stop)
+        except RuntimeError:
+            return ServiceReply(True, "the stop was accepted; the driver ends")
 
     async def pause(self) -> ServiceReply:
         """Pause a trajectory goal, or a movej or movel."""

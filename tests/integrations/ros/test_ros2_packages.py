@@ -63,7 +63,8 @@ def test_parameters_are_listed_with_their_defaults() -> None:
 def test_packages_name_what_the_driver_imports() -> None:
     imported = {
         name.partition(".")[0]
-        for path in SHELL.glob("*.py")
+        for folder in (SHELL.parent, SHELL)
+        for path in folder.glob("*.py")
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, (ast.Import, ast.ImportFrom))
         for name in ([node.module or ""] if isinstance(node, ast.ImportFrom) else [""])

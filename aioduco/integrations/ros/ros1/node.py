@@ -23,23 +23,23 @@ import rosgraph
 import rospy
 import std_srvs.srv
 from actionlib import ActionServer
-from aioduco_msgs.msg import IOState, RobotState, ToolData
 from anyio.from_thread import BlockingPortal
 from control_msgs.msg import FollowJointTrajectoryAction, JointTrajectoryControllerState
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, TwistStamped, WrenchStamped
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger, TriggerResponse
-from tf2_msgs.msg import TFMessage
 
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
-from aioduco.integrations.ros.arm_readings import STATE_NAMES, state_names
 from aioduco.integrations.ros.node_parameters import settings_of
 from aioduco.integrations.ros.ros1 import conversions
+from aioduco.integrations.ros.ros1._packed_joint_state import PackedJointState
 from aioduco.integrations.ros.service_table import service_table
 from aioduco.integrations.ros.shutdown import cancel_on_signal
+from aioduco.integrations.ros.topics import (
+    COMMAND_TOPICS,
+    STATE_TOPICS,
+    StatePublisher,
+    topic_name,
+)
 from aioduco.integrations.ros.trajectory_goals import ErrorCode
 
 if TYPE_CHECKING:
@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 
     from anyio.abc import SocketStream, TaskGroup
 
-    from aioduco import Snapshot
-    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
     from aioduco.integrations.ros.arm_services import ServiceReply
     from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
@@ -60,6 +58,8 @@ _LOOK_AT_MASTER = 1.0  # seconds between two checks of the master
 _LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # checks after it closed its connection, and seconds between
 _SILENT = 5.0  # seconds without an answer after which the master has gone; it may be busy
 _QUEUE = 10  # queued messages for a slow subscriber
+_CONTROLLER_STATE = "joint_trajectory_controller/state"
+_TOPICS = STATE_TOPICS | {_CONTROLLER_STATE: JointTrajectoryControllerState}
 #: Seconds from a goal to its result, at the least. `SimpleActionClient.send_goal` of Python begins
 #: to track a goal after it has sent it: a result that comes earlier is lost, and its
 #: `wait_for_result` never returns (ros/actionlib, issue 206; that repository is archived).
@@ -111,7 +111,7 @@ async def _serve(settings: NodeSettings) -> None:
         tasks.start_soon(shell.watch_master)
         tasks.start_soon(shell.serve_services)
         try:
-            await node.run(shell)
+            await node.run(shell.state)
         finally:
             # Before the portal closes: later requests of rospy are refused, not lost.
             shell.close()
@@ -184,8 +184,29 @@ class _Goal:
         self._shell.answer(send, code, text, self._arrived)
 
 
+class _StatePublisher(StatePublisher):
+    """The arm's state as messages of ROS 1."""
+
+    joint_state = PackedJointState
+
+    def wall(self) -> float:
+        return float(rospy.get_time())
+
+    def stamp(self, seconds: float) -> Any:
+        return conversions.stamp(seconds)
+
+    def wants_frames(self) -> bool:
+        return bool(self.publishers["/tf"].get_num_connections())
+
+    def progress(self, place: GoalProgress, factor: float) -> None:
+        del factor  # no field of this message in ROS 1
+        publisher = self.publishers[_CONTROLLER_STATE]
+        if publisher.get_num_connections():
+            publisher.publish(conversions.controller_state(self.names, place, self.wall()))
+
+
 class _Shell:
-    """Topics, services and the action of one arm; the sink of its state."""
+    """Topics, services and the action of one arm."""
 
     def __init__(self, node: ArmNode, portal: BlockingPortal, tasks: TaskGroup) -> None:
         self._node = node
@@ -194,25 +215,16 @@ class _Shell:
         self._settings = node.settings
         self.names = node.settings.profile.joint_names
         self._goals: dict[str, _Goal] = {}
-        #: offset from the clock of samples to the clock of messages [s]
-        self._ahead = rospy.get_time() - time.monotonic()
         prefix = node.settings.prefix
-
-        def publisher(topic: str, kind: Any) -> Any:
-            return rospy.Publisher(topic, kind, queue_size=_QUEUE)
-
-        self._joints = publisher("joint_states", JointState)
-        self._transforms = publisher("/tf", TFMessage)
-        self._wrench = publisher(f"{prefix}wrench", WrenchStamped)
-        self._robot_state = publisher(f"{prefix}robot_state", RobotState)
-        self._io = publisher(f"{prefix}io_states", IOState)
-        self._speed = publisher(f"{prefix}speed_scaling", Float64)
-        self._tool = publisher(f"{prefix}tool_data", ToolData)
-        self._names = {name: publisher(prefix + name, String) for name in STATE_NAMES}
-        self._progress = publisher(
-            f"{prefix}joint_trajectory_controller/state", JointTrajectoryControllerState
+        #: the sink of the arm's state
+        self.state = _StatePublisher(
+            node.settings,
+            rospy.get_name(),
+            {
+                topic: rospy.Publisher(topic_name(prefix, topic), kind, queue_size=_QUEUE)
+                for topic, kind in _TOPICS.items()
+            },
         )
-        self._diagnostics = publisher("/diagnostics", DiagnosticArray)
         self._services: list[Any] = []
         self._action = ActionServer(
             f"{prefix}joint_trajectory_controller/follow_joint_trajectory",
@@ -221,49 +233,6 @@ class _Shell:
             self._cancel_goal,
             auto_start=False,
         )
-
-    # -- state -----------------------------------------------------------------------------------
-
-    def wants_frames(self) -> bool:
-        return bool(self._transforms.get_num_connections())
-
-    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
-        stamp = at + self._ahead
-        base = self._settings.base_frame
-        self._joints.publish(conversions.joint_state(self.names, reading, base, stamp))
-        if frames:
-            self._transforms.publish(conversions.transforms(base, frames, stamp))
-
-    def wrench(self, at: float, force: list[float]) -> None:
-        frame = self._settings.prefix + "tcp_controller"
-        self._wrench.publish(conversions.wrench(frame, force, at + self._ahead))
-
-    def states(self, snapshot: Snapshot) -> None:
-        stamp, base = snapshot.received_at + self._ahead, self._settings.base_frame
-        self._robot_state.publish(conversions.robot_state(snapshot, base, stamp))
-        self._io.publish(conversions.io_state(snapshot, base, stamp))
-
-        for name, text in state_names(snapshot).items():
-            self._names[name].publish(text)
-
-    def tool(self, fields: dict[str, Any]) -> None:
-        message = conversions.tool_data(fields, self._settings.base_frame, rospy.get_time())
-        self._tool.publish(message)
-
-    def progress(self, place: GoalProgress, factor: float) -> None:
-        del factor  # no field of this message in ROS 1
-        if self._progress.get_num_connections():
-            message = conversions.controller_state(self.names, place, rospy.get_time())
-            self._progress.publish(message)
-
-    def speed(self, percent: float) -> None:
-        self._speed.publish(percent)
-
-    def diagnosis(self, found: Diagnosis) -> None:
-        now = rospy.get_time()
-        self._ahead = now - time.monotonic()  # the clock may have been set, or be simulated
-        name = rospy.get_name()
-        self._diagnostics.publish(conversions.diagnostics(name, self._settings.host, found, now))
 
     # -- goals: called on threads of rospy -------------------------------------------------------
 
@@ -370,12 +339,8 @@ class _Shell:
             name = entry.name if entry.name[0] == "~" else prefix + entry.name
             self._serve(name, kind, response, entry)
         self._services.append(rospy.Service("~stop", Trigger, self._stop))
-        for topic, kind, take in (
-            ("twist_controller/command", Twist, self._take_twist),
-            ("delta_twist_cmds", TwistStamped, self._take_twist),
-            ("freedrive_mode_controller/enable_freedrive_mode", Bool, self._take_freedrive),
-        ):
-            rospy.Subscriber(prefix + topic, kind, take, queue_size=1)
+        for topic, (kind, take) in COMMAND_TOPICS.items():
+            rospy.Subscriber(prefix + topic, kind, self._take_command, take, queue_size=1)
         self._action.start()
 
     def _serve(self, name: str, kind: Any, response: Any, entry: ServiceEntry) -> None:
@@ -390,22 +355,12 @@ class _Shell:
 
         self._services.append(rospy.Service(name, kind, handle))
 
-    def _take_twist(self, message: Any) -> None:
-        self._schedule(self._node.twists.take, *conversions.twist(message))
-
-    def _take_freedrive(self, message: Any) -> None:
-        self._schedule(self._node.freedrive.take, bool(message.data))
+    def _take_command(self, message: Any, take: Callable[[ArmNode, Any], None]) -> None:
+        self._schedule(take, self._node, message)
 
     def _stop(self, _: Any) -> Any:
         """Stop the arm, on rospy's thread: the stop needs no event loop, and nothing delays it."""
-        try:
-            self._node.robot.stop_now()
-        except DucoError as error:
-            return TriggerResponse(False, str(error))
-        try:
-            return TriggerResponse(*self._portal.call(self._node.services.stop))
-        except RuntimeError:
-            return TriggerResponse(True, "the stop was accepted; the driver ends")
+        return TriggerResponse(*self._node.services.stop_now(self._portal))
 
     def close(self) -> None:
         """Accept no more calls."""

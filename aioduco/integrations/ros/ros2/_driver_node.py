@@ -21,11 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 import aioduco_msgs.srv
 import anyio
-from aioduco_msgs.msg import IOState, RobotState, ToolData
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTrajectoryControllerState
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, TwistStamped, WrenchStamped
 from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -35,18 +32,21 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
-from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory
 
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
-from aioduco.integrations.ros.arm_readings import STATE_NAMES, state_names
 from aioduco.integrations.ros.arm_services import ServiceReply
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
 from aioduco.integrations.ros.ros2 import conversions
 from aioduco.integrations.ros.service_table import service_table
+from aioduco.integrations.ros.topics import (
+    COMMAND_TOPICS,
+    STATE_TOPICS,
+    StatePublisher,
+    topic_name,
+)
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 
 if TYPE_CHECKING:
@@ -55,8 +55,6 @@ if TYPE_CHECKING:
     from anyio.abc import TaskStatus
     from anyio.from_thread import BlockingPortal
 
-    from aioduco import Snapshot
-    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
     from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress, PathFeedback
@@ -65,12 +63,24 @@ __all__ = ["DriverNode"]
 
 _log = logging.getLogger(__name__)
 
+_CONTROLLER_STATE = "joint_trajectory_controller/controller_state"
+_TOPICS = STATE_TOPICS | {_CONTROLLER_STATE: JointTrajectoryControllerState}
+
 #: for subscribers that request sensor data, and for those that request reliable data
 _STATES = QoSProfile(depth=5)
 _TRANSFORMS = QoSProfile(depth=100)
 #: late subscribers also get the newest message
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+#: of topics; of others, `_LATCHED` if they are published, `_NEWEST` if they are commands
+_QUALITIES = {
+    "joint_states": _STATES,
+    "/tf": _TRANSFORMS,
+    "wrench": _STATES,
+    _CONTROLLER_STATE: _STATES,
+    "/diagnostics": QoSProfile(depth=10),
+    "freedrive_mode_controller/enable_freedrive_mode": 5,
+}
 
 _NEXT = 0.5  # a trajectory of one point that is due within this time is a command, not a goal [s]
 _CANCEL_PERIOD = 0.002  # seconds between two checks whether rclpy has recorded a cancellation
@@ -82,8 +92,6 @@ _SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.
 
 _OFF = ServiceReply(False, "the driver is not configured: configure it first. Nothing was sent")
 _ENDS = ServiceReply(False, "the driver ends; nothing was sent")
-
-_CONTROLLER_STATE = "joint_trajectory_controller/controller_state"
 
 #: parameters of the node itself, besides those of the driver
 _OWN = {"autostart": True, "watch_clients": True}
@@ -177,8 +185,47 @@ class _TopicGoal:
         _log.warning("trajectory ended, %s: %s", code.name, text)
 
 
+def _take_joints(arm: ArmNode, message: Any) -> None:
+    arm.commands.take(list(message.name), list(message.position))
+
+
+def _follow_trajectory(arm: ArmNode, goal: TrajectoryGoal) -> None:
+    if len(goal.points) == 1 and goal.points[0].time <= _NEXT:
+        arm.commands.take(goal.joint_names, goal.points[0].positions)
+    else:
+        arm.goals.submit(_TopicGoal(goal))
+
+
+_COMMANDS = COMMAND_TOPICS | {"joint_commands": (JointState, _take_joints)}
+
+
+class _StatePublisher(StatePublisher):
+    """The arm's state as messages of ROS 2."""
+
+    def __init__(
+        self, node: DriverNode, settings: NodeSettings, publishers: dict[str, Any]
+    ) -> None:
+        self._node = node
+        super().__init__(settings, node.get_fully_qualified_name(), publishers)
+
+    def wall(self) -> float:
+        return self._node.wall()
+
+    def stamp(self, seconds: float) -> Any:
+        return conversions.stamp(seconds)
+
+    def wants_frames(self) -> bool:
+        return bool(self.publishers["/tf"].get_subscription_count())
+
+    def progress(self, place: GoalProgress, factor: float) -> None:
+        publisher = self.publishers.get(_CONTROLLER_STATE)
+        if publisher is not None and publisher.get_subscription_count():
+            state = conversions.controller_state(self.names, place, factor, self.wall())
+            publisher.publish(state)
+
+
 class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
-    """Topics, services, action and transitions of one arm; the sink of its state.
+    """Topics, services, action and transitions of one arm.
 
     Args:
         portal: portal to the event loop with the robot.
@@ -206,14 +253,12 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self.names: tuple[str, ...] = ()
         self.error: DucoError | None = None
         self._arm: ArmNode | None = None
-        self._settings: NodeSettings | None = None
         self._released = anyio.Event()
         self._left = anyio.Event()
         self._running: anyio.CancelScope | None = None
         self._stopped = anyio.Event()
-        #: offset from the clock of samples to the clock of messages [s]
-        self._ahead = 0.0
         self._topics: dict[str, Any] = {}
+        self._state: _StatePublisher | None = None
         self._incoming: list[Any] = []
         self._action: Any = None
         self._feedback_topic = ""
@@ -273,15 +318,15 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """Read the parameters, connect to the arm, and offer topics and the action."""
         del state
         try:
-            self._settings = settings_of(self._values())
-            self.names = self._settings.profile.joint_names
-            self._portal.start_task(self._hold_arm, self._settings)
+            settings = settings_of(self._values())
+            self.names = settings.profile.joint_names
+            self._portal.start_task(self._hold_arm, settings)
         except DucoError as error:
             self.error = error
             self.get_logger().error(f"not configured: {error}")
             return _FAILURE
         self.error = None
-        self._offer_topics(self._settings)
+        self._offer_topics(settings)
         return _SUCCESS
 
     def on_activate(self, state: Any) -> Any:
@@ -322,7 +367,6 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         try:
             async with arm_node(settings, wall=self.wall) as arm:
                 self._arm = arm
-                self._ahead = self.wall() - time.monotonic()
                 task_status.started()
                 await self._released.wait()
         finally:
@@ -331,14 +375,15 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     async def _run_arm(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Publish states and carry out goals until the node is deactivated."""
-        arm = self._arm
+        arm, state = self._arm, self._state
         assert arm is not None
+        assert state is not None
         self._stopped = anyio.Event()
         try:
             with anyio.CancelScope() as scope:
                 self._running = scope
                 task_status.started()
-                await arm.run(self)
+                await arm.run(state)
         except Exception as error:  # any error: a driver must not run with a part failed
             self._fail(error)
         finally:
@@ -370,28 +415,15 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     def _offer_topics(self, settings: NodeSettings) -> None:
         prefix = settings.prefix
         controller = f"{prefix}joint_trajectory_controller"
-        shared = ("joint_states", "/tf", "/diagnostics")  # all arms publish these
-        for topic, kind, quality in (
-            ("joint_states", JointState, _STATES),
-            ("/tf", TFMessage, _TRANSFORMS),
-            ("wrench", WrenchStamped, _STATES),
-            ("robot_state", RobotState, _LATCHED),
-            ("io_states", IOState, _LATCHED),
-            ("speed_scaling", Float64, _LATCHED),
-            ("tool_data", ToolData, _LATCHED),
-            (_CONTROLLER_STATE, JointTrajectoryControllerState, _STATES),
-            *((name, String, _LATCHED) for name in STATE_NAMES),
-            ("/diagnostics", DiagnosticArray, QoSProfile(depth=10)),
-        ):
+        for topic, kind in _TOPICS.items():
             if topic == _CONTROLLER_STATE and settings.hold_commands:
                 continue  # the controller of ros2_control publishes it
-            name = topic if topic in shared else prefix + topic
+            name, quality = topic_name(prefix, topic), _QUALITIES.get(topic, _LATCHED)
             self._topics[topic] = self.create_lifecycle_publisher(kind, name, quality)
-        self._listen(JointState, f"{prefix}joint_commands", self._take_command, _NEWEST)
-        self._listen(Twist, f"{prefix}twist_controller/command", self._take_twist, _NEWEST)
-        self._listen(TwistStamped, f"{prefix}delta_twist_cmds", self._take_twist, _NEWEST)
-        freedrive = f"{prefix}freedrive_mode_controller/enable_freedrive_mode"
-        self._listen(Bool, freedrive, self._take_freedrive, 5)
+        self._state = _StatePublisher(self, settings, self._topics)
+        for topic, (kind, take) in _COMMANDS.items():
+            pass_on = functools.partial(self._pass_on, take)
+            self._listen(kind, prefix + topic, pass_on, _QUALITIES.get(topic, _NEWEST))
         if settings.hold_commands:
             return  # ros2_control has an action of this name, and carries out its goals itself
         self._listen(JointTrajectory, f"{controller}/joint_trajectory", self._take_trajectory, 5)
@@ -422,67 +454,6 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """The node's clock [s]."""
         return float(self.get_clock().now().nanoseconds) * 1e-9
 
-    def _publish(self, topic: str, message: Any) -> None:
-        publisher = self._topics.get(topic)
-        if publisher is not None:
-            publisher.publish(message)
-
-    @property
-    def _base(self) -> str:
-        """The frame of the arm's base."""
-        return "" if self._settings is None else self._settings.base_frame
-
-    # The sink, on the loop.
-
-    def wants_frames(self) -> bool:
-        """Whether there is a subscriber for frames."""
-        publisher = self._topics.get("/tf")
-        return publisher is not None and publisher.get_subscription_count() > 0
-
-    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
-        """Publish joint states, and frames if there are any."""
-        stamp, base = at + self._ahead, self._base
-        self._publish("joint_states", conversions.joint_state(self.names, reading, base, stamp))
-        if frames:
-            self._publish("/tf", conversions.transforms(base, frames, stamp))
-
-    def wrench(self, at: float, force: list[float]) -> None:
-        """Publish the force at the tool."""
-        prefix = "" if self._settings is None else self._settings.prefix
-        frame = f"{prefix}tcp_controller"
-        self._publish("wrench", conversions.wrench(frame, force, at + self._ahead))
-
-    def states(self, snapshot: Snapshot) -> None:
-        """Publish states, inputs and outputs."""
-        stamp, base = snapshot.received_at + self._ahead, self._base
-        self._publish("robot_state", conversions.robot_state(snapshot, base, stamp))
-        self._publish("io_states", conversions.io_state(snapshot, base, stamp))
-        for name, text in state_names(snapshot).items():
-            self._publish(name, String(data=text))
-
-    def tool(self, fields: dict[str, Any]) -> None:
-        """Publish the data of the tool."""
-        self._publish("tool_data", conversions.tool_data(fields, self._base, self.wall()))
-
-    def progress(self, place: GoalProgress, factor: float) -> None:
-        """Publish where the arm is and is to be."""
-        publisher = self._topics.get(_CONTROLLER_STATE)
-        if publisher is not None and publisher.get_subscription_count():
-            state = conversions.controller_state(self.names, place, factor, self.wall())
-            publisher.publish(state)
-
-    def speed(self, percent: float) -> None:
-        """Publish the global speed."""
-        self._publish("speed_scaling", Float64(data=percent))
-
-    def diagnosis(self, found: Diagnosis) -> None:
-        """Publish the diagnosis of the arm."""
-        now = self.wall()
-        self._ahead = now - time.monotonic()  # the clock may have been set, or be simulated
-        host = "" if self._settings is None else self._settings.host
-        name = self.get_fully_qualified_name()
-        self._publish("/diagnostics", conversions.diagnostics(name, host, found, now))
-
     # -- commands and goals: on rclpy's thread ---------------------------------------------------
 
     def _schedule(self, function: Callable[..., object], *values: object) -> bool:
@@ -494,17 +465,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return True
 
     def _take_trajectory(self, message: Any) -> None:
-        goal = conversions.trajectory(message)
-        self._schedule(self._follow_trajectory, goal)
+        self._pass_on(_follow_trajectory, conversions.trajectory(message))
 
-    def _take_command(self, message: Any) -> None:
-        self._schedule(self._follow_command, list(message.name), list(message.position))
-
-    def _take_twist(self, message: Any) -> None:
-        self._schedule(self._follow_twist, *conversions.twist(message))
-
-    def _take_freedrive(self, message: Any) -> None:
-        self._schedule(self._guide, bool(message.data))
+    def _pass_on(self, take: Callable[[ArmNode, Any], None], message: Any) -> None:
+        self._schedule(self._take, take, message)
 
     def _judge_goal(self, request: Any) -> Any:
         del request
@@ -560,26 +524,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         if self._arm is not None:
             self._arm.goals.cancel(goal)
 
-    async def _follow_trajectory(self, goal: TrajectoryGoal) -> None:
-        arm = self._arm
-        if arm is None or self._running is None:
-            return
-        if len(goal.points) == 1 and goal.points[0].time <= _NEXT:
-            arm.commands.take(goal.joint_names, goal.points[0].positions)
-        else:
-            arm.goals.submit(_TopicGoal(goal))
-
-    async def _follow_command(self, names: list[str], positions: list[float]) -> None:
+    def _take(self, take: Callable[[ArmNode, Any], None], message: Any) -> None:
+        """Let a command be taken, if the driver is active."""
         if self._arm is not None and self._running is not None:
-            self._arm.commands.take(names, positions)
-
-    async def _follow_twist(self, twist: list[float], frame: str) -> None:
-        if self._arm is not None and self._running is not None:
-            self._arm.twists.take(twist, frame)
-
-    async def _guide(self, wanted: bool) -> None:
-        if self._arm is not None and self._running is not None:
-            self._arm.freedrive.take(wanted)
+            take(self._arm, message)
 
     def answer(self, future: Any, value: object) -> None:
         """Set the result of a future for which rclpy is waiting."""
@@ -618,18 +566,8 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """Stop the arm, on the separate thread for stops, which no other call delays."""
         del request
         arm = self._arm
-        if arm is None:
-            response.success, response.message = _OFF
-            return response
-        try:
-            arm.robot.stop_now()
-        except DucoError as error:
-            response.success, response.message = False, str(error)
-            return response
-        try:
-            response.success, response.message = self._portal.call(arm.services.stop)
-        except RuntimeError:
-            response.success, response.message = True, "the stop was accepted; the driver ends"
+        reply = _OFF if arm is None else arm.services.stop_now(self._portal)
+        response.success, response.message = reply
         return response
 
 
