@@ -129,11 +129,9 @@ class Ros2(Ros):
     def moving(self, name: str) -> subprocess.Popen[str]:
         self._domain.ready("recover", NODE=f"/{name}")
         self._domain.go_to_start(NODE=f"/{name}")
-        lease = self._domain.lease()
-        client: subprocess.Popen[str] = self._domain.client("goal", "200", "60.0", "2.0", **lease)
-        assert client.stdout is not None
-        said = client.stdout.readline()
-        assert json.loads(said) == {"moving": True}, (said, self._domain.errors)
+        client: subprocess.Popen[str] = self._domain.moving_client(
+            "200", "60.0", "2.0", **self._domain.lease()
+        )
         return client
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -42,7 +43,10 @@ class Programs:
     Attributes:
         folder: as given.
         environment: all of their variables.
+        client_program: the file of the client, which writes a line of JSON for each answer.
     """
+
+    client_program: str
 
     def __init__(
         self, folder: Path, stack: contextlib.ExitStack, environment: dict[str, str]
@@ -74,6 +78,29 @@ class Programs:
             )
         self._stack.callback(_end, process)
         return process
+
+    def client(self, *asked: str, **environment: str) -> subprocess.Popen[str]:
+        """Start a client."""
+        return self.start(sys.executable, str(HERE / self.client_program), *asked, **environment)
+
+    def moving_client(self, *goal: str, **environment: str) -> subprocess.Popen[str]:
+        """A client whose goal is being carried out."""
+        client = self.client("goal", *goal, **environment)
+        assert client.stdout is not None
+        first = client.stdout.readline()
+        assert first == '{"moving": true}\n', first + self.errors
+        return client
+
+    def ask(self, *asked: str, **environment: str) -> list[dict[str, Any]]:
+        """What a client answers, to its end."""
+        process = self.client(*asked, **environment)
+        out, _ = process.communicate(timeout=400)
+        assert process.returncode == 0, self.errors
+        return [json.loads(line) for line in out.splitlines()]
+
+    def last(self, *asked: str, **environment: str) -> dict[str, Any]:
+        """Its last answer."""
+        return self.ask(*asked, **environment)[-1]
 
 
 def _end(process: subprocess.Popen[str]) -> None:

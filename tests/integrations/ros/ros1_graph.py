@@ -32,6 +32,8 @@ class Graph(Programs):
         master: the master's process.
     """
 
+    client_program = "ros1_client.py"
+
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
         self.port = free_port()
         environment = {
@@ -66,21 +68,6 @@ class Graph(Programs):
         address = ("--host", sim.host, "--port", str(sim.port))
         return self.start(sys.executable, *program, "ros1", *address, *given)
 
-    def client(self, *asked: str, **environment: str) -> subprocess.Popen[str]:
-        """Start `ros1_client.py`."""
-        return self.start(sys.executable, str(HERE / "ros1_client.py"), *asked, **environment)
-
-    def ask(self, *asked: str, **environment: str) -> list[dict[str, Any]]:
-        """What a client answers, to its end."""
-        process = self.client(*asked, **environment)
-        out, _ = process.communicate(timeout=300)
-        assert process.returncode == 0, self.errors
-        return [json.loads(line) for line in out.splitlines()]
-
-    def last(self, *asked: str, **environment: str) -> dict[str, Any]:
-        """Its last answer."""
-        return self.ask(*asked, **environment)[-1]
-
     def call(self, service: str, node: str = "/duco", **given: Any) -> dict[str, Any]:
         """Call a service of the driver, which has to succeed."""
         reply = self.last("call", service, json.dumps(given), NODE=node)
@@ -95,14 +82,6 @@ class Graph(Programs):
         """Lead the arm out of a stop, and to START."""
         replies = self.ask("ready", json.dumps(START), NODE=node)
         assert all(reply["success"] for reply in replies), replies
-
-    def moving_client(self, *goal: str) -> subprocess.Popen[str]:
-        """A client whose goal is being carried out."""
-        client = self.client("goal", *goal)
-        assert client.stdout is not None
-        first = client.stdout.readline()
-        assert first == '{"moving": true}\n', first + self.errors
-        return client
 
     def end_launch(self, process: subprocess.Popen[str], patience: float) -> int:
         """End roslaunch as Ctrl-C does, with all that it started."""

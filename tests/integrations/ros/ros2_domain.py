@@ -30,6 +30,8 @@ class Domain(Programs):
         number: of the domain, 0 to 101.
     """
 
+    client_program = "ros2_client.py"
+
     def __init__(self, folder: Path, stack: contextlib.ExitStack, number: int) -> None:
         environment = {
             "ROS_DOMAIN_ID": str(number),
@@ -60,9 +62,6 @@ class Domain(Programs):
             **environment,
         )
 
-    def client(self, *asked: str, **environment: str) -> subprocess.Popen[str]:
-        return self.start(sys.executable, str(HERE / "ros2_client.py"), *asked, **environment)
-
     def lease(self, lease: str = "") -> dict[str, str]:
         """Variables for a client: the driver's profile for Fast DDS, with another lease if given.
 
@@ -75,16 +74,6 @@ class Domain(Programs):
         profile.write_text(shipped.replace(_LEASE, lease or _LEASE))
         names = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
         return dict.fromkeys(names, str(profile))
-
-    def ask(self, *asked: str, **environment: str) -> list[dict[str, Any]]:
-        """What a client answers, to its end."""
-        process = self.client(*asked, **environment)
-        out, _ = process.communicate(timeout=400)
-        assert process.returncode == 0, self.errors
-        return [json.loads(line) for line in out.splitlines()]
-
-    def last(self, *asked: str, **environment: str) -> dict[str, Any]:
-        return self.ask(*asked, **environment)[-1]
 
     def ready(self, service: str = "bring_up", **environment: str) -> None:
         """Call a service of a driver that may still be starting, until the arm is ready."""

@@ -102,9 +102,7 @@ def test_services(domain: Domain, sim: Simulator, node: subprocess.Popen[str]) -
     assert domain.last("call", "set_speed", '{"percent": 50}')["success"]
     assert domain.last("states", "0.1")["speed"] == 50.0
     assert domain.last("call", "set_speed", '{"percent": 100}')["success"]
-    client = domain.client("goal", "200", "20.0", "1.0")
-    assert client.stdout is not None
-    assert json.loads(client.stdout.readline()) == {"moving": True}
+    client = domain.moving_client("200", "20.0", "1.0")
     assert domain.last("call", "stop")["success"]
     assert not sim.moving
     found = json.loads(client.communicate(timeout=PATIENT)[0].splitlines()[-1])
@@ -183,14 +181,12 @@ def test_wrong_transitions_end_nothing(
 def test_a_goal_has_its_result_when_the_driver_ends(
     domain: Domain, sim: Simulator, node: subprocess.Popen[str], how: str
 ) -> None:
-    client = domain.client("goal", "200", "60.0", "2.0")
-    assert client.stdout is not None
-    assert json.loads(client.stdout.readline()) == {"moving": True}
+    client = domain.moving_client("200", "60.0", "2.0")
     if how == "signal":
         node.send_signal(signal.SIGINT)
     else:
         assert domain.last("lifecycle", "shutdown") == {"done": True, "state": "finalized"}
-    found = json.loads(client.stdout.readline())
+    found = json.loads(client.communicate(timeout=PATIENT)[0].splitlines()[-1])
     assert found["status"] == ABORTED
     assert "the driver ends" in found["text"]
     assert not sim.moving
@@ -214,9 +210,7 @@ def test_transitions_and_parameters(domain: Domain, sim: Simulator) -> None:
     assert found["status"] == SUCCEEDED, found
     assert found["feedback"] / found["span"] <= 12.5
     # The arm comes to rest before it is inactive.
-    client = domain.client("goal", "200", "60.0", "2.0")
-    assert client.stdout is not None
-    assert json.loads(client.stdout.readline()) == {"moving": True}
+    client = domain.moving_client("200", "60.0", "2.0")
     assert domain.ask("lifecycle", "deactivate") == [{"done": True, "state": "inactive"}]
     assert not sim.moving
     client.kill()
@@ -245,9 +239,7 @@ def test_the_arm_stands_when_one_of_them_is_killed(
             name = f"/duco{number}"
         domain.ready("recover", NODE=name)
         domain.go_to_start(NODE=name)
-        client = domain.client("goal", "200", "60.0", "2.0", **patient)
-        assert client.stdout is not None
-        assert json.loads(client.stdout.readline()) == {"moving": True}
+        client = domain.moving_client("200", "60.0", "2.0", **patient)
         eventually(lambda: sim.moving)
         victim = node if "node" in killed else client
         killed_at = time.monotonic()
