@@ -121,7 +121,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # bridges to other systems: the public interface alone, and the simulator for environments
     "integrations": {
         *("errors", "kinematics", "descriptions", "models.trace", "__init__", "models", "sim"),
-        *("_process.copying", "sync"),
+        *("_process.copying", "_process.reporting", "sync"),
     },
     # gateways use robots as a program does
     "integrations.fleet": {

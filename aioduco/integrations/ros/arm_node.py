@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import time
 from contextlib import asynccontextmanager
@@ -13,6 +12,7 @@ import anyio
 import numpy as np
 
 from aioduco import connect
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_readings import (
     diagnosis,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 _RETRY = 0.1  # seconds between two requests while the controller does not answer
 
 

@@ -7,12 +7,12 @@ Guarantees:
 
 from __future__ import annotations
 
-import logging
 import math
 from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Freedrive"]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 
 
 class Freedrive:

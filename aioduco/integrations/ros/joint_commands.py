@@ -10,7 +10,6 @@ Guarantees:
 
 from __future__ import annotations
 
-import logging
 import math
 from collections import deque
 from typing import TYPE_CHECKING
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco import RobotState
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, SetPointTooFar
 from aioduco.integrations.ros.seldom_log import SeldomLog
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["JointCommands", "check_command"]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 _LOOK = 0.1  # seconds between two polls of the arm, and between two checks whether commands ceased
 _BEFORE = 2.0  # age of the oldest command with which the arm's position is compared at first [s]
 _KEPT = 5000  # commands kept at most while the stream opens

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import anyio
 
 if TYPE_CHECKING:
-    import logging
+    from aioduco._process.reporting import BackgroundLogger
 
 __all__ = ["SeldomLog"]
 
@@ -22,7 +22,7 @@ class SeldomLog:
         log: the logger.
     """
 
-    def __init__(self, log: logging.Logger) -> None:
+    def __init__(self, log: BackgroundLogger) -> None:
         self._log = log
         self._said: dict[str, float] = {}
 

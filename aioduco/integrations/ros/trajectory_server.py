@@ -14,7 +14,6 @@ Guarantees:
 from __future__ import annotations
 
 import contextlib
-import logging
 import math
 from collections import deque
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ import anyio
 import numpy as np
 
 from aioduco import RobotState, TrajectorySwitch
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.goal_queue import GoalQueue
 from aioduco.integrations.ros.path_parts import (
@@ -60,7 +60,7 @@ __all__ = ["GoalHandle", "GoalProgress", "PathFeedback", "Through", "TrajectoryS
 Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 """How set-points reach the controller."""
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 _LOOK = 0.02  # seconds between two checks of a goal's client, time and speed
 _MOST_FEEDBACK = 50.0  # largest rate: as often as the arm is compared with its path [Hz]
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points

@@ -8,12 +8,12 @@ Guarantees:
 
 from __future__ import annotations
 
-import logging
 import math
 from typing import TYPE_CHECKING, Literal
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.seldom_log import SeldomLog
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["TwistCommands"]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 _ACCELERATION, _TURN_ACCELERATION = 1.0, 4.0  # m/s², rad/s²
 _STILL = (0.0,) * 6
 

@@ -175,6 +175,7 @@ def test_wrong_transitions_end_nothing(
     assert domain.ask("lifecycle", *wrong) == [{"done": False, "state": "active"}] * len(wrong)
     assert domain.last("call", "bring_up")["success"]
     assert node.poll() is None
+    eventually(lambda: "transition 99 refused" in domain.errors)
 
 
 @pytest.mark.parametrize("how", ["signal", "transition"])

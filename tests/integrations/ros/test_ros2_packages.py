@@ -78,6 +78,12 @@ def test_packages_name_what_the_driver_imports() -> None:
     assert messages <= {*_ROS2}
 
 
+def test_no_message_waits_for_the_log_of_ros() -> None:
+    """It may block: all go by the bounded queue and the thread of `BackgroundLogger`."""
+    texts = {path.name: path.read_text() for path in SHELL.parent.rglob("*.py")}
+    assert [name for name, text in texts.items() if "getLogger(__name__)" in text] == []
+
+
 @pytest.mark.parametrize("package", ["aioduco_driver", "aioduco_msgs"])
 def test_each_package_has_its_name(package: str) -> None:
     root = ElementTree.parse(PACKAGES / package / "package.xml").getroot()

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import logging
 import time
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -27,6 +26,7 @@ from anyio.from_thread import BlockingPortal
 from control_msgs.msg import FollowJointTrajectoryAction, JointTrajectoryControllerState
 from std_srvs.srv import Trigger, TriggerResponse
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.node_parameters import settings_of
@@ -65,7 +65,7 @@ _TOPICS = STATE_TOPICS | {_CONTROLLER_STATE: JointTrajectoryControllerState}
 #: `wait_for_result` never returns (ros/actionlib, issue 206; that repository is archived).
 _SOONEST_RESULT = 0.1
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 
 
 class NodeError(DucoError):

@@ -14,7 +14,6 @@ finished them. A stop has a node and a thread of its own, and is sent to the con
 from __future__ import annotations
 
 import functools
-import logging
 import math
 import time
 from typing import TYPE_CHECKING, Any
@@ -35,6 +34,7 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.arm_services import ServiceReply
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 __all__ = ["DriverNode"]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 
 _CONTROLLER_STATE = "joint_trajectory_controller/controller_state"
 _TOPICS = STATE_TOPICS | {_CONTROLLER_STATE: JointTrajectoryControllerState}

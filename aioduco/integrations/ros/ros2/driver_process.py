@@ -6,8 +6,6 @@
 from __future__ import annotations
 
 import logging
-import logging.handlers
-import queue
 import threading
 import time
 from collections import deque
@@ -22,6 +20,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import Trigger
 
+from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco.integrations.ros.ros2._driver_node import DriverNode
 from aioduco.integrations.ros.shutdown import cancel_on_signal
 
@@ -33,11 +32,15 @@ __all__ = ["main"]
 _LEAVE = 2.0  # seconds within which rclpy's threads must end
 _MOST_RAISED = 1000  # errors of rclpy within a second after which it does not work any more
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 
 
 class _RosLog(logging.Handler):
-    """Forwards the package's log to the log of ROS, and so to /rosout."""
+    """Forwards the package's log to the log of ROS, and so to /rosout.
+
+    rclpy's logger may block for some tenths of a second. It holds up nothing but the thread that
+    writes the log, which drops and counts messages if too many are waiting.
+    """
 
     def __init__(self, logger: Any) -> None:
         super().__init__()
@@ -86,11 +89,7 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
             tasks.cancel_scope.cancel()
 
         node = DriverNode(portal, fail, parameters)
-        # On a separate thread: rclpy's logger may block for some tenths of a second.
-        waiting: queue.SimpleQueue[logging.LogRecord] = queue.SimpleQueue()
-        handler = logging.handlers.QueueHandler(waiting)
-        listener = logging.handlers.QueueListener(waiting, _RosLog(node.get_logger()))
-        listener.start()
+        handler = _RosLog(node.get_logger())
         logging.getLogger("aioduco").addHandler(handler)
         # A separate node: a stop waits for none of the driver node's callbacks.
         stop_node = Node(
@@ -117,8 +116,8 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
                     await anyio.to_thread.run_sync(executor.shutdown, _LEAVE)
                     # The nodes are destroyed next: no thread may be using them then.
                     await anyio.to_thread.run_sync(thread.join, _LEAVE)
+                await anyio.to_thread.run_sync(reporter.flush)
             logging.getLogger("aioduco").removeHandler(handler)
-            listener.stop()
             stop_node.destroy_node()
             node.destroy_node()
     return failures[0] if failures else None
