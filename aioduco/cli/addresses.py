@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.robots_file import ENVIRONMENT, RobotAddress, WrongAddress, find, names
 
-__all__ = ["CellFile", "Host", "HostOption", "Port", "RobotAddress", "robot_at"]
+__all__ = ["CellFile", "Host", "HostOption", "HostOrSimulator", "Port", "RobotAddress", "robot_at"]
 
 
 def robot_at(given: str | None, port: int | None = None, cell: Path | None = None) -> RobotAddress:
@@ -36,6 +36,10 @@ _HELP: Final = (
 
 Host: TypeAlias = Annotated[
     str | None, typer.Argument(help=_HELP, show_default=False, autocompletion=_names)
+]
+HostOrSimulator: TypeAlias = Annotated[
+    str | None,
+    typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
 ]
 HostOption: TypeAlias = Annotated[
     str | None, typer.Option("--host", help=_HELP, show_default=False, autocompletion=_names)

@@ -11,6 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.options import Json
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import limits_at
@@ -48,7 +49,7 @@ def call(
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Do not ask before a call that changes something.")
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    json: Json = False,
 ) -> None:
     """Call one function of the manual and print what it returns.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.options import Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import observing_session
@@ -38,8 +39,6 @@ _ANALOG = {
     "currents_in": ("analog_current_inputs", "mA"),
     "currents_out": ("analog_current_outputs", "mA"),
 }
-
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
 
 
 class Level(enum.StrEnum):

@@ -11,6 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.move import carry_out, ready_arm
+from aioduco.cli.options import Json, Yes
 from aioduco.cli.questions import SAFE, ask
 
 if TYPE_CHECKING:
@@ -77,8 +78,8 @@ def jog(
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
+    yes: Yes = False,
+    json: Json = False,
 ) -> None:
     """Jog one joint, or the tool along or about one direction. It asks first.
 

@@ -10,6 +10,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import fail
+from aioduco.cli.options import Json, Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -28,9 +29,6 @@ Six: TypeAlias = tuple[float, float, float, float, float, float]
 move: typer.Typer = typer.Typer(
     no_args_is_help=True, help="Move the arm to joint angles or to a pose. It asks first."
 )
-
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")]
 
 
 # A negative number is an argument, not an option.

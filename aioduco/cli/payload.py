@@ -14,6 +14,7 @@ from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.number_lists import Mounting
+from aioduco.cli.options import Json, Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask, typed_line
 from aioduco.cli.sessions import control_session
@@ -89,8 +90,8 @@ def payload(
     model: Annotated[
         str | None, typer.Option(help="Model of the arm. Default: as the controller says.")
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    yes: Yes = False,
+    json: Json = False,
 ) -> None:
     """Find mass and centre of gravity of the tool with what it holds.
 

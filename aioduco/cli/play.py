@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import CellFile, Port, robot_at
+from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.options import SceneFile
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -21,10 +22,7 @@ __all__ = ["play"]
 
 def play(
     file: Annotated[Path, typer.Argument(help="A recording, .mcap, or waypoints, .toml.")],
-    host: Annotated[
-        str | None,
-        typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
-    ] = None,
+    host: HostOrSimulator = None,
     port: Port = None,
     cell: CellFile = None,
     model: Annotated[
@@ -51,10 +49,7 @@ def play(
     record: Annotated[
         Path | None, typer.Option(help="Record what the arm does to this file.")
     ] = None,
-    scene: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
-    ] = None,
+    scene: SceneFile = None,
     envelope: Annotated[
         Path | None,
         typer.Option(exists=True, dir_okay=False, help="Limits to keep to: TOML, see docs."),

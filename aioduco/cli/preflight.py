@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import CellFile  # noqa: TC001 - typer evaluates it
+from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option
+from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile
 
 if TYPE_CHECKING:
     from aioduco.cli.safe_console import SafeConsole
@@ -37,18 +38,10 @@ def preflight(
     cell: CellFile = None,
     robot: RobotName = None,
     model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
-    scene: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
-    ] = None,
-    tool: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="MJCF file: what the flange carries."),
-    ] = None,
-    mounting: Annotated[
-        str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
-    ] = "floor",
-    pedestal: Annotated[float, typer.Option(help="Height of a column under the arm [m].")] = 0.0,
+    scene: SceneFile = None,
+    tool: ToolFile = None,
+    mounting: MountingOption = "floor",
+    pedestal: Pedestal = 0.0,
     allow: Annotated[
         list[str] | None, typer.Option(help="Body that the arm may touch. Can be repeated.")
     ] = None,

@@ -10,6 +10,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
+from aioduco.cli.options import Duration
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
@@ -28,9 +29,7 @@ def record(
     port: Port = None,
     cell: CellFile = None,
     rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples per second.")] = 125.0,
-    seconds: Annotated[
-        float | None, typer.Option(min=0.0, help="Duration [s]. Default: until Ctrl-C.")
-    ] = None,
+    seconds: Duration = None,
     forces: Annotated[bool, typer.Option(help="Also record forces and external torques.")] = True,
 ) -> None:
     """Record what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.

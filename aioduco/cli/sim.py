@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, cast
 import typer
 
 from aioduco.cli import extras, picture, watching
-from aioduco.cli.addresses import CellFile  # noqa: TC001 - typer evaluates it
+from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option
+from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile
 from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
@@ -76,24 +77,14 @@ def sim(
         Path | None,
         typer.Option(exists=True, file_okay=False, help="Folder of programs, `NAME.json`."),
     ] = None,
-    scene: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
-    ] = None,
-    tool: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="MJCF file: what the flange carries."),
-    ] = None,
+    scene: SceneFile = None,
+    tool: ToolFile = None,
     gripper: Annotated[
         str | None,
         typer.Option(help="A gripper at the flange, such as robotiq_2f85, dh_ag95, parallel."),
     ] = None,
-    mounting: Annotated[
-        str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
-    ] = "floor",
-    pedestal: Annotated[
-        float, typer.Option(help="Height of a column under an arm on the floor [m].")
-    ] = 0.0,
+    mounting: MountingOption = "floor",
+    pedestal: Pedestal = 0.0,
     render: Annotated[
         Path | None,
         typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
+from aioduco.cli.options import Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["bring_up", "pause", "recover", "resume", "stop"]
 
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the states afterwards as JSON.")]
 Timeout = Annotated[
     float, typer.Option(min=0.1, max=600.0, help="Seconds within which the arm must be ready.")

@@ -9,6 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import load_cell
+from aioduco.cli.options import Guide
 from aioduco.cli.output import say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import control_session, observing_session
@@ -31,9 +32,7 @@ def teach(
     ] = Path("waypoints.toml"),
     port: Port = None,
     cell: CellFile = None,
-    guide: Annotated[
-        bool, typer.Option(help="Guide the arm by hand, or move it in another way.")
-    ] = True,
+    guide: Guide = True,
     yes: Annotated[
         bool, typer.Option("--yes", help="Do not ask before hand guiding begins.")
     ] = False,

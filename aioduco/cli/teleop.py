@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import CellFile, Port, robot_at
+from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
+from aioduco.cli.options import Yes
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -49,10 +50,7 @@ _HELP = {
 
 
 def teleop(
-    host: Annotated[
-        str | None,
-        typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
-    ] = None,
+    host: HostOrSimulator = None,
     port: Port = None,
     cell: CellFile = None,
     device: Annotated[
@@ -80,7 +78,7 @@ def teleop(
     record: Annotated[
         Path | None, typer.Option(help="Record the arm to this file, for `aioduco play`.")
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
+    yes: Yes = False,
 ) -> None:
     """Move an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
 

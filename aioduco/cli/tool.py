@@ -9,6 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
+from aioduco.cli.options import Guide, Json, Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
 from aioduco.cli.sessions import control_session, observing_session
@@ -56,11 +57,9 @@ def touch(
     touches: Annotated[
         int, typer.Option(min=_MIN_TOUCHES, max=100, help="Least number of touches.")
     ] = 6,
-    guide: Annotated[
-        bool, typer.Option(help="Guide the arm by hand, or move it in another way.")
-    ] = True,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    guide: Guide = True,
+    yes: Yes = False,
+    json: Json = False,
 ) -> None:
     """Find the tip of a tool by touching one point with it from several sides.
 

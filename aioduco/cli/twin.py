@@ -16,6 +16,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
 from aioduco.cli.number_lists import mounting_option
+from aioduco.cli.options import Duration, MountingOption
 from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 from aioduco.cli.signals import receive_signals
@@ -55,17 +56,13 @@ def twin(
     arm: Annotated[
         str | None, typer.Option(help="The arm. Default: the one that the controller reports.")
     ] = None,
-    mounting: Annotated[
-        str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
-    ] = "floor",
+    mounting: MountingOption = "floor",
     action: Annotated[str, typer.Option(help="When they part: report, pause or stop.")] = "report",
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Record the arm to this file, too.")
     ] = None,
     rate: Annotated[float, typer.Option(min=25, max=500, help="Samples per second.")] = 125.0,
-    seconds: Annotated[
-        float | None, typer.Option(min=0.0, help="Duration [s]. Default: until Ctrl-C.")
-    ] = None,
+    seconds: Duration = None,
     json: Annotated[bool, typer.Option("--json", help="Print each divergence as JSON.")] = False,
     panel: Annotated[
         bool, typer.Option("--panel", help="Show the arm and its twin in the browser.")

@@ -9,6 +9,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
+from aioduco.cli.options import Duration
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
 __all__ = ["view"]
@@ -28,9 +29,7 @@ def view(
         str, typer.Option(help="Address of the WebSocket. 0.0.0.0: the whole network may watch.")
     ] = "127.0.0.1",
     rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples a second.")] = 50.0,
-    seconds: Annotated[
-        float | None, typer.Option(min=0.0, help="For how long; until Ctrl-C if left out.")
-    ] = None,
+    seconds: Duration = None,
     forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
 ) -> None:
     """Publish what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.

@@ -1,0 +1,43 @@
+"""Options that several commands have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+__all__ = [
+    "Duration",
+    "Guide",
+    "Json",
+    "MountingOption",
+    "Pedestal",
+    "SceneFile",
+    "ToolFile",
+    "Yes",
+]
+
+Yes: TypeAlias = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
+Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Duration: TypeAlias = Annotated[
+    float | None, typer.Option(min=0.0, help="Duration [s]. Default: until Ctrl-C.")
+]
+Guide: TypeAlias = Annotated[
+    bool, typer.Option(help="Guide the arm by hand, or move it in another way.")
+]
+SceneFile: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(exists=True, dir_okay=False, help="MJCF file: what stands around the arm."),
+]
+ToolFile: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(exists=True, dir_okay=False, help="MJCF file: what the flange carries."),
+]
+#: a text; `number_lists.mounting_option` reads it
+MountingOption: TypeAlias = Annotated[
+    str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
+]
+Pedestal: TypeAlias = Annotated[
+    float, typer.Option(help="Height of a column under an arm on the floor [m].")
+]
