@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[1] / "aioduco"
 
 BASE = {
     "_process.copying",
+    "_process.closing",
     "_process.trial",
     "__version__",
     "_process.linked_process",
@@ -43,6 +44,7 @@ CLIENT = BASE | {
 #: is below it, but for what is a part of its own.
 MAY_IMPORT: dict[str, set[str]] = {
     "_process.copying": {"errors"},
+    "_process.closing": {"_process.copying"},
     "__version__": set(),
     "_process": set(),
     "_process.program_lines": set(),
@@ -153,8 +155,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "clock": set(),
     "batches": {"clock"},
     "scene": set(),
-    "startable": set(),
-    "process": {"startable"},
+    "process": set(),
     "view": set(),
     "planner": set(),
     "cycle": {"planner"},
@@ -202,7 +203,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "simulator": {
         *("assembly", "cabinet", "controller", "physics", "server", "view"),
         *("runtime", "clock", "scene", "process", "forgiving", "part_faults", "profile"),
-        *("operator_actions", "arm_pictures", "startable", "trial"),
+        *("operator_actions", "arm_pictures", "trial"),
     },
     "part_faults": {"assembly", "physics"},
     "operator_actions": {"assembly"},

@@ -11,7 +11,7 @@ import anyio.to_thread
 import numpy as np
 
 from aioduco._process import trial
-from aioduco._process.copying import Uncopied
+from aioduco._process.closing import Closable
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
@@ -25,8 +25,6 @@ from aioduco.planning.toolpath import poses_along
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import TracebackType
-    from typing import Self
 
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.planning.scene import Scene
@@ -77,7 +75,7 @@ class _Request:
             self._process = None
 
 
-class Planner(Uncopied):
+class Planner(Closable):
     """Plans paths of an arm through a scene (规划器).
 
         async with Planner(scene) as planner:
@@ -118,29 +116,6 @@ class Planner(Uncopied):
     def __repr__(self) -> str:
         state = "not started" if self._process is None else f"process {self._process.popen.pid}"
         return f"<Planner in {self.scene!r}, {state}>"
-
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        with anyio.CancelScope(shield=True):
-            await anyio.to_thread.run_sync(self.close)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     # -- plans ---------------------------------------------------------------------------------
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
+from aioduco._process.closing import Startable
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco.models.controller_clock import ScaledClock
-from aioduco.sim.startable import Startable
 
 if TYPE_CHECKING:
     import subprocess

@@ -12,6 +12,7 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
+from aioduco._process.closing import Startable
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
@@ -36,7 +37,6 @@ from aioduco.sim.profile import ArmProfile
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS
-from aioduco.sim.startable import Startable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Base of what `with` and `async with` start and close: a simulator here or in another process."""
+"""What `with` and `async with` close, such as a process that this program has started."""
 
 from __future__ import annotations
 
@@ -14,22 +14,18 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-__all__ = ["Startable"]
+__all__ = ["Closable", "Startable"]
 
 
-class Startable(Uncopied):
-    """Starts on entry, and closes on exit; asynchronously in a thread, as both take a while."""
-
-    @abstractmethod
-    def start(self) -> Self:
-        """Start it, and return it."""
+class Closable(Uncopied):
+    """Closes on exit; asynchronously in a thread, as it takes a while."""
 
     @abstractmethod
     def close(self) -> None:
         """End it, and wait until it has ended."""
 
     def __enter__(self) -> Self:
-        return self.start()
+        return self
 
     def __exit__(
         self,
@@ -40,7 +36,7 @@ class Startable(Uncopied):
         self.close()
 
     async def __aenter__(self) -> Self:
-        return await anyio.to_thread.run_sync(self.start)
+        return self
 
     async def __aexit__(
         self,
@@ -50,3 +46,17 @@ class Startable(Uncopied):
     ) -> None:
         with anyio.CancelScope(shield=True):
             await anyio.to_thread.run_sync(self.close)
+
+
+class Startable(Closable):
+    """Also starts on entry; asynchronously in a thread, too."""
+
+    @abstractmethod
+    def start(self) -> Self:
+        """Start it, and return it."""
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    async def __aenter__(self) -> Self:
+        return await anyio.to_thread.run_sync(self.start)
