@@ -675,10 +675,8 @@ class Robot(Uncopied, ManualNames):
             ParameterError: an argument is out of range.
             MissingExtra: the extra `sim` is not installed.
         """
-        try:
+        with MissingExtra.named("a twin", "sim"):
             import_module("mujoco")  # the twin's process needs it
-        except ModuleNotFoundError as exc:
-            raise MissingExtra("a twin", exc.name or "mujoco", "sim") from exc
         from aioduco.sim.twin.twin import Twin  # noqa: PLC0415  # with its extra
 
         def tell(topic: str, at: float, values: dict[str, Any]) -> None:

@@ -28,10 +28,8 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
     Raises:
         MissingExtra: matplotlib is not installed.
     """
-    try:
+    with MissingExtra.named("a plot", "plot"):
         from matplotlib.figure import Figure  # noqa: PLC0415 - needed only to plot
-    except ModuleNotFoundError as exc:
-        raise MissingExtra("a plot", "matplotlib", "plot") from exc
 
     found = statistics if isinstance(statistics, dict) else statistics.as_dict()
     shown = [name for name in HISTOGRAMS if found["buckets"].get(name)]

@@ -341,10 +341,8 @@ class Scene:
             return self._model
 
     def _specification(self) -> Any:
-        try:
+        with MissingExtra.named("a planning scene", "plan"):
             from aioduco.planning.collision import specification  # noqa: PLC0415 - needs an extra
-        except ModuleNotFoundError as error:
-            raise MissingExtra("a planning scene", "mujoco", "plan") from error
 
         with self._lock:
             return specification(

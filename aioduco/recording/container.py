@@ -196,10 +196,8 @@ def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
         return lambda packed, _: bytes(packed)
     if compression != "zstd":
         raise RecordingError(f"{path} is packed by {compression}: only zstd and none are read")
-    try:
+    with MissingExtra.named("a recording", "record"):
         import zstandard  # noqa: PLC0415 - an extra
-    except ModuleNotFoundError as exc:
-        raise MissingExtra("a recording", "zstandard", "record") from exc
 
     def unpack(packed: memoryview, size: int) -> bytes:
         try:

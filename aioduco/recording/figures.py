@@ -155,10 +155,8 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
 
 def drawn(run: RecordedRun, other: RecordedRun | None = None) -> Figure:
     """Draw a recording as a figure of matplotlib; arguments and errors as for `draw_png`."""
-    try:
+    with MissingExtra.named("a picture", "plot"):
         from matplotlib.figure import Figure  # noqa: PLC0415 - only when a PNG is drawn
-    except ModuleNotFoundError as exc:
-        raise MissingExtra("a picture", "matplotlib", "plot") from exc
     shown, happened = panels(run, other), marks(run)
     figure = Figure(figsize=(11, 2.2 * len(shown) + 2.0), layout="constrained")
     # `parse_math`: "$" in a file's name is no formula

@@ -221,10 +221,8 @@ class RecordedRun:
             RecordingError: the file exists, or cannot be written.
             MissingExtra: the extra `record` is not installed.
         """
-        try:
+        with MissingExtra.named("an index", "record"):
             from aioduco.recording.channels import write_indexed  # noqa: PLC0415 - an extra
-        except ModuleNotFoundError as exc:
-            raise MissingExtra("an index", exc.name or "foxglove-sdk", "record") from exc
         target = Path(path)
         messages = [message for each in self._messages.values() for message in each]
         messages.sort(key=lambda message: message.time_ns)

@@ -61,11 +61,9 @@ def write_csv(channels: Channels, folder: Path) -> list[Path]:
 
 def write_parquet(channels: Channels, metadata: dict[str, str], folder: Path) -> list[Path]:
     """Write each channel as a Parquet file; `RecordedRun.to_parquet` describes it."""
-    try:
+    with MissingExtra.named("a table in Parquet", "parquet"):
         import pyarrow as pa  # noqa: PLC0415 - an extra
         from pyarrow import parquet  # noqa: PLC0415
-    except ModuleNotFoundError as exc:
-        raise MissingExtra("a table in Parquet", "pyarrow", "parquet") from exc
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for topic, arrays in channels:

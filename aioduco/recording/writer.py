@@ -252,10 +252,8 @@ class RecordingWriter(MessageWriter["FileChannels"]):
         return f"the recording {self.path}, of {self.size} bytes,"
 
     def _open(self, metadata: dict[str, str]) -> FileChannels:
-        try:
+        with MissingExtra.named("a recording", "record"):
             from aioduco.recording.channels import FileChannels  # noqa: PLC0415 - an extra
-        except ModuleNotFoundError as exc:
-            raise MissingExtra("a recording", exc.name or "foxglove-sdk", "record") from exc
         self.path, self._file = _created(self.path)
         channels: FileChannels | None = None
         try:
@@ -321,10 +319,8 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
         return f"the publication on {host_port(self.host, self.port)}"
 
     def _open(self, metadata: dict[str, str]) -> ServerChannels:
-        try:
+        with MissingExtra.named("a publication", "record"):
             from aioduco.recording.channels import ServerChannels  # noqa: PLC0415 - an extra
-        except ModuleNotFoundError as exc:
-            raise MissingExtra("a publication", exc.name or "foxglove-sdk", "record") from exc
         channels = ServerChannels(self.host, self.port, metadata)
         self.port = channels.port
         return channels

@@ -26,9 +26,5 @@ def __getattr__(name: str) -> Any:
     """Import a class that needs MuJoCo on access; planner and task table work without MuJoCo."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    try:
+    with MissingExtra.named("the simulator", "sim"):
         return getattr(importlib.import_module(_HOMES[name]), name)
-    except ModuleNotFoundError as exc:
-        if exc.name is not None and exc.name.split(".")[0] == "mujoco":
-            raise MissingExtra("the simulator", exc.name, "sim") from exc
-        raise

@@ -69,10 +69,8 @@ def find_board(frame: CameraFrame, size: BoardSize) -> Matrix | None:
         MissingExtra: OpenCV is not installed.
         ParameterError: the image is of another size, shape or type.
     """
-    try:
+    with MissingExtra.named("finding a board", "camera"):
         import cv2  # noqa: PLC0415 - for this function alone
-    except ModuleNotFoundError as error:
-        raise MissingExtra("finding a board", "cv2", "camera") from error
 
     grey = _grey(frame, cv2)
     found, corners = cv2.findChessboardCorners(grey, (size.columns, size.rows))

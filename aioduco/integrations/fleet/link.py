@@ -63,10 +63,8 @@ class FleetLink:
             ConnectError: an address cannot be listened on, no router answers, or Zenoh's
                 configuration is wrong.
         """
-        try:
+        with MissingExtra.named("a fleet", "fleet"):
             import zenoh  # noqa: PLC0415 - of the extra
-        except ImportError as error:
-            raise MissingExtra("a fleet", "eclipse-zenoh", "fleet") from error
         listen, connect = self._settings.listen, self._settings.connect
         where = ", ".join((self._listens and listen) or connect)
         try:

@@ -85,10 +85,8 @@ def calibrate(
 def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibration:
     """Estimate an arm's profile from what its recordings say; see `calibrate`."""
     name = _model(runs, model)
-    try:
+    with MissingExtra.named("calibration", "calibrate"):
         found = _findings(runs, name)
-    except ModuleNotFoundError as error:
-        raise MissingExtra("calibration", error.name or "scipy", "calibrate") from error
     values = {each.section: dict(each.values) for each in found if each.values}
     values = {section: values[section] for section in RANGES if section in values}
     missing = tuple(text for each in found for text in each.missing)

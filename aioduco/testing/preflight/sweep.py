@@ -113,10 +113,8 @@ def sweep(
         ParameterError: `vary` has an unknown name.
         PreflightError: the cluster would run on this computer, and this program is frozen.
     """
-    try:
+    with MissingExtra.named("sweeps", "sweep"):
         import distributed  # noqa: PLC0415 - an extra
-    except ModuleNotFoundError as error:
-        raise MissingExtra("sweeps", "distributed", "sweep") from error
     dask: Any = distributed  # some of its functions have no types
     options = {**settings.plain(), "cwd": settings.cwd or str(Path.cwd())}
     seeds = range(settings.seed, settings.seed + runs)
