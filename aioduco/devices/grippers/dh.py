@@ -5,13 +5,10 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, ClassVar
 
-import anyio
-
 from aioduco.devices.grippers import dh_registers as registers
 from aioduco.devices.grippers.gripper import GripperState
 from aioduco.devices.grippers.modbus_gripper import ModbusGripper
-from aioduco.errors import GripperNotActivated, GripperTimeout, ModbusGarbled
-from aioduco.supervision.concurrency import every
+from aioduco.errors import GripperNotActivated, ModbusGarbled
 
 if TYPE_CHECKING:
     from aioduco.devices.bus import ModbusRtu
@@ -86,22 +83,15 @@ class DhGripper(ModbusGripper):
             GripperTimeout: the gripper did not become ready.
         """
         async with self._lock:
-            if (await self.status()).initialization is registers.Initialization.DONE:
+            if await self._initialized():
                 return
             self._held = self._lost = False
             await self._modbus.write_register(registers.INITIALIZE, 1)
-            ready = False
-            with anyio.move_on_after(self._timeout):
-                async for _ in every(self._poll):
-                    found = await self.status()
-                    if found.initialization is registers.Initialization.DONE:
-                        ready = True
-                        break
-            if not ready:
-                raise GripperTimeout(
-                    f"{self} was not ready within {self._timeout:g} s; it may still move"
-                )
+            await self._until_ready(self._initialized)
         await self.read()
+
+    async def _initialized(self) -> bool:
+        return (await self.status()).initialization is registers.Initialization.DONE
 
     async def _read(self) -> GripperState:
         at = time.monotonic()
@@ -120,7 +110,7 @@ class DhGripper(ModbusGripper):
         return GripperState(width, caught and not stale, moving or stale, at)
 
     async def _go(self, width: float, speed: float, force: float) -> None:
-        if (await self.status()).initialization is not registers.Initialization.DONE:
+        if not await self._initialized():
             raise GripperNotActivated(
                 f"{self} is not initialized: call activate(), which moves the fingers. Nothing "
                 "was moved"

@@ -23,20 +23,27 @@ _TOOL = "tool"
 class OutputGripper(PolledGripper):
     """A gripper with outputs for its commands and inputs for its state, from the state feed.
 
-    A signal is a number from 1 to 16 for the cabinet, or "tool 1" or "tool 2".
+    A signal is a number from 1 to 16 for the cabinet, or "tool 1" or "tool 2". `signals` are a
+    gripper's by the names of its arguments; None for one that it does not have.
     """
 
     def __init__(
         self,
         robot: Robot,
-        model: GripperModel,
+        model: str | GripperModel,
+        signals: dict[str, int | str | None],
         *,
         poll: float,
         timeout: float,
-        max_age: float = 1.0,
+        max_age: float,
     ) -> None:
-        super().__init__(model, poll=poll, timeout=timeout, max_age=max_age)
+        known = gripper_model(model) if isinstance(model, str) else model
+        super().__init__(known, poll=poll, timeout=timeout, max_age=max_age)
+        for name, value in signals.items():
+            if value is not None:
+                signal(name, value)
         self._robot = robot
+        self._sent_at = 0.0
 
     async def _set(self, output: int | str, value: bool) -> None:
         tool, num = signal("output", output)
@@ -88,18 +95,12 @@ class DigitalGripper(OutputGripper):
         timeout: float = 5.0,
         max_age: float = 1.0,
     ) -> None:
-        known = gripper_model(model) if isinstance(model, str) else model
-        super().__init__(robot, known, poll=poll, timeout=timeout, max_age=max_age)
-        for name, value in (
-            ("close", close), ("open", open), ("holds", holds), ("shut", shut), ("opened", opened),
-        ):  # fmt: skip
-            if value is not None:
-                signal(name, value)
+        signals = {"close": close, "open": open, "holds": holds, "shut": shut, "opened": opened}
+        super().__init__(robot, model, signals, poll=poll, timeout=timeout, max_age=max_age)
         self._outputs = close, open
         self._holds, self._shut, self._opened = holds, shut, opened
         self._travel_time = ranges.TIMEOUT("travel_time", travel_time)
         self._closed: bool | None = None
-        self._sent_at = 0.0
 
     async def _read(self) -> GripperState:
         io = await self._inputs()

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+import anyio
+
 from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers.gripper import PolledGripper
-from aioduco.errors import ParameterError
+from aioduco.errors import GripperTimeout, ParameterError
 from aioduco.models.gripper_models import GRIPPERS, GripperModel, gripper_model
 from aioduco.models.words import one_of
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
     from typing import Self
 
     from aioduco.robot import Robot
@@ -59,6 +63,18 @@ class ModbusGripper(PolledGripper):
             raise ParameterError("model", known, "a GripperModel with a stroke")
         super().__init__(known, poll=poll, timeout=timeout, max_age=max_age)
         self._modbus = modbus
+
+    async def _until_ready(self, ready: Callable[[], Awaitable[bool]]) -> None:
+        """Ask again and again whether the gripper is ready, until it is.
+
+        Raises:
+            GripperTimeout: it did not become ready within `timeout`.
+        """
+        with anyio.move_on_after(self._timeout):
+            async for _ in every(self._poll):
+                if await ready():
+                    return
+        raise GripperTimeout(f"{self} was not ready within {self._timeout:g} s; it may still move")
 
     @classmethod
     def at_tool(

@@ -5,20 +5,11 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, ClassVar
 
-import anyio
-
 from aioduco.devices.grippers import robotiq_registers as registers
 from aioduco.devices.grippers.gripper import GripperState
 from aioduco.devices.grippers.modbus_gripper import ModbusGripper
-from aioduco.errors import (
-    DucoError,
-    GripperFault,
-    GripperNotActivated,
-    GripperTimeout,
-    ParameterError,
-)
+from aioduco.errors import GripperFault, GripperNotActivated, ParameterError
 from aioduco.models.rules import Integer, Integers
-from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from aioduco.devices.bus import ModbusRtu
@@ -102,20 +93,13 @@ class Robotiq(ModbusGripper):
             self._held = self._lost = False
             await self._send(registers.reset())
             await self._send(registers.activation())
-            try:
-                with anyio.fail_after(self._timeout):
-                    async for _ in every(self._poll):
-                        found = await self.status()
-                        self._raise_fault(found)
-                        if found.activation is registers.Activation.ACTIVE:
-                            break
-            except TimeoutError as error:
-                if isinstance(error, DucoError):  # the gripper did not answer
-                    raise
-                raise GripperTimeout(
-                    f"{self} was not ready within {self._timeout:g} s; it may still move"
-                ) from error
+            await self._until_ready(self._active)
         await self.read()
+
+    async def _active(self) -> bool:
+        found = await self.status()
+        self._raise_fault(found)
+        return found.activation is registers.Activation.ACTIVE
 
     async def _send(self, words: list[int]) -> None:
         await self._modbus.write_registers(registers.COMMAND, words)

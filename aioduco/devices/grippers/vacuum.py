@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.devices.grippers.digital import OutputGripper, of, signal
+from aioduco.devices.grippers.digital import OutputGripper, of
 from aioduco.devices.grippers.gripper import GripperState
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.gripper_models import gripper_model
 
 if TYPE_CHECKING:
     from aioduco.models.gripper_models import GripperModel
@@ -58,16 +57,12 @@ class VacuumGripper(OutputGripper):
         timeout: float = 5.0,
         max_age: float = 1.0,
     ) -> None:
-        known = gripper_model(model) if isinstance(model, str) else model
-        super().__init__(robot, known, poll=poll, timeout=timeout, max_age=max_age)
-        for name, value in (("suction", suction), ("vacuum", vacuum), ("blow_off", blow_off)):
-            if value is not None:
-                signal(name, value)
+        signals = {"suction": suction, "vacuum": vacuum, "blow_off": blow_off}
+        super().__init__(robot, model, signals, poll=poll, timeout=timeout, max_age=max_age)
         self._suction, self._sensor, self._blow_off = suction, vacuum, blow_off
         self._build_up = ranges.TIMEOUT("build_up", build_up)
         self._blow_time = ranges.TIMEOUT("blow_time", blow_time)
         self._sucking: bool | None = None
-        self._sent_at = 0.0
 
     async def close(
         self, *, speed: float | None = None, force: float | None = None
