@@ -170,15 +170,16 @@ class Section(Uncopied, ManualNames):
         Args:
             call: the call.
         """
-        supervisor = self._supervisor
-        supervisor.check_open(call.name)
-        command = Command(call.name, call.args)
-        answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
+        supervisor, command = self._supervisor, Command(call.name, call.args)
+        follower = supervisor.stop_coordinator.follower
+        with supervisor.asked_for(call.name):
+            before = await follower.error_list()
+            answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
         if answer > max(TaskState):
             # Not an end state, so it is the id of a task. The task is followed like any other.
-            await supervisor.dispatcher.adopt(command, answer)
-        else:
-            check_finished(call.name, answer)
+            await supervisor.dispatcher.adopt(command, answer, before)
+        elif answer != TaskState.FINISHED:
+            check_finished(call.name, answer, await follower.new_errors(before))
 
     async def _block(self, motion: MotionCommand) -> TaskState:
         """Carry out a motion by the manual's blocking call, and return the state of its task.

@@ -301,9 +301,15 @@ class Dispatcher:
         )
         return answer
 
-    def adopt(self, command: Command, task_id: int) -> Task:
-        """Follow a task of a call that, according to the manual, starts no task."""
-        return self._accept(command, task_id, time.monotonic(), self._gate.stops)
+    def adopt(self, command: Command, task_id: int, errors: Sequence[str] = ()) -> Task:
+        """Follow a task of a call that, according to the manual, starts no task.
+
+        Args:
+            command: the command that was sent.
+            task_id: the controller's id of the task.
+            errors: the controller's error list before it was sent.
+        """
+        return self._accept(command, task_id, time.monotonic(), self._gate.stops, errors)
 
     async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
         """Give the task to the caller, unless the caller was cancelled meanwhile."""

@@ -10,7 +10,7 @@ from client.bench import HOME, POSE
 from moments import cancelled_once
 
 import aioduco
-from aioduco import HeartbeatState, RealtimeMode, RealtimePoint
+from aioduco import HeartbeatState, RealtimeMode, RealtimePoint, TaskState
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ async def test_another_end_is_an_error_that_says_what_the_controller_lists(
     desk.answer(motion.name, fails)
     with pytest.raises(error, match=motion.name) as caught:
         await motion.call(robot)
-    if motion.name == "movel" and isinstance(caught.value, aioduco.TaskError):
+    if isinstance(caught.value, aioduco.TaskError):
         assert caught.value.errors == ("out of reach",)
 
 
@@ -168,6 +168,26 @@ async def test_a_replay_that_is_answered_with_an_id_is_followed(
     assert desk.commands[:3] == ["replay", "replay", "stop"]
     # If it was cancelled before its answer came, the arm is stopped once more when it has come.
     assert set(desk.commands[3:]) <= {"stop"}
+
+
+async def test_a_replay_with_an_id_that_fails_says_what_the_controller_lists(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    desk.moves("replay")
+    desk.motion_time = 30.0
+    desk.ends = TaskState.ERROR
+    desk.errors = ["an older one"]
+
+    async def fail() -> None:
+        await eventually_async(desk.moving)
+        desk.errors = ["an older one", "out of reach"]
+        desk.arrive()
+
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(fail)
+        with pytest.raises(aioduco.TaskFailed) as caught:
+            await robot.motion.replay("track", 50, 0)
+    assert caught.value.errors == ("out of reach",)
 
 
 # -- realtime control ------------------------------------------------------------------------------
