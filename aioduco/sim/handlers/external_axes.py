@@ -225,7 +225,7 @@ class ExternalAxisHandlers(PathSection):
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
-            moved = self._round(p1, p2, mode, qnear, tool, wobj, pace, rad)
+            moved = self._to_arc(p1, p2, mode, qnear, tool, wobj, pace, rad, circle=True)
             return self._with_axes(moved, scheme_name, epose, eaxis_v)
 
         return self._motion("move_circle_eaxis", plan, op, block, line=False)

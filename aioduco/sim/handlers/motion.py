@@ -183,7 +183,7 @@ class MotionHandlers(PathSection):
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc)
-            return self._round(p1, p2, mode, q_near, tool, wobj, pace, r)
+            return self._to_arc(p1, p2, mode, q_near, tool, wobj, pace, r, circle=True)
 
         return self._motion("move_circle", plan, op, block)
 

@@ -196,38 +196,19 @@ class PathSection(HandlerSection):
         wobj: str,
         pace: tuple[float, float],
         r: float,
+        *,
+        circle: bool = False,
     ) -> Plan:
-        """Plan a motion along an arc through p1 to p2."""
+        """Plan a motion along an arc through p1 to p2, or once round the circle through them."""
         via, tip = self._target("p1", p1, tool, wobj)
         target, _ = self._target("p2", p2, tool, wobj)
-        arguments.choice("mode", mode, (0, 1, 2), "0, 1 or 2")
+        modes, names = ((1, 2), "1 or 2") if circle else ((0, 1, 2), "0, 1 or 2")
+        arguments.choice("mode", mode, modes, names)
         radius, options = blend(r), self._path_options(wobj)
+        move = circle_move if circle else arc_move
         return self._verified(
-            lambda start: arc_move(
+            lambda start: move(
                 self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **options
-            ),
-            q_near,
-        )
-
-    def _round(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        pace: tuple[float, float],
-        r: float,
-    ) -> Plan:
-        """Plan a motion once round the circle through p1 and p2."""
-        first, tip = self._target("p1", p1, tool, wobj)
-        second, _ = self._target("p2", p2, tool, wobj)
-        arguments.choice("mode", mode, (1, 2), "1 or 2")
-        radius, options = blend(r), self._path_options(wobj)
-        return self._verified(
-            lambda start: circle_move(
-                self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, **options
             ),
             q_near,
         )
