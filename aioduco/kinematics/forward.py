@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics.geometry import Geometry
     from aioduco.models.rotation import Array
 
-__all__ = ["bias_acceleration", "fkine", "frames", "jacobian", "singular_values"]
+__all__ = ["fkine", "frames", "jacobian", "singular_values"]
 
 
 _BASE = np.eye(4)
@@ -103,32 +103,6 @@ def _jacobian(chain: Array) -> Array:
     arm = chain[..., 6:7, :3, 3] - chain[..., :6, :3, 3]
     columns = np.concatenate([np.cross(axis, arm), axis], axis=-1)
     return np.swapaxes(columns, -1, -2)
-
-
-def bias_acceleration(geometry: Geometry, q: Array, qd: Array) -> Array:
-    """Return the acceleration of the flange while the joints turn at constant speeds.
-
-    It is the term that the Jacobian does not include: acceleration = J·qdd + bias.
-
-    Args:
-        geometry: the arm's lengths [m].
-        q: joint angles [rad]. Shape (..., 6).
-        qd: joint speeds [rad/s]. Shape (..., 6).
-
-    Returns:
-        Linear [m/s²], then angular [rad/s²]. Shape (..., 6).
-    """
-    chain = frames(geometry, q)
-    omega = np.zeros((*q.shape[:-1], 3))
-    alpha = np.zeros_like(omega)
-    linear = np.zeros_like(omega)
-    for i in range(6):
-        turn = chain[..., i, :3, 2] * qd[..., i, None]
-        alpha += np.cross(omega, turn)
-        omega += turn
-        arm = chain[..., i + 1, :3, 3] - chain[..., i, :3, 3]
-        linear += np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
-    return np.concatenate([linear, alpha], axis=-1)
 
 
 def singular_values(geometry: Geometry, q: Array) -> Array:

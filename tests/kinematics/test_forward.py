@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics import Arm, arm, models
-from aioduco.kinematics.forward import bias_acceleration, singular_values
+from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.rates import ArmRates
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.physics.model import mjcf
+from kinematics.bias import bias_acceleration
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array

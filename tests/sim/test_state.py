@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kinematics.bias import bias_acceleration
 
 import aioduco
 from aioduco._wire.rpc import IOStatus, Op, RobotStatus
 from aioduco.kinematics import arm, models
-from aioduco.kinematics.forward import bias_acceleration, fkine, jacobian
+from aioduco.kinematics.forward import fkine, jacobian
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.signals import Bank, Signals

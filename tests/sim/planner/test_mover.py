@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kinematics.bias import bias_acceleration
 from quick import examples
 
 from aioduco.kinematics import Arm, arm, models
-from aioduco.kinematics.forward import bias_acceleration
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.motion_limits import STOPPING
 from aioduco.sim.planner.mover import Mover, Travel
