@@ -191,7 +191,7 @@ async def test_nothing_to_end_stops_nothing(robot: aioduco.Robot, desk: Desk) ->
 async def test_a_controller_that_forgets_the_time_is_stopped(
     robot: aioduco.Robot, desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(task_state, "BRAKING", 0.1)
+    monkeypatch.setattr(task_state, "_BRAKING", 0.1)
     desk.forgets_time = True
     with pytest.raises(aioduco.TaskOverdue, match="the arm was stopped"):
         await robot.motion.speedl(DOWN, a=1.0, time=0.05)
