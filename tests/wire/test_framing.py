@@ -204,6 +204,7 @@ def test_fields_left_out_have_their_zero_values() -> None:
     assert reader.value(data) == rpc.RobotStatus(robotState=6)
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize(
     ("data", "what"),
     [
@@ -234,6 +235,12 @@ def test_application_errors() -> None:
         with pytest.raises(kind, match=r"movej2: .*不行") as raised:
             reader.value(data)
         assert raised.value.code == code
+
+
+def test_an_application_error_whose_text_is_none_is_no_reply() -> None:
+    call = Message(MessageType.EXCEPTION, "movej2", 9, b"\x08\x00\x01\x00\x00\x00\x05\x00")
+    with pytest.raises(Malformed, match="message has the type 8"):
+        codec.ReplyReader(FUNCTIONS["movej2"], 9).whole(call.encode())
 
 
 def test_a_reply_without_a_result_is_an_error_and_not_zero() -> None:
