@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json as json_module
 import math
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import anyio
 import typer
@@ -16,13 +17,16 @@ from aioduco.cli.output import say
 from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from aioduco.integrations.fleet import FleetSettings, FleetStop, FleetView
+    from aioduco.integrations.fleet import FleetGateway, FleetSettings, FleetStop, FleetView
 
 __all__ = ["fleet"]
 
 fleet: typer.Typer = typer.Typer(
     help="The arms of several computers: serve, see and stop them.", no_args_is_help=True
 )
+
+#: how soon a heartbeat that was withheld is resumed at the latest [s]
+_REARMED_EVERY: Final = 0.2
 
 File = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="The fleet: fleet.toml.")]
 Timeout = Annotated[float, typer.Option(min=0.1, max=60.0, help="Until gateways answered [s].")]
@@ -39,21 +43,45 @@ def serve(file: File) -> None:
     """
     settings = _settings(file)
     from aioduco.cli.signals import receive_signals  # noqa: PLC0415 - quick help
-    from aioduco.integrations.fleet import FleetGateway  # noqa: PLC0415
+    from aioduco.integrations.fleet import FleetFileError, FleetGateway  # noqa: PLC0415
 
     async def run() -> int:
+        try:
+            gateway = FleetGateway(settings)
+        except FleetFileError as error:
+            fail(str(error), USAGE)
         with receive_signals() as signals:
-            async with FleetGateway(settings):
+            async with gateway, anyio.create_task_group() as tasks:
+                tasks.start_soon(_rearm_heartbeats, gateway)
                 arms = ", ".join(arm.name for arm in settings.arms) or "no arm"
                 where = ", ".join(settings.listen)
                 say(f"gateway {settings.gateway} of {settings.name} on {where}: {arms}")
                 async for number in signals:
+                    tasks.cancel_scope.cancel()
                     return SIGNALLED + number
         return FAILED
 
     with ended_by_errors():
         code = anyio.run(run)
     raise typer.Exit(code)
+
+
+async def _rearm_heartbeats(gateway: FleetGateway) -> None:
+    """Resume each heartbeat that is withheld, since this computer slept or this program hung.
+
+    The controllers have stopped the arms. This process commands no arm that a resumed heartbeat
+    would let go on, but has to stop the arms of other programs if it dies.
+    """
+    from aioduco import DucoError, HeartbeatState  # noqa: PLC0415 - quick help
+
+    while True:
+        for name, robot in [*gateway.robots.items()]:
+            heartbeat = robot.heartbeat
+            if heartbeat is not None and heartbeat.state is HeartbeatState.STALLED:
+                with suppress(DucoError):  # the view says that the controller does not answer
+                    await robot.rearm_heartbeat()
+                    say(f"the gateway had stood still: it supervises {name} again")
+        await anyio.sleep(_REARMED_EVERY)
 
 
 @fleet.command()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import anyio
 import anyio.abc
 
-from aioduco import events
+from aioduco import HeartbeatState, events
 from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, StopsUnconfirmed
@@ -156,6 +156,9 @@ class FleetGateway(Uncopied):
                     self._state.connection_lost(name, event.reason)
                 elif isinstance(event, events.ConnectionBack):
                     self._state.connection_restored(name)
+                elif isinstance(event, events.HeartbeatChanged):
+                    withheld = event.after is HeartbeatState.STALLED
+                    self._state.heartbeat_withheld(name, withheld=withheld)
 
     async def _publish_reports(self) -> None:
         begin = anyio.current_time()

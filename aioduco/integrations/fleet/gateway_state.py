@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from aioduco.integrations.fleet.reports import (
     ArmReport,
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 __all__ = ["GatewayState", "StopOrder"]
+
+_WITHHELD: Final = (
+    "the gateway stood still, and its heartbeat is withheld: it does not supervise the arm"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,8 @@ class GatewayState:
         self._arms = {arm: ArmReport(arm) for arm in arms}
         #: names of the arms to which stops can be sent
         self._connected: set[str] = set()
+        #: names of the arms to which the heartbeat is withheld
+        self._unsupervised: set[str] = set()
         #: when the state of each arm was read [s]
         self._read: dict[str, float] = {}
         self._orders = itertools.count(1)
@@ -62,6 +68,7 @@ class GatewayState:
     def opened(self, arm: str) -> None:
         """A robot was opened: from now on, stops can be sent to it."""
         self._connected.add(arm)
+        self._unsupervised.discard(arm)
         self.connection_restored(arm)
 
     def closed(self, arm: str, why: str) -> None:
@@ -76,6 +83,10 @@ class GatewayState:
     def connection_lost(self, arm: str, why: str) -> None:
         """A controller does not answer. Stops are still sent to it while its robot is open."""
         self._arms[arm] = replace(self._arms[arm], link="lost", error=why)
+
+    def heartbeat_withheld(self, arm: str, *, withheld: bool) -> None:
+        """Whether the heartbeat to a controller ended, as the gateway's own program stood still."""
+        (self._unsupervised.add if withheld else self._unsupervised.discard)(arm)
 
     def sampled(self, arm: str, report: ArmReport, at: float) -> None:
         """The state of an arm was read.
@@ -137,8 +148,11 @@ class GatewayState:
         Args:
             now: the time, on the clock of `sampled` [s].
         """
-        arms = tuple(
-            replace(arm, seconds=max(0.0, now - self._read.get(arm.name, now)))
-            for arm in self._arms.values()
-        )
-        return GatewayReport(self.name, next(self._reports), arms)
+        arms = []
+        for arm in self._arms.values():
+            seconds = max(0.0, now - self._read.get(arm.name, now))
+            if arm.link == "up" and arm.name in self._unsupervised:
+                arms.append(replace(arm, link="lost", error=_WITHHELD, seconds=seconds))
+            else:
+                arms.append(replace(arm, seconds=seconds))
+        return GatewayReport(self.name, next(self._reports), tuple(arms))

@@ -97,7 +97,10 @@ class FleetLink:
 
     def _config(self, zenoh: Any) -> Any:
         settings = self._settings
-        config = zenoh.Config.from_file(settings.zenoh) if settings.zenoh else zenoh.Config()
+        try:
+            config = zenoh.Config.from_file(settings.zenoh) if settings.zenoh else zenoh.Config()
+        except zenoh.ZError as error:
+            raise ValueError(f"Zenoh's file {settings.zenoh} cannot be read: {error}") from error
         # A client connects to all gateways in its settings, as gateways do with each other.
         connect = [*settings.connect, *(() if self._listens else settings.listen)]
         values: dict[str, Any] = {

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import DucoError
+from aioduco.models.ranges import HEARTBEAT
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml
 
@@ -40,7 +41,7 @@ class ArmSettings:
         host: name or address of its controller.
         port: TCP port of the controller.
         heartbeat: time without a heartbeat of the gateway after which the controller stops the arm
-            [s]; 0 for none: then another program must send the heartbeat.
+            [s], 0.2 to 60; 0 for none: then another program must send the heartbeat.
         guard: whether a separate process stops the arm when the gateway dies; Linux only.
     """
 
@@ -57,9 +58,10 @@ class ArmSettings:
             raise FleetFileError(f"host of the arm {self.name} is empty")
         if not 0 < self.port < 65536:
             raise FleetFileError(f"port of the arm {self.name} is {self.port}")
-        if not 0 <= self.heartbeat <= 60:
+        if self.heartbeat != 0 and not HEARTBEAT.low <= self.heartbeat <= HEARTBEAT.high:
             raise FleetFileError(
-                f"heartbeat of the arm {self.name} is {self.heartbeat} s, and must be 0 to 60"
+                f"heartbeat of the arm {self.name} is {self.heartbeat} s, and must be "
+                f"{HEARTBEAT.low:g} to {HEARTBEAT.high:g}, or 0 for none"
             )
 
 

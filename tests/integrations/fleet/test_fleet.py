@@ -257,6 +257,32 @@ def test_a_gateway_that_is_told_to_end_stops_its_arms_first(tmp_path: Path) -> N
         anyio.run(move)
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+async def test_a_gateway_that_was_suspended_supervises_its_arms_again(tmp_path: Path) -> None:
+    with simulators(1) as (sim,), ExitStack() as stack:
+        fleet = Fleet(tmp_path, {"one": sim})
+        stack.callback(fleet.close)
+        fleet.start("one")
+        robot = await set_moving(sim)
+        async with FleetClient(fleet.settings("one")) as client:
+            await eventually_async(lambda: bool(up(client.view)), 60.0)
+            process = fleet.processes["one"]
+            process.send_signal(signal.SIGSTOP)
+            await eventually_async(lambda: not sim.moving, 60.0)
+            await eventually_async(lambda: not up(client.view), 60.0)
+            process.send_signal(signal.SIGCONT)
+            assert process.stdout is not None
+            said = await anyio.to_thread.run_sync(process.stdout.readline)
+            assert said == "the gateway had stood still: it supervises arm-of-one again\n"
+            await eventually_async(lambda: bool(up(client.view)), 60.0)
+            await robot.motion.movej2([0.0] * 6, 0.015, 1.0).start()
+            await eventually_async(lambda: sim.moving, 30.0)
+            process.kill()
+            await eventually_async(lambda: not sim.moving, 60.0)
+        await robot.aclose()
+
+
 @pytest.fixture
 def sessions(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Sessions of Zenoh that are opened in this process."""
@@ -323,6 +349,10 @@ def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> N
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
         assert done.returncode == 2
         assert "0.1 to 100" in done.stderr
+        file.write_text('[fleet]\nname = "plant"\n')
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
+        assert done.returncode == 2
+        assert "needs a name" in done.stderr
 
 
 def test_a_stop_without_a_router_was_not_sent(tmp_path: Path) -> None:

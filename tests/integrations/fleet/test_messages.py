@@ -139,6 +139,20 @@ def test_a_report_says_how_old_it_is() -> None:
     assert report.number == 2
 
 
+def test_a_report_says_that_the_heartbeat_is_withheld() -> None:
+    state = GatewayState("cell", ["left"])
+    state.opened("left")
+    state.heartbeat_withheld("left", withheld=True)
+    state.connection_lost("left", "gone")
+    assert state.report(0.0).arms[0].error == "gone"
+    state.connection_restored("left")
+    arm = state.report(0.0).arms[0]
+    assert arm.link == "lost"
+    assert "does not supervise the arm" in arm.error
+    state.heartbeat_withheld("left", withheld=False)
+    assert state.report(0.0).arms[0] == ArmReport("left", "up")
+
+
 @pytest.mark.parametrize(
     ("table", "said"),
     [
@@ -153,6 +167,8 @@ def test_a_report_says_how_old_it_is() -> None:
         ({"fleet": {"name": "f"}, "arm": [ARM, ARM]}, "same name"),
         ({"fleet": {"name": "f"}, "arm": [{**ARM, "port": 0}]}, "port"),
         ({"fleet": {"name": "f"}, "arm": [{**ARM, "guard": "yes"}]}, "wrong type"),
+        ({"fleet": {"name": "f"}, "arm": [{**ARM, "heartbeat": 0.1}]}, "0.2 to 60, or 0 for none"),
+        ({"fleet": {"name": "f"}, "arm": [{**ARM, "heartbeat": float("nan")}]}, "0.2 to 60"),
         ({"fleet": {"name": "f"}, "arm": "left"}, "list of tables"),
     ],
 )
