@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import typer
 from cli_runner import CliRunner
 from interpreter import python
 from moments import complaints
@@ -26,6 +27,7 @@ from aioduco._wire import idl
 from aioduco.cli.app import app
 from aioduco.cli.call import function_of
 from aioduco.cli.demo.run import LEFT
+from aioduco.cli.exit_codes import write_file
 from aioduco.cli.sim_do import control_port_of
 from aioduco.compat import DucoCobot
 from aioduco.kinematics import models
@@ -561,6 +563,16 @@ def test_a_text_that_a_call_passes_on_may_be_empty(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("aioduco.cli.app.app", lambda: went_on.append(1))
     aioduco.cli.main()
     assert went_on
+
+
+def test_a_file_that_cannot_be_written_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "nowhere" / "report.md"
+    with pytest.raises(typer.Exit) as ended:
+        write_file(path, "text")
+    assert ended.value.exit_code == 2
+    assert capsys.readouterr().err == f"{path} cannot be written: No such file or directory\n"
 
 
 def test_a_figure_that_is_no_file_is_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail, write_file
 from aioduco.cli.number_lists import numbers
 from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
@@ -155,12 +155,15 @@ def _controller(
     say(str(report))
     if output is not None:
         text = report.json() if output.suffix == ".json" else report.markdown()
-        output.write_text(text, encoding="utf-8")
+        write_file(output, text)
         say(f"written to {output}")
     if bundle is not None:
         from aioduco.testing.conformance.bundle import write_bundle  # noqa: PLC0415 - for this alone
 
-        write_bundle(bundle, report, plain(look(address)), ids=ids)
+        try:
+            write_bundle(bundle, report, plain(look(address)), ids=ids)
+        except OSError as error:
+            fail(f"{bundle} cannot be written: {error.strerror or error}", USAGE)
         say(f"written to {bundle}; read it before you send it")
     if not report.ok:
         raise typer.Exit(1)

@@ -10,6 +10,7 @@ from aioduco.cli.output import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 __all__ = [
     "FAILED",
@@ -21,6 +22,7 @@ __all__ = [
     "Terminated",
     "ended_by_errors",
     "fail",
+    "write_file",
 ]
 
 #: the command failed; the message says why
@@ -47,6 +49,14 @@ def fail(message: object, code: int = FAILED) -> NoReturn:
 
     say(message, error=True)
     raise typer.Exit(code)
+
+
+def write_file(path: Path, text: str, errors: str = "strict") -> None:
+    """Write a text to a file that an option names; end the command if that is not possible."""
+    try:
+        path.write_text(text, encoding="utf-8", errors=errors)
+    except OSError as error:
+        fail(f"{path} cannot be written: {error.strerror or error}", USAGE)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import fail, write_file
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile
 
@@ -118,11 +118,11 @@ def preflight(
         fail(str(error), NOT_RUN)
     _show(console, report)
     if result is not None:
-        result.write_text(json.dumps(report.as_json(), indent=2) + "\n", encoding="utf-8")
+        write_file(result, json.dumps(report.as_json(), indent=2) + "\n")
     if html is not None:
         from aioduco.testing.preflight.html import page  # noqa: PLC0415 - it needs an extra
 
-        html.write_text(page(report), encoding="utf-8", errors="replace")
+        write_file(html, page(report), errors="replace")
         console.print(f"page: {html}", highlight=False)
     raise typer.Exit(0 if report.ok else FOUND)
 
@@ -201,5 +201,5 @@ def _sweep(
         console.print("--seed N without --runs repeats one of them", highlight=False)
     console.print(str(swept), highlight=False)
     if result is not None:
-        result.write_text(json.dumps(swept.as_json(), indent=2) + "\n", encoding="utf-8")
+        write_file(result, json.dumps(swept.as_json(), indent=2) + "\n")
     return bool(swept.failed)

@@ -110,11 +110,19 @@ def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedC
         with _recording(path, host, port) as record:
             yield record
     else:
-        with open(path, "a", encoding="utf-8", opener=private) as file:
+        ended = False
+        with open(path, "ab", buffering=0, opener=private) as file:
 
             def write(call: TappedCall) -> None:
-                file.write(_line(call) + "\n")
-                file.flush()
+                nonlocal ended
+                if ended:
+                    return
+                try:
+                    file.write(f"{_line(call)}\n".encode())
+                except OSError as error:
+                    # The tap goes on: its end would cut off the client, and so stop the arm.
+                    ended = True
+                    say(f"{path} ended early: {error.strerror}; the tap goes on", error=True)
 
             yield write
 

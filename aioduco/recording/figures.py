@@ -146,11 +146,15 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
         other: another recording, drawn dashed over it.
 
     Raises:
-        ParameterError: the recording contains nothing that can be drawn.
+        ParameterError: the recording contains nothing that can be drawn, or the file's name does
+            not end as that of a picture.
         RecordingError: its contents are not as aioduco writes them.
         MissingExtra: matplotlib is not installed.
     """
-    drawn(run, other).savefig(path, dpi=110)
+    figure = drawn(run, other)
+    if path.suffix.lower().removeprefix(".") not in figure.canvas.get_supported_filetypes():
+        raise ParameterError("path", str(path), "a name that ends in .png, or in .html for a page")
+    figure.savefig(path, dpi=110)
 
 
 def drawn(run: RecordedRun, other: RecordedRun | None = None) -> Figure:

@@ -253,6 +253,11 @@ def test_commands_draw_a_recording(whole: Path, tmp_path: Path) -> None:
     cut.write_bytes(data[: at + 1])
     done = runner.invoke(app, ["plot", str(cut)])
     assert "was cut off" in done.output
+    for name in ("picture", "picture.mcap"):  # matplotlib would write picture.png
+        done = runner.invoke(app, ["plot", str(whole), str(tmp_path / name)])
+        assert done.exit_code == 1
+        assert "a name that ends in .png" in done.output
+    assert not [*tmp_path.glob("picture*")]
     (tmp_path / "no.mcap").write_text("nothing")
     done = runner.invoke(app, ["plot", str(tmp_path / "no.mcap")])
     assert done.exit_code == 1

@@ -15,6 +15,7 @@ from aioduco.cli import extras
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
 from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
+from aioduco.cli.exit_codes import write_file
 from aioduco.cli.output import say
 from aioduco.cli.questions import ask
 from aioduco.cli.safe_console import SafeConsole
@@ -186,4 +187,4 @@ def _put(text: str, path: Path) -> None:
     if path == OUTPUT:
         say(text)
     else:
-        path.write_text(text + "\n", encoding="utf-8")
+        write_file(path, text + "\n")

@@ -74,6 +74,7 @@ class _Child:
             patches.asked_by_package,
             self.recorder.not_reached,
         )
+        threading.excepthook = self._thread_failed
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()
         for thread in threading.enumerate():
@@ -115,6 +116,12 @@ class _Child:
             sys.excepthook(type(exc), exc, exc.__traceback__)
             return 1
         return 0
+
+    def _thread_failed(self, failure: threading.ExceptHookArgs) -> None:
+        """Note the error by which a thread of the program ended."""
+        if failure.exc_value is not None and failure.exc_type is not SystemExit:
+            self.recorder.failed(failure.exc_value)
+        threading.__excepthook__(failure)
 
     # -- the simulator ------------------------------------------------------------------------
 

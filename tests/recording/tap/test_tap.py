@@ -21,6 +21,7 @@ from client.bench import HOME, Bench
 
 import aioduco
 import aioduco.sync
+from aioduco.cli import tap as tap_command
 from aioduco.cli.app import app
 from aioduco.errors import ConnectError
 from aioduco.recording import read
@@ -245,6 +246,18 @@ def test_the_command_shows_and_records_each_call(bench: Bench, tmp_path: Path, s
     found = (states.robot, states.program, states.safety, states.mode)
     assert answers["get_robot_state"] == [int(each) for each in found]
     assert isinstance(answers["power_on"], int)
+
+
+@pytest.mark.linux("a file that is full")
+def test_a_full_disk_ends_the_file_alone(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(tap_command, "_line", lambda call: call)
+    with tap_command._file(Path("/dev/full"), "127.0.0.1", 7003) as write:
+        for _ in range(3):
+            write("a call")  # type: ignore[arg-type]
+    said = capsys.readouterr().err
+    assert said == "/dev/full ended early: No space left on device; the tap goes on\n"
 
 
 @pytest.mark.slow

@@ -81,6 +81,27 @@ def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -
     assert report.duration > 8.0
 
 
+THREAD_FAILS = """
+import sys, threading
+import aioduco.sync
+
+with aioduco.sync.connect("192.168.1.10") as robot:
+    for target in (lambda: sys.exit(1), lambda: 1 / 0):
+        thread = threading.Thread(target=target)
+        thread.start()
+        thread.join()
+"""
+
+
+def test_an_error_that_ends_a_thread_is_a_finding(tmp_path: Path) -> None:
+    path = tmp_path / "thread.py"
+    path.write_text(THREAD_FAILS)
+    report = preflight(path, (), PreflightSettings(timeout=110), quiet=True)
+    assert [(each.kind, each.line, each.text) for each in report.findings] == [
+        ("error", 6, "ZeroDivisionError: division by zero")
+    ]
+
+
 CALLS = """
 import asyncio
 import aioduco
