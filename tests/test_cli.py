@@ -27,7 +27,7 @@ from aioduco._wire import idl
 from aioduco.cli.app import app
 from aioduco.cli.call import function_of
 from aioduco.cli.demo.run import LEFT
-from aioduco.cli.exit_codes import write_file
+from aioduco.cli.exit_codes import ended_by_errors, write_file
 from aioduco.cli.sim_do import control_port_of
 from aioduco.compat import DucoCobot
 from aioduco.kinematics import models
@@ -573,6 +573,15 @@ def test_a_file_that_cannot_be_written_is_said(
         write_file(path, "text")
     assert ended.value.exit_code == 2
     assert capsys.readouterr().err == f"{path} cannot be written: No such file or directory\n"
+
+
+def test_a_file_error_ends_a_command_without_a_traceback(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit) as ended, ended_by_errors():
+        Path("/no/such/folder/limits.json").write_text("")
+    assert ended.value.code == 1
+    assert capsys.readouterr().err.endswith("'/no/such/folder/limits.json'\n")
 
 
 def test_a_figure_that_is_no_file_is_refused(tmp_path: Path) -> None:

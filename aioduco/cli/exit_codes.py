@@ -80,6 +80,10 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         code = _said(str(error), PERSON_NEEDED)
     except DucoError as error:
         code = _said(str(error), FAILED)
+    except BrokenPipeError:
+        raise  # of the output: who reads it has ended
+    except OSError as error:  # of a file
+        code = _said(str(error), FAILED)
     except Terminated:
         code = _said(interrupted, SIGNALLED + signal.SIGTERM)
     except KeyboardInterrupt:

@@ -108,6 +108,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if host is None:
         return
     _address(host)
+    _check_arm(config.getoption("duco_model"), config.getoption("duco_host_speed"))
     workers = getattr(config.option, "numprocesses", None)
     if workers or hasattr(config, "workerinput"):
         raise pytest.UsageError("--duco-host: tests on one arm run one after the other, without -n")
@@ -123,6 +124,20 @@ def _address(text: str) -> tuple[str, int]:
     except ParameterError as error:
         raise pytest.UsageError(str(error)) from None
     return host, port or PORT
+
+
+def _check_arm(model: str | None, speed: float) -> None:
+    """Refuse a model or a speed that no arm has, before an arm is brought up."""
+    from aioduco.errors import ParameterError  # noqa: PLC0415 - for an arm alone
+    from aioduco.kinematics import arm  # noqa: PLC0415
+    from aioduco.models.ranges import GLOBAL_SPEED  # noqa: PLC0415
+
+    try:
+        if model is not None:
+            arm(model)
+        GLOBAL_SPEED("--duco-host-speed", speed)
+    except ParameterError as error:
+        raise pytest.UsageError(str(error)) from None
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
@@ -187,7 +202,11 @@ def duco_robot_options() -> Mapping[str, Any]:
 def _marked(request: pytest.FixtureRequest, name: str) -> Any:
     """Return the argument of a marker of the test; None without such a marker."""
     marker = request.node.get_closest_marker(name)
-    return None if marker is None else marker.args[0]
+    if marker is None:
+        return None
+    if len(marker.args) != 1:
+        raise pytest.UsageError(f"@pytest.mark.{name} takes one argument: it has {marker.args}")
+    return marker.args[0]
 
 
 @pytest.fixture

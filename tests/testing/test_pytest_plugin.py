@@ -206,3 +206,18 @@ def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(
     status, said = run_program(tmp_path, "--duco-host", address, "-n", "2")
     assert status == 4
     assert "without -n" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--duco-model", "gcr5_91"), "model is 'gcr5_91', but must be one of"),
+        (("--duco-host-speed", "0"), "--duco-host-speed is 0.0, but must be a number from 1"),
+    ],
+)
+def test_an_arm_is_not_brought_up_for_wrong_options(
+    tmp_path: Path, options: tuple[str, ...], says: str
+) -> None:
+    status, said = run_program(tmp_path, "--duco-host", "127.0.0.1:1", *options)
+    assert status == 4
+    assert says in said
