@@ -63,7 +63,9 @@ class StartedCall(Generic[T]):
                 return
             with anyio.CancelScope() as self._scope:
                 self.answers.append(await self._work)
-        except Exception as exc:  # it is raised in the waiting thread
+        # It is raised in the waiting thread: also the end of the program that a function of the
+        # program asked for, such as a predicate. It would end the loop, and be lost.
+        except (Exception, SystemExit, KeyboardInterrupt) as exc:
             self.error = exc
         finally:
             self._work.close()

@@ -97,6 +97,16 @@ def test_stop_now_from_another_thread(robot: Robot, desk: Desk) -> None:
         robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+def test_a_predicate_can_end_the_program(robot: Robot) -> None:
+    def end(_: object) -> bool:
+        raise SystemExit(3)
+
+    with pytest.raises(SystemExit) as ended:
+        robot.wait_for(end, timeout=30.0)
+    assert ended.value.code == 3
+    assert robot.state.get_robot_state()
+
+
 def test_a_predicate_cannot_call_the_robot(robot: Robot) -> None:
     with pytest.raises(RuntimeError, match="wait for itself"):
         robot.wait_for(lambda _: robot.state.robotmoving())
