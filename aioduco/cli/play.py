@@ -98,7 +98,10 @@ def play(
             cell = file if cell is None and is_cell(file) else cell
             what = load_cell(file).waypoints if is_cell(file) else WaypointFile.read(file)
         else:
-            what = RecordedPath.of(read(file), begin=begin, end=end, speed=speed, bridge=bridge)
+            run = read(file)
+            what = RecordedPath.of(run, begin=begin, end=end, speed=speed, bridge=bridge)
+            if not run.complete:
+                say(f"{file} was cut off: it is played up to there")
             if what.gaps:
                 say(f"bridged: {gaps_in_words(what.gaps)}")
         told = model or _model_of(what)

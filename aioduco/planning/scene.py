@@ -401,7 +401,7 @@ class Scene:
 
     def _body(self, name: str) -> str:
         names = [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
-        known = {"floor", *names, *(each.partition("/")[2] for each in names)}
+        known = {"floor", *names, *(each.partition("/")[2] for each in names)} - {""}
         if name not in known:
             raise SceneError(f"nothing is called {name!r}; there are {', '.join(sorted(known))}")
         return name

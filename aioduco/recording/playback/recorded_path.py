@@ -129,7 +129,7 @@ class RecordedPath:
         one_of("of", of, ("setpoints", "states"))
         first = 0.0 if begin is None else WAIT("begin", begin)
         last = run.duration if end is None else TIMEOUT("end", end)
-        if not 0.0 <= first < last:
+        if (begin is not None or end is not None) and not 0.0 <= first < last:
             raise ParameterError("begin", begin, f"at least 0, and before the end, {last:g} s")
         topic = f"/joint_{of}"
         if topic not in run.topics:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import re
 import signal
+import struct
 import subprocess
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ from aioduco.cli.record import playable
 from aioduco.envelope import Envelope, Zone
 from aioduco.kinematics import arm
 from aioduco.recording import read
+from aioduco.recording.container import DATA_END, MAGIC
 from aioduco.recording.playback import (
     RecordedPath,
     WaypointFile,
@@ -300,6 +302,14 @@ def test_play_checks_and_asks_before_an_arm_moves(tmp_path: Path) -> None:
     unknown = run("play", str(tmp_path / "none.mcap"), "--check")
     assert unknown.exit_code == 1
     assert unknown.stderr == f"{tmp_path / 'none.mcap'} cannot be read: No such file or directory\n"
+    data = (tmp_path / "run.mcap").read_bytes()
+    end = data.rindex(struct.pack("<BQ", DATA_END, 4))
+    (tmp_path / "cut.mcap").write_bytes(data[:end])
+    cut = run("play", str(tmp_path / "cut.mcap"), "--check")
+    assert "cut.mcap was cut off: it is played up to there\n" in cut.stdout
+    (tmp_path / "empty.mcap").write_bytes(MAGIC)
+    empty = run("play", str(tmp_path / "empty.mcap"), "--check")
+    assert (empty.exit_code, "empty.mcap has no joints to follow" in empty.stderr) == (1, True)
     with Simulator(joints=FAR) as sim:
         to = (sim.host, "--port", str(sim.port), "--no-rehearse")
         assert run("play", file, *to, "--check").exit_code == 0
