@@ -206,6 +206,9 @@ def test_what_is_no_action_is_refused_and_does_nothing(made: Callable[..., Any])
         (name,) = wrong
         with pytest.raises(ParameterError, match=f'{name} is .*, but must be "'):
             gymnasium.make("aioduco/Reach-v0", **wrong)
+    for size in (64, (64,), (64, 0), (64.0, 64.0), "64"):
+        with pytest.raises(ParameterError, match=r"size is .*, but must be height and width"):
+            gymnasium.make("aioduco/Reach-v0", size=size)
 
 
 @pytest.mark.slow

@@ -93,7 +93,7 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         self._by_joints = actions == "joints"
         self._observed = observations
         self._dense = reward == "dense"
-        self._size = size
+        self._size = _checked_size(size)
         self._camera = camera or Camera(
             target=(0.5 * scale, 0.0, 0.2 * scale), distance=0.95 * scale,
             azimuth=np.pi, elevation=-0.6,
@@ -264,3 +264,11 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         at = self._task.mark(self._goal)
         marks = () if at is None else (PictureMark(at=at, radius=0.015 * self._scale),)
         return self._backend.picture(size[1], size[0], self._camera, marks)
+
+
+def _checked_size(size: object) -> tuple[int, int]:
+    """Height and width of pictures, if they are that."""
+    numbers = tuple(size) if isinstance(size, (tuple, list, np.ndarray)) else ()
+    if len(numbers) != 2 or not all(isinstance(n, (int, np.integer)) and n > 0 for n in numbers):
+        raise ParameterError("size", size, "height and width, two whole numbers above 0 [pixels]")
+    return int(numbers[0]), int(numbers[1])
