@@ -108,7 +108,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if host is None:
         return
     _address(host)
-    _check_arm(config.getoption("duco_model"), config.getoption("duco_host_speed"))
+    _check_arm(config)
     workers = getattr(config.option, "numprocesses", None)
     if workers or hasattr(config, "workerinput"):
         raise pytest.UsageError("--duco-host: tests on one arm run one after the other, without -n")
@@ -126,16 +126,17 @@ def _address(text: str) -> tuple[str, int]:
     return host, port or PORT
 
 
-def _check_arm(model: str | None, speed: float) -> None:
+def _check_arm(config: pytest.Config) -> None:
     """Refuse a model or a speed that no arm has, before an arm is brought up."""
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for an arm alone
     from aioduco.kinematics import arm  # noqa: PLC0415
     from aioduco.models.ranges import GLOBAL_SPEED  # noqa: PLC0415
 
+    model: str | None = config.getoption("duco_model")
     try:
         if model is not None:
             arm(model)
-        GLOBAL_SPEED("--duco-host-speed", speed)
+        GLOBAL_SPEED("--duco-host-speed", config.option.duco_host_speed)
     except ParameterError as error:
         raise pytest.UsageError(str(error)) from None
 
