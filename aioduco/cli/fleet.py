@@ -73,15 +73,15 @@ async def _rearm_heartbeats(gateway: FleetGateway) -> None:
     would let go on, but has to stop the arms of other programs if it dies.
     """
     from aioduco import DucoError, HeartbeatState  # noqa: PLC0415 - quick help
+    from aioduco.supervision.concurrency import every  # noqa: PLC0415
 
-    while True:
+    async for _ in every(_REARMED_EVERY):
         for name, robot in [*gateway.robots.items()]:
             heartbeat = robot.heartbeat
             if heartbeat is not None and heartbeat.state is HeartbeatState.STALLED:
                 with suppress(DucoError):  # the view says that the controller does not answer
                     await robot.rearm_heartbeat()
                     say(f"the gateway had stood still: it supervises {name} again")
-        await anyio.sleep(_REARMED_EVERY)
 
 
 @fleet.command()
