@@ -1,31 +1,43 @@
-"""How long each thread of the program has made no call. It has no thread and no clock."""
+"""How long each thread of the program has made no call. It has no clock."""
 
 from __future__ import annotations
 
-__all__ = ["CallTimes"]
+import threading
+
+__all__ = ["CallTimes", "ThreadCalls"]
 
 
-class CallTimes:
-    """Stores for each thread whether it is in a call, and when its last call ended.
+class ThreadCalls:
+    """The calls of one thread, which alone changes this: whether it is in one, when one ended."""
 
-    A thread writes only its own entries, so no lock is needed.
+    __slots__ = ("_inside", "_left")
+
+    def __init__(self) -> None:
+        self._inside = 0
+        self._left: float | None = None
+
+    def enter(self) -> None:
+        """Note that the thread begins a call."""
+        self._inside += 1
+
+    def leave(self, now: float) -> None:
+        """Note that the thread's call has ended."""
+        self._left = now
+        self._inside -= 1
+
+    def idle_time(self, now: float) -> float:
+        """Time since the thread's last call ended [s]; 0.0 while it is in a call."""
+        if self._inside or self._left is None:
+            return 0.0
+        return now - self._left
+
+
+class CallTimes(threading.local):
+    """The calls of the thread that reads it.
+
+    Not by the thread's number: the system gives the number of a thread that has ended to a later
+    one, whose calls would then count as those of the thread before it.
     """
 
     def __init__(self) -> None:
-        self._inside: dict[int, int] = {}
-        self._left: dict[int, float] = {}
-
-    def enter(self, thread: int) -> None:
-        """Note that a thread begins a call."""
-        self._inside[thread] = self._inside.get(thread, 0) + 1
-
-    def leave(self, thread: int, now: float) -> None:
-        """Note that a thread's call has ended."""
-        self._left[thread] = now
-        self._inside[thread] -= 1
-
-    def idle_time(self, thread: int, now: float) -> float:
-        """Time since a thread's last call ended [s]; 0.0 while it is in a call."""
-        if self._inside.get(thread):
-            return 0.0
-        return now - self._left.get(thread, now)
+        self.here: ThreadCalls = ThreadCalls()

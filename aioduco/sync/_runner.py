@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from aioduco.robot import Robot
     from aioduco.supervision.task import Task
+    from aioduco.sync._presence import ThreadCalls
 
 __all__ = ["Runner", "StartedCall"]
 
@@ -111,7 +112,8 @@ class Runner:
         self._hold_limit = hold_limit
         self._program_limit = program_limit
         self._call_times = CallTimes()
-        self._holders: dict[int, int] = {}
+        #: the calls of the thread that holds a task, by the task's id
+        self._holders: dict[int, ThreadCalls] = {}
         #: ids of the tasks that were stopped because their thread made no call for too long
         self._stopped_unheld: set[int] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams
@@ -176,9 +178,9 @@ class Runner:
             RobotStateError: the robot is not open.
             RuntimeError: this is the loop's own thread.
         """
-        thread = threading.get_ident()
+        thread = self._call_times.here
         call = StartedCall(work)
-        self._call_times.enter(thread)
+        thread.enter()
         try:
             self._hand_over(call, work)
             call.wait()
@@ -189,7 +191,7 @@ class Runner:
                 raise interrupt from call.error
             raise
         finally:
-            self._call_times.leave(thread, time.monotonic())
+            thread.leave(time.monotonic())
         if call.error is not None:
             try:
                 raise call.error
@@ -220,7 +222,7 @@ class Runner:
 
     def holds(self, task: Task) -> None:
         """Note that the calling thread holds a task."""
-        self._holders[task.id] = threading.get_ident()
+        self._holders[task.id] = self._call_times.here
 
     def was_stopped_unheld(self, task: Task) -> bool:
         """Whether a task was stopped because its thread made no call for too long."""
@@ -305,7 +307,7 @@ class Runner:
         unheld = []
         for task_id, thread in self._holders.items():
             limit = self._limit(live[task_id])
-            if limit is not None and self._call_times.idle_time(thread, now) > limit:
+            if limit is not None and thread.idle_time(now) > limit:
                 unheld.append(task_id)
         if not unheld:
             return

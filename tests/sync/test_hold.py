@@ -9,10 +9,12 @@ import pytest
 
 import aioduco.sync
 from aioduco import Jog, Joints, Outcome, ParameterError, TaskStopped
-from aioduco.sync._presence import CallTimes
+from aioduco.sync._presence import CallTimes, ThreadCalls
 from aioduco.testing import eventually
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from api.desk import Desk
 
     from aioduco.sync import Robot
@@ -22,18 +24,26 @@ HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
 
 def test_presence() -> None:
-    presence = CallTimes()
-    presence.enter(1)
-    assert presence.idle_time(1, 50.0) == 0.0
-    presence.enter(1)  # a call within a call
-    presence.leave(1, 51.0)
-    assert presence.idle_time(1, 60.0) == 0.0
-    presence.leave(1, 60.0)
-    assert presence.idle_time(1, 60.5) == 0.5
-    presence.enter(2)
-    assert presence.idle_time(1, 61.0) == 1.0  # another thread does not speak for it
-    presence.enter(1)
-    assert presence.idle_time(1, 70.0) == 0.0
+    calls = ThreadCalls()
+    calls.enter()
+    assert calls.idle_time(50.0) == 0.0
+    calls.enter()  # a call within a call
+    calls.leave(51.0)
+    assert calls.idle_time(60.0) == 0.0
+    calls.leave(60.0)
+    assert calls.idle_time(60.5) == 0.5
+    calls.enter()
+    assert calls.idle_time(70.0) == 0.0
+
+
+def test_each_thread_has_its_own_calls() -> None:
+    times, seen = CallTimes(), []
+    for _ in range(2):  # one after the other: the second may get the number of the first
+        thread = threading.Thread(target=lambda: seen.append(times.here))
+        thread.start()
+        thread.join()
+    assert len({id(calls) for calls in (times.here, *seen)}) == 3
+    assert times.here is times.here
 
 
 def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:
@@ -61,6 +71,24 @@ def test_another_threads_calls_do_not_hold_it(robot: Robot, desk: Desk) -> None:
     finally:
         over.set()
         thread.join()
+
+
+def test_calls_of_later_threads_do_not_hold_the_motion_of_one_that_has_ended(
+    robot: Robot, desk: Desk
+) -> None:
+    """A later thread often gets the number of the thread before it."""
+
+    def on_a_thread(work: Callable[[], object]) -> None:
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+
+    def stopped() -> bool:
+        on_a_thread(robot.state.get_tcp_pose)
+        return "stop" in desk.commands
+
+    on_a_thread(lambda: robot.motion.speedl.start(DOWN, a=1.0, time=None))
+    eventually(stopped)
 
 
 def test_calls_and_sleep_hold_it(robot: Robot, desk: Desk) -> None:
