@@ -40,7 +40,7 @@ class MotionCommand(Uncopied):
     warning, as a coroutine does.
     """
 
-    __slots__ = ("__weakref__", "_dispatcher", "_open", "_used", "command")
+    __slots__ = ("__weakref__", "_dispatcher", "_open", "_tied", "_used", "command")
 
     #: how to send a motion that was not sent
     _HINT = "await it, or `task = await motion.start()` to go on beside it"
@@ -48,6 +48,7 @@ class MotionCommand(Uncopied):
     def __init__(self, dispatcher: Dispatcher, command: Command) -> None:
         self._dispatcher = dispatcher
         self._used = False
+        self._tied = False
         self._open: Task | None = None
         self.command: Command = command
         if trial.current is not None:
@@ -132,14 +133,19 @@ class MotionCommand(Uncopied):
         return await task
 
     async def __aenter__(self) -> Task:
-        if self._open is not None:
+        if self._tied:
             raise RuntimeError(f"{self!r} is tied to a block already: make another one like it")
         self.mark_used()
-        self._open = await self._dispatcher.launch(self.command)
+        self._tied = True  # before it is sent: another task must not tie it meanwhile
+        try:
+            self._open = await self._dispatcher.launch(self.command)
+        except BaseException:
+            self._tied = False
+            raise
         return self._open
 
     async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
-        task, self._open = self._open, None
+        task, self._open, self._tied = self._open, None, False
         assert task is not None
         if exc is None:
             await (task if self.command.continuous is None else task.end())

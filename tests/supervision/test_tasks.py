@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import warnings
 from typing import TYPE_CHECKING
 
 import anyio
+import anyio.lowlevel
 import pytest
 from client.bench import HOME, POSE
 
@@ -145,6 +147,24 @@ async def test_a_motion_is_tied_to_one_block_at_a_time(robot: aioduco.Robot) -> 
     async with motion:
         with pytest.raises(RuntimeError, match="tied to a block already"):
             await motion.__aenter__()
+
+
+async def test_a_motion_that_is_being_tied_to_a_block_is_not_tied_to_another(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """Both tasks enter their blocks before the controller has answered."""
+    bench.motion_time = 30.0
+    motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+    first = asyncio.ensure_future(motion.__aenter__())
+    await anyio.lowlevel.checkpoint()
+    with pytest.raises(RuntimeError, match="tied to a block already"):
+        await motion.__aenter__()
+    await first
+    await motion.__aexit__(ValueError, ValueError(), None)
+    assert bench.commands == ["movej2", "stop"]
+    bench.motion_time = 0.05
+    async with motion as task:  # after it, another block may have it
+        assert await task is Outcome.FINISHED
 
 
 async def test_cancel_stops_and_tells_the_outcome(robot: aioduco.Robot, bench: Bench) -> None:
