@@ -446,8 +446,9 @@ class Robot(Uncopied, ManualNames):
     async def aclose(self) -> None:
         """Stop what this program moves, wait until it stands, end the heartbeat, and close.
 
-        It runs to its end even if it is cancelled. If the robot's own event loop has been closed,
-        it may run on any other one. In a forked child it does nothing.
+        It runs to its end even if it is cancelled. While another task closes the robot, it waits
+        for the end of that. If the robot's own event loop has been closed, it may run on any other
+        one. In a forked child it does nothing.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
@@ -457,10 +458,10 @@ class Robot(Uncopied, ManualNames):
             await self._supervisor.aclose()
         finally:
             twins, self._twins = self._twins, []
+            observers, self._observers = self._observers, []
             for twin in twins:
                 await twin.stop()
             # Last, so that the closing of the robot is recorded, too.
-            observers, self._observers = self._observers, []
             for observer in observers:
                 await observer.stop()
 

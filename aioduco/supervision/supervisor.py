@@ -213,6 +213,9 @@ class Supervisor:
         self._unwatch: Callable[[float], None] = lambda _: None
         self._opened = False
         self._closed = False
+        #: set when the closing that is in progress is over; None: none is
+        self._closing: anyio.Event | None = None
+        self._close_error: Exception | None = None
         self._stopped_at_exit = False
 
     def _permits_ended(self, ending: PermitEnding) -> None:
@@ -436,9 +439,16 @@ class Supervisor:
             self._unwatch = watchdogs.watch(self._liveness, limit, self._loop_blocked())
 
     def forget(self) -> None:
-        """Stop what moves, and end the heartbeat, after the program dropped an open robot."""
+        """Stop what moves, and end the heartbeat, after the program dropped an open robot.
+
+        A section or a motion of it that the program kept can move the arm no more.
+        """
         if self.owner_loop.in_forked_child:
             return
+        self.gate.close(
+            "the robot was dropped without being closed: keep what connect() returned as long as "
+            "you use any part of it"
+        )
         self._stop_at_exit()
         if self.heartbeat is not None:
             self.heartbeat.end()
@@ -488,23 +498,44 @@ class Supervisor:
             StopUnconfirmed: it is not known that the arm stands.
             WrongLoop: the robot's own event loop is another one, which is still open.
         """
-        if self._closed or not self._opened or self.owner_loop.in_forked_child:
+        if not self._opened or self.owner_loop.in_forked_child:
+            return
+        if self._closed:
+            await self._closed_by_another()
             return
         if self.owner_loop.closed:
             _log.warning("the robot's event loop was closed before the robot: it is left on this")
             self.owner_loop.move("aclose")
         self.owner_loop.require("aclose")
-        self._closed = True
-        self.gate.close("the robot is closed, or is being closed")
-        failed: Exception | None = None
+        closing = anyio.Event()
+        over = False
         cancelled: BaseException | None = None
-        for name, limit, step in self._closing_steps():
-            error, again = await _carry_out(name, limit, step)
-            failed, cancelled = failed or error, again or cancelled
-        _, again = await run_to_completion(_written)
-        if failed is not None:
-            raise failed
+        try:
+            self._closed, self._closing, self._close_error = True, closing, None
+            self.gate.close("the robot is closed, or is being closed")
+            for name, limit, step in self._closing_steps():
+                error, again = await _carry_out(name, limit, step)
+                self._close_error, cancelled = self._close_error or error, again or cancelled
+            _, again = await run_to_completion(_written)
+            over = True
+        finally:
+            # If there was no memory, or a signal's handler raised, it can be closed once more.
+            self._closed, self._closing = over, None
+            closing.set()
+        if self._close_error is not None:
+            raise self._close_error
         if (cancelled := again or cancelled) is not None:
+            raise cancelled
+
+    async def _closed_by_another(self) -> None:
+        """Wait until the task that closes the robot has done so; raise what it raises."""
+        if self._closing is None or self.owner_loop.closed:
+            return
+        self.owner_loop.require("aclose")
+        _, cancelled = await run_to_completion(self._closing.wait)
+        if self._close_error is not None:
+            raise self._close_error
+        if cancelled is not None:
             raise cancelled
 
     def _closing_steps(self) -> Iterator[_ClosingStep]:

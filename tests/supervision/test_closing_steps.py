@@ -14,6 +14,8 @@ from moments import cancelled_once
 
 import aioduco
 from aioduco.errors import ParameterError
+from aioduco.supervision.gate import Gate
+from aioduco.supervision.supervisor import Supervisor
 from aioduco.testing import FaultProxy, eventually_async
 from aioduco.testing.cancel import cancel_at
 
@@ -313,3 +315,92 @@ async def test_a_robot_that_is_forgotten_warns(bench: Bench) -> None:
     await supervisor.aclose()
     del robot
     gc.collect()
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+@pytest.mark.parametrize("moves", [False, True])
+async def test_what_is_kept_of_a_dropped_robot_moves_the_arm_no_more(
+    bench: Bench, moves: bool
+) -> None:
+    """Nothing would stop the arm at the program's end: the robot's stop has been sent."""
+    bench.motion_time = 30.0
+    robot = aioduco.connect(bench.host, bench.port, heartbeat=None)
+    await robot.open()
+    supervisor, motion = robot._supervisor, robot.motion
+    if moves:
+        await motion.movej2(HOME, v=1.0, a=1.0).start()
+    del robot
+    gc.collect()
+    await eventually_async(lambda: not bench.moving())
+    before = list(bench.commands)
+    with pytest.raises(aioduco.RobotStateError, match="dropped without being closed: keep what"):
+        await motion.movej2(HOME, v=1.0, a=1.0)
+    assert bench.commands == before
+    await supervisor.aclose()
+
+
+async def test_a_robot_that_is_being_closed_is_closed_when_the_next_aclose_returns(
+    bench: Bench,
+) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.2
+    robot = aioduco.connect(bench.host, bench.port)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    first = asyncio.ensure_future(robot.aclose())
+    await eventually_async(lambda: bool(bench.received("stop")))
+    await robot.aclose()
+    await left_standing(bench)
+    await first
+    await robot.aclose()  # of a robot that is closed: it returns at once
+
+
+async def test_an_aclose_that_waits_is_not_cut_short(bench: Bench) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.2
+    robot = aioduco.connect(bench.host, bench.port)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    first, second = (asyncio.ensure_future(robot.aclose()) for _ in range(2))
+    await eventually_async(lambda: bool(bench.received("stop")))
+    second.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await second
+    await left_standing(bench)
+    await first
+
+
+async def test_an_arm_that_does_not_stop_is_told_to_each_task_that_closes_its_robot(
+    bench: Bench,
+) -> None:
+    bench.motion_time = 30.0
+    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    bench.answer("stop", -1)
+    told = await asyncio.gather(robot.aclose(), robot.aclose(), return_exceptions=True)
+    assert [type(error) for error in told] == [aioduco.StopUnconfirmed] * 2
+
+
+@pytest.mark.parametrize("place", [(Gate, "close"), (Supervisor, "_closing_steps")])
+async def test_a_closing_that_was_cut_short_is_carried_out_by_the_next_one(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, place: tuple[type, str]
+) -> None:
+    """There was no memory for a moment; or a signal's handler raised at that line."""
+    bench.motion_time = 30.0
+    real = getattr(*place)
+    failures = [MemoryError()]
+
+    def fail_once(*args: object) -> object:
+        if failures:
+            raise failures.pop()
+        return real(*args)
+
+    monkeypatch.setattr(*place, fail_once)
+
+    async def program() -> None:
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            await robot.aclose()
+
+    with pytest.raises(MemoryError):
+        await program()
+    await left_standing(bench)
