@@ -171,13 +171,15 @@ class LaneCall(Call):
 
     def end(self, value: Any = None, error: BaseException | None = None) -> None:
         """Note the outcome, and wake the task that waits for it."""
-        if self.ended_at is None:
-            self.ended_at = time.monotonic()
-            self.value = value
-            self.error = error
-            self.ended(self)
-        if not self.over.done() and not self.over.get_loop().is_closed():
-            self.over.set_result(None)
+        try:
+            if self.ended_at is None:
+                self.ended_at = time.monotonic()
+                self.value = value
+                self.error = error
+                self.ended(self)
+        finally:  # there may be no memory to report it
+            if not self.over.done() and not self.over.get_loop().is_closed():
+                self.over.set_result(None)
 
 
 class Carrier(ABC):
@@ -230,12 +232,14 @@ class Carrier(ABC):
 
     def _end(self, value: Any = None, error: BaseException | None = None) -> None:
         call, self.call = self.call, None
-        while self._waiting and self.call is None:
-            following = self._waiting.popleft()
-            if not following.over.done() and self.take(following):
-                self.send(following)
-        if call is not None:
-            call.end(value, error)
+        try:
+            while self._waiting and self.call is None:
+                following = self._waiting.popleft()
+                if not following.over.done() and self.take(following):
+                    self.send(following)
+        finally:  # there may be no memory to send the next call
+            if call is not None:
+                call.end(value, error)
 
 
 class Channel(Carrier):

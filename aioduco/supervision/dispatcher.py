@@ -209,17 +209,23 @@ class Dispatcher:
                     _, cancelled = await run_to_completion(call.wait)
                 if (error := call.error or refusal(command.name, call.value)) is not None:
                     raise cancelled or error  # noqa: TRY301  # one way out for all failures
+                accepted_at = time.monotonic() if call.ended_at is None else call.ended_at
+                task = self._accept(
+                    command, call.value, accepted_at, permit.stops, errors, deadline, on_cancel
+                )
             except BaseException as exc:
+                accepted = _accepted(call)
                 unsure = isinstance(exc, StopUnconfirmed) if call is None else not call.answered
-                if mode is not None and not was_on and not unsure:
+                if mode is not None and not was_on and not unsure and not accepted:
                     modes.over(mode[0])
                 if before is not None:
                     before.life.successor_refused()
+                if command.motion and accepted:
+                    # There was no memory for its task, or a signal's handler raised: the controller
+                    # carries it out, and nothing follows it.
+                    self._coordinator.unfollowed_motion = True
+                    await run_to_completion(self._coordinator.halt)
                 raise
-            accepted_at = time.monotonic() if call.ended_at is None else call.ended_at
-            task = self._accept(
-                command, call.value, accepted_at, permit.stops, errors, deadline, on_cancel
-            )
         if command.motion and self._coordinator.overtaken(permit):
             # The controller may have served the stop first.
             if mode is not None:
@@ -386,3 +392,8 @@ class Dispatcher:
             self._last = task
         self._coordinator.follower.follow(task)
         return task
+
+
+def _accepted(call: LaneCall | None) -> bool:
+    """Whether the controller carries out a command, as far as is known."""
+    return call is not None and call.answered and call.error is None and not (call.value or 0) < 0

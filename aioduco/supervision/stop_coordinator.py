@@ -369,6 +369,13 @@ class StopCoordinator:
             except BaseException as exc:  # what a signal handler raises: some of it may be sent
                 interrupt = exc
             cancelled = await self._certain(call, permit, timeout, followed=followed)
+        except BaseException as exc:
+            if not isinstance(exc, StopUnconfirmed):
+                # There was no memory, or a signal's handler raised.
+                self.unfollowed_motion = True
+                await self._stop_unanswered(call)
+            raise
+        else:
             return call, cancelled or interrupt
         finally:
             del self.pending[call]

@@ -23,11 +23,14 @@ import aioduco
 import aioduco.sync
 from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco._wire import codec, idl, layout
+from aioduco._wire.lane import WireLane
 from aioduco.api.streams.speed import Speed
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
+from aioduco.supervision import dispatcher, stop_coordinator
 from aioduco.supervision.guard.messages import Watch
+from aioduco.supervision.task_follower import TaskFollower
 from aioduco.testing import eventually_async, no_leaks
 
 if TYPE_CHECKING:
@@ -393,6 +396,107 @@ async def test_a_stop_for_which_there_is_no_memory_is_tried_again(
         await robot.stop()
         assert not bench.moving()
         assert failed == {"stop": 2, "robotmoving": 2}
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        (stop_coordinator, "_may_move"),  # when the answer is judged
+        (dispatcher, "Task"),  # when it becomes a task
+        (TaskFollower, "follow"),
+    ],
+    ids=lambda place: place[1],
+)
+@pytest.mark.parametrize("error", [MemoryError, KeyboardInterrupt])
+async def test_a_motion_is_stopped_if_it_cannot_be_followed(
+    bench: Bench,
+    monkeypatch: pytest.MonkeyPatch,
+    place: tuple[Any, str],
+    error: type[BaseException],
+) -> None:
+    """The controller has accepted it; there is no memory for it, or a signal comes at that line."""
+
+    def fail(*_: Any, **__: Any) -> NoReturn:
+        raise error
+
+    async with aioduco.connect(bench.host, bench.port, heartbeat=None) as robot:
+        motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+        with monkeypatch.context() as patch:
+            patch.setattr(*place, fail)
+            with pytest.raises(error):
+                await motion.start()
+        assert bench.commands[:2] == ["movej2", "stop"]
+        assert not bench.moving()
+        assert not robot.tasks
+        bench.motion_time = 0.05
+        assert await motion is aioduco.Outcome.FINISHED
+
+
+async def test_a_call_whose_end_cannot_be_reported_is_over_nevertheless(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its task would otherwise wait for ever: the deadline of the call has been met."""
+    failures = unreported_failures()
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        report, failed = WireLane.report, 0
+
+        def without_memory(lane: WireLane, name: str, *args: Any) -> None:
+            nonlocal failed
+            if name == "stop" and not failed:
+                failed += 1
+                no_memory()
+            report(lane, name, *args)
+
+        monkeypatch.setattr(WireLane, "report", without_memory)
+        with anyio.fail_after(20.0):
+            await robot.stop()
+        assert not bench.moving()
+        assert failed
+    assert all(isinstance(error, MemoryError) for error in failures)
+
+
+async def test_a_call_is_over_although_the_next_one_gets_no_memory(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failures = unreported_failures()
+    lane = WireLane("test", bench.host, bench.port, call_timeout=0.5)
+    await lane.open()
+    begin, failed = codec.Exchange.begin, 0
+
+    def without_memory(exchange: codec.Exchange, function: idl.Function, *args: Any) -> bytes:
+        nonlocal failed
+        if function.name == "get_last_error":
+            failed += 1
+            no_memory()
+        return begin(exchange, function, *args)
+
+    monkeypatch.setattr(codec.Exchange, "begin", without_memory)
+
+    async def next_one() -> None:
+        with pytest.raises(aioduco.ConnectionLost):  # at its deadline
+            await lane.rpc.get_last_error()
+
+    answer = bench.hold("get_robot_state", list(bench.states))
+    with anyio.fail_after(20.0):
+        async with anyio.create_task_group() as group:
+            group.start_soon(lane.within(None).get_robot_state)
+            await eventually_async(lambda: bool(bench.received("get_robot_state")))
+            group.start_soon(next_one)
+            await eventually_async(lambda: lane.statistics().waiting == 1)
+            answer.set()
+    await lane.aclose()
+    assert failed
+    assert all(isinstance(error, MemoryError) for error in failures)
+
+
+def unreported_failures() -> list[BaseException | None]:
+    """What callbacks of the loop raise from now on, which nothing else reports."""
+    failures: list[BaseException | None] = []
+    asyncio.get_running_loop().set_exception_handler(
+        lambda _, context: failures.append(context.get("exception"))
+    )
+    return failures
 
 
 def alive(process: int) -> bool:
