@@ -320,6 +320,7 @@ async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
         ("get_robot_state", [5, 0, 9, 1], StreamRefused, True),
         ("get_noneblock_taskstate", 7, StreamRefused, True),
         ("get_noneblock_taskstate", 3, StreamStopped, False),
+        ("get_noneblock_taskstate", 2, StreamRefused, True),
     ],
 )
 async def test_the_worker_sees_when_the_controller_does_not_follow_any_more(

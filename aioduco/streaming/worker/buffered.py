@@ -392,7 +392,7 @@ class TrackPoolDriver(Driver):
                 return True
             case PoolAction.WAIT | PoolAction.FOLLOW:
                 pass
-        return self._follows(self._task if left else 0)
+        return self._follows(self._task if left else 0, waits=True)
 
     def _go(self) -> bool:
         """Start the controller's motion through the pool."""

@@ -66,11 +66,12 @@ class Driver(ABC):
         """Write the status of the stream into the shared block."""
         self._block.status[StatusWord.SENT] = self._sent
 
-    def _follows(self, task: int) -> bool:
+    def _follows(self, task: int, *, waits: bool = False) -> bool:
         """Poll whether the controller still follows, if it is time to; if it does not, end.
 
         Args:
             task: the id that the controller returned for the last set-point; 0: none.
+            waits: whether the stream goes on when a task that was paused is resumed.
 
         Returns:
             Whether there is another tick.
@@ -82,7 +83,8 @@ class Driver(ABC):
         self._task_next = not self._task_next
         call, timeout = self._connection.call, self._timeout
         if self._task_next and task > 0:
-            reason, text = ended(task, call("get_noneblock_taskstate", (task,), timeout))
+            state = call("get_noneblock_taskstate", (task,), timeout)
+            reason, text = ended(task, state, waits=waits)
         else:
             reason, text = disabled(call("get_robot_state", (), timeout))
         return not reason or self._finish(reason, text)

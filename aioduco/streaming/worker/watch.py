@@ -23,12 +23,14 @@ def refused(answer: int) -> bool:
     return answer < 0 or answer in _TASK_FAILED
 
 
-def ended(task: int, state: int) -> tuple[Reason, str]:
+def ended(task: int, state: int, *, waits: bool = False) -> tuple[Reason, str]:
     """Why a stream must end because of its task.
 
     Args:
         task: id of the task.
         state: state of the task, as the controller gave it.
+        waits: whether the stream goes on when a task that was paused is resumed. Else it has gone
+            on meanwhile, and the arm would move by all of that when somebody resumes it.
 
     Returns:
         The reason and a text; the reason is NONE if the stream need not end.
@@ -37,6 +39,8 @@ def ended(task: int, state: int) -> tuple[Reason, str]:
         return Reason.STOPPED, f"the controller stopped task {task}"
     if state in _TASK_FAILED:
         return Reason.REFUSED, f"task {task} ended as {TaskState(state)} (manual 1.2)"
+    if state == TaskState.PAUSED and not waits:
+        return Reason.REFUSED, f"task {task} was paused: by a person, or by another program"
     return Reason.NONE, ""
 
 
