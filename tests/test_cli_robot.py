@@ -355,6 +355,45 @@ def test_a_move_that_is_told_to_end_leaves_a_standing_arm(
         assert "the arm was stopped, and stands" in errors
 
 
+@pytest.fixture
+def hangups() -> Iterator[None]:
+    """Commands are told of a hang-up also where the tests themselves are not, as under nohup."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.slow
+@pytest.mark.linux("SIGHUP")
+@pytest.mark.usefixtures("hangups")
+def test_a_move_whose_terminal_is_closed_leaves_a_standing_arm() -> None:
+    with ready_arm() as sim:
+        words = ("move", "joints", "2", "0", "1.5", "0", "-1.5", "0", "--yes", *address(sim))
+        with process(*words) as moving:
+            wait_until_it_moves(sim)
+            assert moving.stderr is not None
+            moving.stderr.close()
+            moving.send_signal(signal.SIGHUP)
+            assert moving.wait(60) == 128 + signal.SIGHUP
+        assert not sim.moving
+
+
+@pytest.mark.slow
+@pytest.mark.linux("SIGHUP")
+def test_a_move_under_nohup_goes_on_without_its_terminal() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with ready_arm() as sim:
+            words = ("move", "joints", "2", "0", "1.5", "0", "-1.5", "0", "--yes", *address(sim))
+            with process(*words) as moving:
+                wait_until_it_moves(sim)
+                moving.send_signal(signal.SIGHUP)
+                _, errors = moving.communicate(timeout=60)
+            assert moving.returncode == 0, errors
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
 # -- for shells ----------------------------------------------------------------------------------
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from aioduco.cli.output import say
@@ -40,7 +40,17 @@ SIGNALLED: Final = 128
 
 
 class Terminated(KeyboardInterrupt):
-    """A request to end (SIGTERM); it is handled as Ctrl-C is, so that the arm is stopped."""
+    """A request to end (SIGTERM, or SIGHUP: the terminal was closed); handled as Ctrl-C is.
+
+    So the arm is stopped.
+
+    Args:
+        number: the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
 
 
 def fail(message: object, code: int = FAILED) -> NoReturn:
@@ -64,14 +74,20 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
     """End the command on an error or a signal, with a message and an exit code.
 
     Args:
-        interrupted: message after Ctrl-C or SIGTERM.
+        interrupted: message after Ctrl-C, SIGTERM or SIGHUP.
     """
+    from aioduco._process.platform import ending_signals  # noqa: PLC0415 - quick help
     from aioduco.errors import DucoError, PersonNeeded, StopUnconfirmed  # noqa: PLC0415 - quick help
 
-    def terminate(_number: int, _frame: object) -> None:
-        raise Terminated
+    def terminate(number: int, _frame: object) -> None:
+        raise Terminated(number)
 
-    before = signal.signal(signal.SIGTERM, terminate)
+    before = {
+        number: signal.signal(number, terminate)
+        for number in ending_signals()
+        # as under nohup: the command is to go on without its terminal
+        if number == signal.SIGTERM or signal.getsignal(number) is not signal.SIG_IGN
+    }
     try:
         yield
     except StopUnconfirmed as error:
@@ -84,17 +100,19 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         raise  # of the output: who reads it has ended
     except OSError as error:  # of a file
         code = _said(str(error), FAILED)
-    except Terminated:
-        code = _said(interrupted, SIGNALLED + signal.SIGTERM)
+    except Terminated as end:
+        code = _said(interrupted, SIGNALLED + end.number)
     except KeyboardInterrupt:
         code = _said(interrupted, SIGNALLED + signal.SIGINT)
     else:
         return
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
     raise SystemExit(code)
 
 
 def _said(message: str, code: int) -> int:
-    say(message, error=True)
+    with suppress(OSError):  # the terminal is gone
+        say(message, error=True)
     return code

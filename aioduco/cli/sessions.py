@@ -82,7 +82,7 @@ def wait_until_ended(
         seconds: longest time to wait; None for no limit.
 
     Raises:
-        Terminated: on SIGTERM.
+        Terminated: on SIGTERM and SIGHUP.
     """
     until = None if seconds is None else time.monotonic() + seconds
     try:
