@@ -403,9 +403,7 @@ class StopCoordinator:
             again = await self._stop_unanswered(call)
             cancelled = again or cancelled
             if call.error is None and overtaken:
-                call.error = TaskStopped(
-                    call.name, None, "was stopped: a stop was requested while it was on its way"
-                )
+                call.error = _stopped_on_its_way(call.name, self.gate.ending(permit))
             elif call.error is None and timeout is not None:
                 call.error = OutcomeUnknown(call.name, "it was answered late, and the arm stopped")
         _give_up(call)  # the robot was closed meanwhile
@@ -653,6 +651,15 @@ def _give_up(call: LaneCall) -> None:
     """Wait for its answer no longer."""
     missing = "no answer came in time" if call.handed_over else "it could not be sent in time"
     call.abandon(missing, late=True)
+
+
+def _stopped_on_its_way(name: str, ending: PermitEnding | None) -> TaskStopped:
+    """The error of a command whose permit has ended, and with it what it had begun."""
+    if ending is None or ending.stops:
+        return TaskStopped(name, None, "was stopped: a stop was requested while it was on its way")
+    error = TaskStopped(name, None, f"was stopped: {ending.value} while it was on its way")
+    error.__cause__ = HeartbeatLost(ending.value)
+    return error
 
 
 def _void(call: LaneCall) -> bool:

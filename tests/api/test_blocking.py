@@ -18,6 +18,7 @@ import aioduco.sync
 from aioduco import Jog, Outcome, TaskState
 from aioduco._wire import idl
 from aioduco.sim import Simulator
+from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import eventually_async
 from api.cases import NOBODY, Case, blocking_cases, cases
 from api.desk import HELD
@@ -207,6 +208,23 @@ async def test_it_waits_through_a_pause(robot: aioduco.Robot, desk: Desk) -> Non
         await robot.resume()
     assert states == [TaskState.FINISHED]
     assert "stop" not in desk.commands
+
+
+async def test_one_whose_heartbeat_was_lost_is_stopped_and_says_so(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    desk.motion_time = 30.0
+    async with anyio.create_task_group() as group:
+
+        async def lose() -> None:
+            await eventually_async(desk.moving)
+            robot._supervisor.gate.end(PermitEnding.LAPSED)
+
+        group.start_soon(lose)
+        with pytest.raises(aioduco.TaskStopped, match="the heartbeat was lost while") as caught:
+            await line(robot)
+    assert isinstance(caught.value.__cause__, aioduco.HeartbeatLost)
+    assert not desk.moving()
 
 
 async def test_after_a_stop_nothing_that_waited_for_a_read_is_sent(desk: Desk) -> None:
