@@ -174,6 +174,22 @@ def test_status_says_how_the_arm_is() -> None:
     assert run("status", gone).exit_code == 1
 
 
+def test_a_safety_stop_without_its_cause_is_not_ready() -> None:
+    """After a collision was reset, the safety stop remains, and the controller refuses motions."""
+    with ready_arm() as sim:
+        assert run("status", at(sim), "--ready").exit_code == 0
+        sim.collide(3)
+        eventually(lambda: json.loads(run("status", at(sim), "--json").stdout)["collision_joint"])
+        assert run("call", "collision_detection_reset", "--yes", *address(sim)).exit_code == 0
+        found = run("status", at(sim), "--ready")
+        assert "robot ENABLE, program STOPPED, safety STOP2" in found.stdout
+        assert "aioduco recover" in found.stdout
+        assert found.exit_code == 1
+        refused = run("move", "joints", *map(str, HOME), "--yes", *address(sim))
+        assert refused.exit_code == 1
+        assert "safety STOP2; nothing was sent" in refused.stderr
+
+
 @pytest.mark.slow
 def test_inputs_and_outputs_are_read_and_set() -> None:
     with Simulator() as sim:

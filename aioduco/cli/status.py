@@ -15,6 +15,7 @@ from aioduco.cli.sessions import observing_session
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.sync import Robot
 
 __all__ = ["degrees", "joints_line", "look", "pose_line", "status"]
@@ -68,7 +69,6 @@ def look(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, An
 
 def _read(address: RobotAddress, robot: Robot) -> dict[str, Any]:
     from aioduco.errors import ControllerError  # noqa: PLC0415
-    from aioduco.models.enums import ProgramState, RobotState  # noqa: PLC0415
 
     try:
         series, model, extension, serial = robot.version.get_robot_type()
@@ -87,11 +87,7 @@ def _read(address: RobotAddress, robot: Robot) -> dict[str, Any]:
         "program": states.program,
         "safety": states.safety,
         "mode": states.mode,
-        "ready": (
-            states.robot is RobotState.ENABLE
-            and states.program is ProgramState.STOPPED
-            and not (arm.emergency_stop or arm.collision)
-        ),
+        "ready": _is_ready(states, arm),
         "moving": robot.state.robotmoving(),
         "emergency_stop": arm.emergency_stop,
         "collision_joint": arm.collision_axis if arm.collision else None,
@@ -99,6 +95,18 @@ def _read(address: RobotAddress, robot: Robot) -> dict[str, Any]:
         "pose": [*robot.state.get_tcp_pose()],
         "errors": robot.state.get_last_error(),
     }
+
+
+def _is_ready(states: RobotStates, arm: RobotStatus) -> bool:
+    """Whether a motion would start: whether `bring_up` would have nothing to do."""
+    from aioduco.errors import DucoError  # noqa: PLC0415
+    from aioduco.supervision.bringup import BringUp, BringUpStep  # noqa: PLC0415
+
+    try:
+        step = BringUp().next(states, emergency_stop=arm.emergency_stop, collision=arm.collision)
+    except DucoError:
+        return False
+    return step is BringUpStep.DONE
 
 
 def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
