@@ -58,6 +58,7 @@ class Dispatcher:
     Attributes:
         accepted: number of commands that the controller accepted.
         check: checks each motion before it is sent; it may raise, or slow the motion down.
+        require_opened: called with the name of each command; raises if the robot was never opened.
     """
 
     def __init__(
@@ -76,6 +77,7 @@ class Dispatcher:
         self._last: Task | None = None
         self.accepted: int = 0
         self.check: Callable[[Command], Awaitable[Command]] | None = None
+        self.require_opened: Callable[[str], object] = lambda _: None
 
     async def quiet(self, timeout: float) -> None:
         """Wait until no command is on its way; after the gate was closed, none follows."""
@@ -331,11 +333,12 @@ class Dispatcher:
         """Ask for a permit to send a command.
 
         Raises:
-            RobotStateError: the robot is closed, or a stream is open.
+            RobotStateError: the robot is not open, or a stream is open.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
             TaskStopped: the undertaking to which it belongs has ended.
         """
         self._lane.owner_loop.require(command.name)
+        self.require_opened(command.name)
         if not command.motion:
             return self._gate.ask(command.name, boot_time(), moves=False)
         self._refuse_beside_stream(command.name)

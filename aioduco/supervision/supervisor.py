@@ -207,6 +207,7 @@ class Supervisor:
             *arm, EnvelopeWatch(*arm, self.events, self._background, settings)
         )
         self.dispatcher.check = self.envelope.check
+        self.dispatcher.require_opened = self._require_opened
         self._replacing_guard = False
         self._process = os.getpid()
         #: ends the watch over the event loop; waits so many seconds for the end of its thread
@@ -283,11 +284,19 @@ class Supervisor:
             WrongProcess: this is a forked child; `name` was not sent.
         """
         self.owner_loop.require_process(name)
-        if not self._opened or self._closed:
-            raise RobotStateError(
-                f"{name} was not sent: the robot is {self.state}; "
-                "use it inside `async with aioduco.connect(...) as robot`"
-            )
+        if self._closed:
+            raise self._unusable(name)
+        self._require_opened(name)
+
+    def _require_opened(self, name: str) -> None:
+        if not self._opened:
+            raise self._unusable(name)
+
+    def _unusable(self, name: str) -> RobotStateError:
+        return RobotStateError(
+            f"{name} was not sent: the robot is {self.state}; "
+            "use it inside `async with aioduco.connect(...) as robot`"
+        )
 
     def observe(self, calls: Trace, tasks: Callable[[Task], object]) -> Callable[[], None]:
         """Report calls and tasks from now on; for the package's own code, such as a recorder.

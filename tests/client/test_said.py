@@ -200,6 +200,16 @@ async def test_a_robot_that_is_opened_in_the_wrong_way() -> None:
             raise AssertionError("entered")
 
 
+@pytest.mark.parametrize("heartbeat", [1.0, None])
+async def test_a_motion_of_a_robot_that_was_never_opened(heartbeat: float | None) -> None:
+    robot = aioduco.connect("nowhere", heartbeat=heartbeat)
+    motion = robot.motion.movej2([0.0] * 6, v=1.0, a=1.0)
+    with pytest.raises(aioduco.RobotStateError, match="robot is not open; use it inside"):
+        await motion.start()
+    with pytest.raises(aioduco.RobotStateError, match="robot is not open; use it inside"):
+        await robot.motion.movej2([0.0] * 6, v=1.0, a=1.0)
+
+
 def test_help_of_a_task_shows_what_programs_use() -> None:
     for task in (aioduco.Task, aioduco.sync.Task):
         text = helped(task)
