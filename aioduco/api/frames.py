@@ -81,7 +81,10 @@ class Frames(Section):
         await self._accept(calls.set_load_data(ranges.LOAD("load", load)))
 
     async def set_wobj(self, name: str, wobj: PoseLike) -> None:
-        """Define a work object (工件坐标系).
+        """Define a work object (工件坐标系), and use it from now on.
+
+        Motions that name it, or name no work object, take their poses in it, also those of later
+        programs. `get_tcp_pose` stays in the base frame. `wobj="default"` is the base.
 
         Not in the manual, which has only `set_wobj_offset`.
 

@@ -4891,7 +4891,10 @@ class Frames(_Section):
         self._call(self._made.set_load_data(load))
 
     def set_wobj(self, name: str, wobj: PoseLike) -> None:
-        """Define a work object (工件坐标系).
+        """Define a work object (工件坐标系), and use it from now on.
+
+        Motions that name it, or name no work object, take their poses in it, also those of later
+        programs. `get_tcp_pose` stays in the base frame. `wobj="default"` is the base.
 
         Not in the manual, which has only `set_wobj_offset`.
 
