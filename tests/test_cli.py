@@ -510,10 +510,19 @@ def test_a_call_that_cannot_be_made_says_why() -> None:
     nobody = run("call", "get_tcp_pose", "--port", "1")
     assert nobody.exit_code == 1
     assert "127.0.0.1:1" in nobody.stderr
-    with Simulator() as sim:
-        short = run("call", "movel", "3", "--yes", "--port", str(sim.port))
-    assert short.exit_code == 1
-    assert "missing" in short.stderr
+
+
+def test_a_call_with_other_arguments_than_it_takes_asks_nothing_and_sends_nothing() -> None:
+    for words, why in (
+        (["movel", "3"], "missing a required argument: 'v'"),
+        (["cal_fkine", "0", "0", "1.57", "0", "-1.57", "0"], "too many positional arguments"),
+        (["movej2", "[0]", "v=1", "acc=1"], "missing a required argument: 'a'"),
+    ):
+        refused = run("call", *words, "--port", "1")
+        assert refused.exit_code == 2
+        message = " ".join(refused.stderr.replace("│", " ").split())  # it stands in a frame
+        assert why in message
+        assert f"aioduco call {words[0]} --describe" in message
 
 
 def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:

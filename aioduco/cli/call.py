@@ -76,13 +76,20 @@ def call(
         )
     address = robot_at(host, port, cell)
     robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
+    function = function_of(robot, where)
     if describe:
-        function = function_of(robot, where)
         # annotations are strings, which a signature shows in quotes
         signature = re.sub(r"(: |-> )'([^']+)'", r"\1\2", str(inspect.signature(function)))
         say(f"{where}{signature}\n\n{inspect.getdoc(function)}")
         return
     positional, named = _arguments(words or [])
+    try:
+        inspect.signature(function).bind(*positional, **named)
+    except TypeError as error:
+        raise typer.BadParameter(
+            f"{name}: {error}; `aioduco call {name} --describe` shows what it takes. A list is one "
+            "argument: '[0, 0, 1.57, 0, -1.57, 0]'"
+        ) from None
     shown = [*map(repr, positional), *(f"{key}={value!r}" for key, value in named.items())]
     if not call_kind(SPELLINGS.get(name, name)).repeatable:
         ask(f"{where}({', '.join(shown)}) on {address}", "Go on?", yes=yes)
@@ -90,7 +97,7 @@ def call(
         with ended_by_errors("interrupted: what moved was stopped"), robot:
             if (limits := limits_at(address)) is not None:
                 robot.envelope = limits
-            result = function_of(robot, where)(*positional, **named)
+            result = function(*positional, **named)
     except TypeError as error:
         fail(f"{name}: {error}")
     if json:
