@@ -351,6 +351,8 @@ class Joints(_Six):
     @classmethod
     def deg(cls, *angles: float) -> Self:
         """Make a joint vector from six angles in degrees: `Joints.deg(30, -15, 105, 0, -90, 0)`."""
+        if len(angles) != 6:
+            raise ParameterError("angles", angles, "six joint angles in degrees")
         return cls.of([math.radians(angle) for angle in angles])
 
     @property

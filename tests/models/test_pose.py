@@ -259,7 +259,7 @@ def test_degrees_and_millimetres_at_the_edge() -> None:
     joints = Joints.deg(10, 20, 30, 40, 50, 60)
     assert joints.degrees == pytest.approx((10, 20, 30, 40, 50, 60))
     assert joints == Joints(*deg(10, 20, 30, 40, 50, 60))
-    with pytest.raises(ParameterError):
+    with pytest.raises(ParameterError, match=r"angles is \(1, 2, 3\), but must be .* in degrees"):
         Joints.deg(1, 2, 3)
 
 

@@ -171,7 +171,7 @@ def _complete(where: str, table: dict[str, Any], *needed: str) -> None:
 def _only(where: str, table: dict[str, Any], known: set[str]) -> None:
     if unknown := sorted(set(table) - known):
         raise FleetFileError(
-            f"{where} has no {', '.join(unknown)}; there are {', '.join(sorted(known))}"
+            f"{where} takes no {', '.join(unknown)}; it takes {', '.join(sorted(known))}"
             f"{did_you_mean(unknown[0], known)}"
         )
 
