@@ -28,6 +28,7 @@ from aioduco.errors import (
     TaskStopped,
     UnknownFunction,
 )
+from aioduco.models.enums import Outcome
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes
@@ -538,10 +539,11 @@ class StopCoordinator:
         ]
         for task in continuous:
             task.life.end_sent()
-        concerned = bool(continuous) or name in self.modes
+        of_mode = name in self.modes
+        concerned = bool(continuous) or of_mode
         try:
             await (step() if step is not None else self._controlled(name))
-            await self._come_to_rest(name)
+            await self._come_to_rest(name, () if of_mode else continuous)
         except BaseException:
             if concerned:
                 await self._halt_and_see()
@@ -550,12 +552,20 @@ class StopCoordinator:
             for task in continuous:
                 await task.wait()
 
-    async def _come_to_rest(self, name: str) -> None:
-        """Wait until the arm stands after `name`; if that had no effect, stop the arm."""
+    async def _come_to_rest(self, name: str, ended: Sequence[Task]) -> None:
+        """Wait until the arm stands after `name`; if that had no effect, stop the arm.
+
+        Args:
+            name: the function of the wire.
+            ended: the motions that it was to end. Once each of them was seen at rest, what moves
+                is a later motion, which the program started meanwhile.
+        """
         self.modes.over(name)
         try:
             await self.standstill()
         except StopUnconfirmed as exc:
+            if ended and all(task.outcome is Outcome.FINISHED and not task.fault for task in ended):
+                return
             _log.warning("%s had no effect, so the arm is stopped: %s", name, exc)
             await self.halt()
 

@@ -1,0 +1,56 @@
+"""A jog whose time the program ends, and the motion that comes after it."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from aioduco import Jog, Outcome
+from aioduco.errors import StopUnconfirmed
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from aioduco.sim import Simulator
+
+#: name of the background task that ends a motion when its time is over
+END = "aioduco end of a motion"
+
+
+async def test_a_motion_that_follows_a_jog_is_not_taken_for_it(
+    duco_robot: aioduco.Robot, duco_simulator: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The end of the jog looks whether the arm stands, and finds that the next motion moves it."""
+    coordinator = duco_robot._supervisor.stop_coordinator
+    stands = coordinator.standstill
+    looked = asyncio.Event()
+    jog = await duco_robot.motion.move_jog(Jog.joint(1, 1, vel=10)).start()
+
+    async def moved_by_the_next() -> None:
+        await stands()
+        if (task := asyncio.current_task()) is not None and task.get_name() == END:
+            await jog.wait()
+            looked.set()
+            raise StopUnconfirmed("the arm still moves after 5 s")
+
+    monkeypatch.setattr(coordinator, "standstill", moved_by_the_next)
+    assert await jog is Outcome.FINISHED
+    await looked.wait()
+    there = duco_simulator.joints.array + 0.1
+    assert await duco_robot.motion.movej2(there, v=1.0, a=1.0) is Outcome.FINISHED
+    assert duco_robot.statistics().stops == 0
+
+
+async def test_a_jog_that_its_end_does_not_stop_is_stopped(
+    duco_robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def moves() -> None:
+        raise StopUnconfirmed("the arm still moves after 5 s")
+
+    jog = await duco_robot.motion.move_jog(Jog.joint(1, 1, vel=10)).start()
+    monkeypatch.setattr(duco_robot._supervisor.stop_coordinator, "standstill", moves)
+    with pytest.raises(aioduco.TaskError):
+        await jog
+    await eventually_async(lambda: duco_robot.statistics().stops > 0)
