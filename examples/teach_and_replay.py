@@ -43,9 +43,9 @@ def simulated_hand(sim: Simulator, number: int) -> bool:
     """Push the simulated arm until a joint has turned by 5 degrees, then let go for a second."""
     if number > len(PUSHES):
         return False
-    begin = sim.joints.array
+    begin = sim.joints
     sim.push([*PUSHES[number - 1], 0.0, 0.0, 0.0])
-    sim.wait_until(lambda: abs(sim.joints.array - begin).max() > aioduco.deg(5), timeout=60)
+    sim.wait_until(lambda: sim.joints.distance(begin) > aioduco.deg(5), timeout=60)
     sim.push([0.0] * 6)
     until = sim.clock.now() + 1.0
     sim.wait_until(lambda: sim.clock.now() > until, timeout=60)
