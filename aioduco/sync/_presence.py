@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 
-__all__ = ["CallTimes", "ThreadCalls"]
+__all__ = ["CallRecord", "CallTimes"]
 
 
-class ThreadCalls:
-    """The calls of one thread, which alone changes this: whether it is in one, when one ended."""
+class CallRecord:
+    """Of the calls of one thread, which alone changes this: is it in one, when did one end."""
 
     __slots__ = ("_inside", "_left")
 
@@ -40,4 +40,4 @@ class CallTimes(threading.local):
     """
 
     def __init__(self) -> None:
-        self.here: ThreadCalls = ThreadCalls()
+        self.here: CallRecord = CallRecord()

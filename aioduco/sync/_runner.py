@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from aioduco.robot import Robot
     from aioduco.supervision.task import Task
-    from aioduco.sync._presence import ThreadCalls
+    from aioduco.sync._presence import CallRecord
 
 __all__ = ["Runner", "StartedCall"]
 
@@ -113,7 +113,7 @@ class Runner:
         self._program_limit = program_limit
         self._call_times = CallTimes()
         #: the calls of the thread that holds a task, by the task's id
-        self._holders: dict[int, ThreadCalls] = {}
+        self._holders: dict[int, CallRecord] = {}
         #: ids of the tasks that were stopped because their thread made no call for too long
         self._stopped_unheld: set[int] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams

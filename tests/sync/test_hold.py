@@ -9,7 +9,7 @@ import pytest
 
 import aioduco.sync
 from aioduco import Jog, Joints, Outcome, ParameterError, TaskStopped
-from aioduco.sync._presence import CallTimes, ThreadCalls
+from aioduco.sync._presence import CallRecord, CallTimes
 from aioduco.testing import eventually
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
 
 def test_presence() -> None:
-    calls = ThreadCalls()
+    calls = CallRecord()
     calls.enter()
     assert calls.idle_time(50.0) == 0.0
     calls.enter()  # a call within a call
