@@ -54,7 +54,7 @@ _PROGRAM: Final = '''\
 """Goes from point to point of cell.toml, within its limits; the arm stops when this ends."""
 
 import asyncio
-from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
+from pathlib import Path
 from typing import Any
 
 from aioduco import Cell, Robot, mm
