@@ -235,6 +235,7 @@ async def test_a_motion_that_is_lost_sight_of_raises_when_the_arm_stands(
     assert not bench.moving()
 
 
+@pytest.mark.cases(10)
 @pytest.mark.parametrize(
     ("before", "after", "added"),
     [
