@@ -316,7 +316,7 @@ PURE = {
     "integrations/ros/trajectory_goals.py",
     "integrations/ros/goal_queue.py",
     "integrations/ros/arm_readings.py",
-    "integrations/ros/messages.py",
+    "integrations/ros/shared_messages.py",
     "integrations/ros/node_parameters.py",
     "integrations/fleet/reports.py",
     "integrations/fleet/gateway_state.py",

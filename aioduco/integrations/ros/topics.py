@@ -19,7 +19,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 from tf2_msgs.msg import TFMessage
 
-from aioduco.integrations.ros import messages
+from aioduco.integrations.ros import shared_messages
 from aioduco.integrations.ros.arm_readings import STATE_NAMES, state_names
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def topic_name(prefix: str, topic: str) -> str:
 
 
 def _take_twist(arm: ArmNode, message: Any) -> None:
-    arm.twists.take(*messages.twist(message))
+    arm.twists.take(*shared_messages.twist(message))
 
 
 def _take_freedrive(arm: ArmNode, message: Any) -> None:
@@ -109,28 +109,32 @@ class StatePublisher(ABC):
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         """Publish joint states, and frames if there are any."""
         stamp = self.stamp(at + self._ahead)
-        message = messages.joint_state(self.joint_state(), self.names, reading, self._base, stamp)
+        message = shared_messages.joint_state(
+            self.joint_state(), self.names, reading, self._base, stamp
+        )
         self.publishers["joint_states"].publish(message)
         if frames:
-            self.publishers["/tf"].publish(messages.transforms(self._base, frames, stamp))
+            self.publishers["/tf"].publish(shared_messages.transforms(self._base, frames, stamp))
 
     def wrench(self, at: float, force: list[float]) -> None:
         """Publish force and torque at the tool."""
         frame = self._settings.prefix + "tcp_controller"
-        message = messages.wrench(frame, force, self.stamp(at + self._ahead))
+        message = shared_messages.wrench(frame, force, self.stamp(at + self._ahead))
         self.publishers["wrench"].publish(message)
 
     def states(self, snapshot: Snapshot) -> None:
         """Publish states, inputs and outputs."""
         stamp = self.stamp(snapshot.received_at + self._ahead)
-        self.publishers["robot_state"].publish(messages.robot_state(snapshot, self._base, stamp))
-        self.publishers["io_states"].publish(messages.io_state(snapshot, self._base, stamp))
+        self.publishers["robot_state"].publish(
+            shared_messages.robot_state(snapshot, self._base, stamp)
+        )
+        self.publishers["io_states"].publish(shared_messages.io_state(snapshot, self._base, stamp))
         for topic, text in state_names(snapshot).items():
             self.publishers[topic].publish(String(data=text))
 
     def tool(self, fields: dict[str, Any]) -> None:
         """Publish the data of the tool."""
-        message = messages.tool_data(fields, self._base, self.stamp(self.wall()))
+        message = shared_messages.tool_data(fields, self._base, self.stamp(self.wall()))
         self.publishers["tool_data"].publish(message)
 
     def speed(self, percent: float) -> None:
@@ -142,5 +146,5 @@ class StatePublisher(ABC):
         now = self.wall()
         self._ahead = now - time.monotonic()  # the clock may have been set, or be simulated
         host = self._settings.host
-        message = messages.diagnostics(self._name, host, found, self.stamp(now))
+        message = shared_messages.diagnostics(self._name, host, found, self.stamp(now))
         self.publishers["/diagnostics"].publish(message)

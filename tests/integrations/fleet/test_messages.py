@@ -158,7 +158,7 @@ def test_a_report_says_that_the_heartbeat_is_withheld() -> None:
     [
         ({}, "lacks name"),
         ({"fleet": {"name": "a/b"}}, "letters, digits"),
-        ({"fleet": {"name": "f", "lisen": []}}, "has no lisen; .*: did you mean 'listen'"),
+        ({"fleet": {"name": "f", "lisen": []}}, "takes no lisen; .*: did you mean 'listen'"),
         ({"fleet": {"name": "f", "listen": "tcp/1"}}, "list of strings"),
         ({"fleet": {"name": "f", "connect": [1]}}, "list of strings"),
         ({"fleet": {"name": "f", "rate": 0}}, "0.1 to 100"),

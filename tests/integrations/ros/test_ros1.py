@@ -231,14 +231,16 @@ def test_joint_states_are_packed_as_genpy_packs_them() -> None:
     install()
     from sensor_msgs.msg import JointState  # noqa: PLC0415 - of ROS
 
-    from aioduco.integrations.ros import messages  # noqa: PLC0415 - needs it
+    from aioduco.integrations.ros import shared_messages  # noqa: PLC0415 - needs it
     from aioduco.integrations.ros.ros1 import conversions  # noqa: PLC0415 - as this
     from aioduco.integrations.ros.ros1._packed_joint_state import PackedJointState  # noqa: PLC0415
 
     reading = ArmReading((0.1, -0.2, 0.3, 1e-9, 5.0, -6.0), [0.5] * 6, [1.0, 2, 3, 4, 5, 6.5])
     for names in (tuple("abcdef"), tuple(f"links_gelenk_ä{number}" for number in range(6))):
         stamp = conversions.stamp(1234.5678)
-        message = messages.joint_state(PackedJointState(), names, reading, "base_link", stamp)
+        message = shared_messages.joint_state(
+            PackedJointState(), names, reading, "base_link", stamp
+        )
         message.header.seq = 77
         ours, theirs = io.BytesIO(), io.BytesIO()
         message.serialize(ours)

@@ -14,7 +14,7 @@ from control_msgs.msg import (
 )
 from rospy import Duration, Time
 
-from aioduco.integrations.ros import messages
+from aioduco.integrations.ros import shared_messages
 
 if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import ErrorCode, TrajectoryGoal
@@ -35,7 +35,7 @@ def _seconds(message: Any) -> float:
 
 def goal(message: Any) -> TrajectoryGoal:
     """A goal of FollowJointTrajectory, unchecked."""
-    return messages.goal(message, _seconds)
+    return shared_messages.goal(message, _seconds)
 
 
 def result(code: ErrorCode, text: str) -> Any:
@@ -54,4 +54,4 @@ def controller_state(names: tuple[str, ...], found: PathFeedback, at: float) -> 
 
 
 def _progress(message: Any, found: PathFeedback, at: float) -> Any:
-    return messages.progress(message, found, stamp(at), Duration.from_sec(found.time))
+    return shared_messages.progress(message, found, stamp(at), Duration.from_sec(found.time))

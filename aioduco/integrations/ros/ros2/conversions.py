@@ -11,7 +11,7 @@ from builtin_interfaces.msg import Duration, Time
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTrajectoryControllerState
 
-from aioduco.integrations.ros import messages
+from aioduco.integrations.ros import shared_messages
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def _seconds(message: Any) -> float:
 
 def trajectory(message: Any) -> TrajectoryGoal:
     """A trajectory with the default tolerances, unchecked."""
-    return messages.trajectory(message, _seconds)
+    return shared_messages.trajectory(message, _seconds)
 
 
 def goal(message: Any) -> TrajectoryGoal:
@@ -52,7 +52,7 @@ def goal(message: Any) -> TrajectoryGoal:
         raise GoalRefused(ErrorCode.INVALID_JOINTS, "the arm has no joint of more than one axis")
     if message.component_path_tolerance or message.component_goal_tolerance:
         raise GoalRefused(ErrorCode.INVALID_GOAL, "tolerances of components are not looked at")
-    return messages.goal(message, _seconds)
+    return shared_messages.goal(message, _seconds)
 
 
 def result(code: ErrorCode, text: str) -> Any:
@@ -63,7 +63,7 @@ def result(code: ErrorCode, text: str) -> Any:
 def feedback(names: tuple[str, ...], found: PathFeedback, at: float) -> Any:
     """A feedback of FollowJointTrajectory, with joints in the arm's order."""
     message = FollowJointTrajectory.Feedback(joint_names=list(names))
-    return messages.progress(message, found, stamp(at), _filled(Duration, found.time))
+    return shared_messages.progress(message, found, stamp(at), _filled(Duration, found.time))
 
 
 def controller_state(names: tuple[str, ...], found: PathFeedback, factor: float, at: float) -> Any:
@@ -71,4 +71,4 @@ def controller_state(names: tuple[str, ...], found: PathFeedback, factor: float,
     message = JointTrajectoryControllerState(joint_names=list(names))
     if hasattr(message, "speed_scaling_factor"):
         message.speed_scaling_factor = factor
-    return messages.progress(message, found, stamp(at))
+    return shared_messages.progress(message, found, stamp(at))
