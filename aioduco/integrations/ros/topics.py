@@ -85,8 +85,8 @@ class StatePublisher(ABC):
         self._settings = settings
         self._base = settings.base_frame
         self._name = name
-        self.names = settings.profile.joint_names
-        self.publishers = publishers
+        self.names: tuple[str, ...] = settings.profile.joint_names
+        self.publishers: Mapping[str, Any] = publishers
         #: offset from the clock of samples to the clock of messages [s]
         self._ahead = self.wall() - time.monotonic()
 
