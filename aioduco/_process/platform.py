@@ -48,6 +48,7 @@ __all__ = [
     "ending_signals",
     "handed_socket",
     "hands_over_by_number",
+    "has_child",
     "has_device_files",
     "has_memory_files",
     "limits_sockets",
@@ -141,6 +142,20 @@ def hands_over_by_number() -> bool:
 def has_memory_files() -> bool:
     """Whether anonymous memory can be passed to a child as a descriptor."""
     return hasattr(os, "memfd_create") and hands_over_by_number()
+
+
+def has_child() -> bool:
+    """Whether this process may have a child, also one that has ended and was not waited for.
+
+    True where the system does not say.
+    """
+    if not hasattr(os, "P_ALL"):
+        return True
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return False
+    return True
 
 
 def has_device_files() -> bool:

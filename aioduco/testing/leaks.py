@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from aioduco._process.copying import Uncopied
+from aioduco._process.platform import has_child
 from aioduco.models.ranges import WAIT
 from aioduco.testing.waiting import eventually, eventually_async
 
@@ -132,10 +133,8 @@ def _files() -> dict[int, str]:
 
 def _children(parent: int) -> dict[int, str]:
     children: dict[int, str] = {}
-    try:
-        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
-    except ChildProcessError:
-        return children  # none, so that not all processes of the system need be read
+    if not has_child():
+        return children  # so that not all processes of the system need be read
     for entry in Path("/proc").iterdir():
         if not entry.name.isdigit():
             continue
