@@ -86,7 +86,7 @@ def stop(host: Host = None, port: Port = None, cell: CellFile = None, json: Json
     aioduco stop left
 
     Exit codes: 0 it stands; 1 no controller; 2 wrong options; 4 it is not known that it stands, or
-    a stream of another program moves it again: press the emergency stop.
+    another program's set-points move it again: press the emergency stop.
     """
     from aioduco.cli.stopping import stop_at  # noqa: PLC0415 - quick help
 

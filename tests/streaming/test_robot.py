@@ -19,6 +19,7 @@ import aioduco
 from aioduco.errors import (
     ParameterError,
     RobotStateError,
+    StreamError,
     StreamRefused,
     StreamStarved,
     StreamStopped,
@@ -111,6 +112,7 @@ async def ended_by(
     kind: str,
     end: Callable[[], object],
     options: WorkerOptions = THREAD,
+    error: type[StreamError] = StreamStopped,
 ) -> None:
     """A stream in full course is ended by something else than its program."""
     opened = KINDS[kind].open(robot, options)
@@ -129,7 +131,7 @@ async def ended_by(
     async with anyio.create_task_group() as tasks:
 
         async def feeding() -> None:
-            with pytest.raises(StreamStopped):
+            with pytest.raises(error):
                 await program(opened)
 
         tasks.start_soon(feeding)
@@ -177,6 +179,18 @@ async def test_so_do_the_others(robot: aioduco.Robot, sim: Simulator, way: str) 
     await eventually_async(lambda: not sim.moving)
     assert not robot._supervisor.stop_coordinator.streams
     await robot.stop()
+
+
+@pytest.mark.parametrize("kind", FOLLOWED)
+async def test_so_does_a_stop_by_another_program(
+    robot: aioduco.Robot, sim: Simulator, kind: str
+) -> None:
+    """A set-point that was on its way may move the arm again, but is the last."""
+    error = StreamRefused if kind == "joint_position" else StreamStopped
+    async with aioduco.connect(sim.host, sim.port, heartbeat=None) as other:
+        await ended_by(robot, sim, kind, other.stop, error=error)
+        await eventually_async(lambda: not sim.tasks)
+        assert not sim.view.moving
 
 
 @pytest.mark.slow

@@ -341,6 +341,52 @@ async def test_the_worker_sees_when_the_controller_does_not_follow_any_more(
     assert bool(controller.server.received("stop")) == stops
 
 
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    ("states", "stopped"),
+    [([1, 1, 3], True), ([3], True), ([5], False), ([2, 4], False), ([0], False)],
+    ids=["stopped after a brake", "stopped", "replaced", "paused, then finished", "forgotten"],
+)
+async def test_a_task_of_another_caller_may_be_a_stop(
+    controller: Controller, states: list[int], stopped: bool
+) -> None:
+    """Its number is missing: the task before it is polled until it has ended."""
+    ids, answers = itertools.count(1000), itertools.chain(states, itertools.repeat(5))
+    polled: list[int] = []
+
+    def point(*_: object) -> int:
+        id_ = next(ids)
+        return next(ids) if id_ == 1020 else id_
+
+    def state(task: int) -> int:
+        polled.append(task)
+        return next(answers)
+
+    controller.server.answer("servoj", point)
+    controller.server.answer("get_noneblock_taskstate", state)
+    options = WorkerOptions(run_in="thread", watch=0.0)
+    told = pytest.raises(StreamStopped, match="the controller stopped task 1019")
+    with told if stopped else contextlib.nullcontext():
+        async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+            for _ in range(100):
+                await stream.send(HERE)
+    assert polled[: len(states)] == [1019] * len(states)
+    assert len(controller.server.received("stop")) == stopped
+    if stopped:
+        assert len(controller.points()) == 20 + len(states)
+
+
+async def test_ids_that_rise_by_two_are_asked_about_once(controller: Controller) -> None:
+    ids = itertools.count(1000, 2)
+    controller.server.answer("servoj", lambda *_: next(ids))
+    controller.server.answer("get_noneblock_taskstate", 5)
+    options = WorkerOptions(run_in="thread", watch=0.0)
+    async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+        for _ in range(20):
+            await stream.send(HERE)
+    assert len(controller.server.received("get_noneblock_taskstate")) == 1
+
+
 @pytest.mark.slow
 async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_stop(
     controller: Controller,

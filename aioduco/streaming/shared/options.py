@@ -59,7 +59,8 @@ class WorkerOptions:
         timeout: time-out of one answer of the controller [s]; a controller that takes no point from
             a full realtime queue for so long counts as stuck.
         connect_timeout: time-out of the connection, and of the worker's start [s].
-        watch: time between two polls whether the controller still follows [s]; 0: never.
+        watch: time between two polls whether the controller still follows [s]; 0: only after a
+            task of another caller.
         away_limit: time for which the worker may not run, 0.2 to 60 [s]. After a longer one, in
             which it was frozen, the computer slept or was too busy, it sends no set-point any more,
             but stops the arm. The time for which it waits for an answer does not count.

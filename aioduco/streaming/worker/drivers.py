@@ -6,11 +6,13 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, idl
+from aioduco.models.enums import TaskState
 from aioduco.streaming.shared.words import Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Point
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.setpoints import SetpointFeed
+from aioduco.streaming.worker.watch import ended
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from aioduco.streaming.worker.permit import StreamPermit
 
 __all__ = ["CallDriver", "ProbeDriver"]
+
+_BRAKE_LIMIT = 5.0  # s within which an arm that was told to stop stands
 
 
 class CallDriver(Driver):
@@ -36,7 +40,11 @@ class CallDriver(Driver):
         self._name = calls.function
         self._point = Point(connection, self._name, args, self._timeout, permit.require)
         self._ahead: tuple[float, ...] | None = None
-        self._task = 0
+        #: id of the last set-point's task, and by how much the ids usually rise
+        self._task, self._rise = 0, 1
+        #: the task before one whose id rose otherwise, so that it may have been stopped; 0: none.
+        #: It is polled until then
+        self._in_question, self._poll_until = 0, 0.0
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -53,14 +61,45 @@ class CallDriver(Driver):
             values = feed.wire(values)
             start = time.monotonic_ns()
             ahead = hurry and not feed.reads
+            before = self._task
             self._task = self._point.send(values, self._look_ahead if ahead else None)
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
             if self._task < 0:
                 return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
+            if before and self._task - before not in (0, self._rise):
+                self._rise = self._task - before
+                self._question(before)
+            if self._in_question and self._stopped():
+                return False
         if self.state is StreamState.ENDED and self._ahead is None:
             return False
         return self._follows(self._task)
+
+    def _question(self, task: int) -> None:
+        if not self._in_question:
+            self._in_question, self._poll_until = task, time.monotonic() + _BRAKE_LIMIT
+
+    def _stopped(self) -> bool:
+        """Poll whether another caller stopped the task in question; if so, stop again and end.
+
+        The set-points that were sent since then have made the arm move again. Such a stop is
+        noticed by its number: the controller numbers all tasks, a stop included (manual 1.3.3). By
+        the task that `_follows` polls it would be noticed only by chance.
+        """
+        call, timeout = self._connection.call, self._timeout
+        task = self._in_question
+        state = call("get_noneblock_taskstate", (task,), timeout)
+        brakes = state in (TaskState.RUNNING, TaskState.PAUSED)  # stopped once the arm stands
+        if brakes and time.monotonic() < self._poll_until:
+            return False
+        self._in_question = 0
+        reason, text = ended(task, state)
+        if reason is not Reason.STOPPED:
+            return False
+        call("stop", (True,), timeout)
+        self.end(reason, text)
+        return True
 
     def _look_ahead(self) -> None:
         self._ahead = self._feed.step()
