@@ -227,8 +227,12 @@ def _own_files(config: pytest.Config) -> Sequence[Path]:
     if not given or not _all_files(config):
         return []
     number, processes = int(given["workerid"].removeprefix("gw")), given["workercount"]
-    files = sorted(Path(__file__).parent.rglob("test_*.py"))
-    return quick.part({file: file.stat().st_size for file in files}, number, processes)
+    folder = Path(__file__).parent
+    times = {
+        file: file.stat().st_size * quick.wait(file.relative_to(folder).as_posix())
+        for file in sorted(folder.rglob("test_*.py"))
+    }
+    return quick.part(times, number, processes)
 
 
 def _is_divided(config: pytest.Config) -> bool:
@@ -302,12 +306,9 @@ def _guard_refused(error: BaseException) -> str:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """`-n auto`: more than the processors, since most tests wait for an arm or an answer.
-
-    Each process loads most of the package, so the quick run takes fewer of them.
-    """
-    return quick.processors() + (4 if config.getoption("thorough") else 2)
+def pytest_xdist_auto_num_workers() -> int:
+    """`-n auto`: more than the processors, since most tests wait for an arm or an answer."""
+    return quick.processors() + 4
 
 
 @pytest.fixture(autouse=True)

@@ -42,6 +42,21 @@ CASES = {
     "test_cli": 1,
     "testing/": 2,
 }
+#: how long the tests of a file take for its size, which more or less says what they compute: more
+#: where an arm, an answer or a time-out is waited for
+WAITS = {
+    "": 1,
+    "adversity/": 4,
+    "api/": 3,
+    "client/": 2,
+    "devices/": 2,
+    "hostile/": 2,
+    "programs/": 10,
+    "shipped/": 10,
+    "streaming/": 3,
+    "supervision/": 5,
+    "sync/": 5,
+}
 #: beginnings of the paths of tests that take long, mostly since they start programs
 LONG = (
     *("client/test_examples", "devices/grippers/test_simulated", "hostile/test_cable"),
@@ -132,24 +147,23 @@ def spread(cases: Sequence[T], number: int) -> list[T]:
     return [cases[round(n * (len(cases) - 1) / (number - 1))] for n in range(number)]
 
 
-def part(sizes: Mapping[T, int], process: int, processes: int) -> list[T]:
+def part(times: Mapping[T, int], process: int, processes: int) -> list[T]:
     """What one of several processes takes of some files: each is taken once, in order.
 
-    The size of a file of tests says more or less how long they take. So the largest file that is
-    left goes to the process with the least until now.
+    The file that takes longest of those that are left goes to the process with the least until now.
 
     Args:
-        sizes: of all files.
+        times: how long each file takes, by any measure.
         process: its number; one that takes the place of another has a higher one than all.
         processes: how many there are.
     """
     taken: list[set[T]] = [set() for _ in range(processes)]
     load = [0] * processes
-    for file in sorted(sizes, key=sizes.__getitem__, reverse=True):
+    for file in sorted(times, key=times.__getitem__, reverse=True):
         least = load.index(min(load))
         taken[least].add(file)
-        load[least] += sizes[file]
-    return [file for file in sizes if file in taken[process % processes]]
+        load[least] += times[file]
+    return [file for file in times if file in taken[process % processes]]
 
 
 def share(text: str) -> tuple[int, int]:
@@ -175,8 +189,20 @@ def _cases_of(item: pytest.Item) -> int:
     marker = item.get_closest_marker("cases")
     if marker is not None:
         return int(marker.args[0])
-    path = item.nodeid.partition("::")[0].removeprefix("tests/")
-    return CASES[max((begin for begin in CASES if path.startswith(begin)), key=len)]
+    return _of_path(CASES, item.nodeid.partition("::")[0].removeprefix("tests/"))
+
+
+def wait(path: str) -> int:
+    """How long the tests of a file take for its size, from `WAITS`.
+
+    Args:
+        path: of the file, below the folder of the tests.
+    """
+    return _of_path(WAITS, path)
+
+
+def _of_path(table: Mapping[str, int], path: str) -> int:
+    return table[max((begin for begin in table if path.startswith(begin)), key=len)]
 
 
 def examples(number: int) -> int:
