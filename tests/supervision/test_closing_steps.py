@@ -372,7 +372,7 @@ async def test_an_arm_that_does_not_stop_is_told_to_each_task_that_closes_its_ro
     bench: Bench,
 ) -> None:
     bench.motion_time = 30.0
-    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3)
+    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3, standstill_timeout=0.3)
     await robot.open()
     await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     bench.answer("stop", -1)
