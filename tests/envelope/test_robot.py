@@ -307,6 +307,7 @@ async def test_a_jog_is_stopped_before_the_wall(robot: aioduco.Robot, seen: Seen
     assert 0 <= least(FLAT, seen.q) < 0.09
 
 
+@pytest.mark.slow
 async def test_a_stream_of_speeds_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
     """By its worker; or by the watch of the state, whose time is held, if the worker is late."""
     robot.envelope = Envelope("gcr5_910", wall())

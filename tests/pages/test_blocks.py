@@ -220,7 +220,7 @@ def session(folder: Path) -> Iterator[tuple[Session, str]]:
         yield commands_there, host
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize(
     "block",

@@ -274,6 +274,7 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
         read(tmp_path / "text.mcap")
 
 
+@pytest.mark.slow
 def test_tables_have_the_same_numbers(run: RecordedRun, tmp_path: Path) -> None:
     arrays = run.arrays("/joint_states")
     assert {path.stem for path in run.to_csv(tmp_path)} == {name[1:] for name in run.topics}

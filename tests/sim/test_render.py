@@ -137,6 +137,7 @@ def test_the_camera_looks_at_the_arm_wherever_it_is_mounted() -> None:
             Camera(**wrong)
 
 
+@pytest.mark.slow
 def test_a_film_leaves_out_what_looks_the_same() -> None:
     film = Film(rest=0.5)
     for time, position in ((0.0, 0.0), (0.1, 0.0), (0.2, 0.3), (5.0, 0.3), (5.1, 0.4), (5.2, 0.4)):

@@ -36,6 +36,7 @@ def test_doctor_without_a_controller_says_so() -> None:
     assert "cannot connect" in shown.output
 
 
+@pytest.mark.slow
 def test_plot_says_what_it_cannot_draw(tmp_path: Path) -> None:
     (tmp_path / "figures.json").write_text("{}")
     shown = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json")])

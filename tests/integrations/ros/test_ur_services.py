@@ -168,6 +168,7 @@ async def test_freedrive_lasts_as_long_as_it_is_asked_for(node: ArmNode) -> None
     assert (await node.services.movej(START, 3.0, 20.0)).success
 
 
+@pytest.mark.slow
 async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simulator) -> None:
     assert not node.twists.take([0.0, 0.0, float("nan"), 0.0, 0.0, 0.0])
     assert not node.twists.take([0.0] * 6, "camera")

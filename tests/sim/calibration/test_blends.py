@@ -77,6 +77,7 @@ def cut(
     return replace(empty(), motions=motions, corners=tuple(corners), tool=np.eye(4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["joint", "line"])
 @pytest.mark.parametrize("law", [CornerLaw(), CornerLaw(0.6, 0.4), CornerLaw(1.1, 0.9)])
 def test_reach_and_share_are_found_within_their_intervals(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [MODEL, "gcr10_1300", "gcr20_1400", "gcr3_618"])
 def test_the_table_of_a_hidden_arm_is_found(model: str, thorough: bool) -> None:
     inside = []

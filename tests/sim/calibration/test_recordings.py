@@ -60,7 +60,7 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
         assert abs(found.values["drives"][name].value - value) < 1e-3, name
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize(("radii", "lapses"), [((0.04,), 0), (measuring._RADII, 1)])
 async def test_corners_and_a_heartbeat_that_ends_are_recorded(

@@ -60,6 +60,7 @@ def moving_reads(period: float, interval: float, *, seconds: float = 6.0) -> Rea
     return Reads(begin, end, values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("period", [0.008, 0.0123, 0.02])
 def test_the_period_of_readings_is_found(period: float) -> None:
     found = estimate_period([moving_reads(period, 0.003)])

@@ -20,6 +20,7 @@ from .made import MODEL, configurations, empty, torqued
 CENTRE = np.array([0.02, -0.03, 0.06])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_friction_is_found_without_any_mass(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -93,6 +93,7 @@ with aioduco.sync.connect("192.168.1.10") as robot:
 """
 
 
+@pytest.mark.slow
 def test_an_error_that_ends_a_thread_is_a_finding(tmp_path: Path) -> None:
     path = tmp_path / "thread.py"
     path.write_text(THREAD_FAILS)

@@ -69,6 +69,7 @@ asyncio.run(main())
 """
 
 
+@pytest.mark.slow
 def test_one_run_finds_all_motions_that_cannot_be_carried_out(
     tmp_path: Path, thorough: bool
 ) -> None:
