@@ -248,10 +248,12 @@ class OutcomeUnknown(ConnectionLost):
 
     Attributes:
         function: the function of the wire that was called.
+        reason: why its reply is not known.
     """
 
     def __init__(self, function: str, reason: str) -> None:
         self.function = function
+        self.reason = reason
         super().__init__(
             f"{function} was sent, but {reason}: it may or may not have been carried out; "
             "it was not sent again. Read the robot's state before you repeat it"

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
-from aioduco.errors import DucoError, Refused, StopUnconfirmed
+from aioduco.errors import DucoError, OutcomeUnknown, Refused, StopUnconfirmed
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 
@@ -249,7 +249,10 @@ def refusal(name: str, answer: int) -> Refused | None:
 
 
 def _unconfirmed(what: str, error: BaseException | None) -> StopUnconfirmed:
-    why = f" (the last answer: {str(error) or repr(error)})" if error is not None else ""
+    if isinstance(error, OutcomeUnknown):
+        why = f" (the last one was sent, but {error.reason})"  # others were sent before it
+    else:
+        why = f" (the last answer: {str(error) or repr(error)})" if error is not None else ""
     return StopUnconfirmed(
         f"{what}{why}: the arm may be moving. Press the emergency stop if it does"
     )

@@ -97,9 +97,11 @@ async def test_an_arm_that_moves_on_is_not_said_to_stand(monkeypatch: pytest.Mon
 
 async def test_a_controller_that_answers_nothing_is_not_said_to_have_stopped() -> None:
     with controller(*[None] * 99) as server:
-        with pytest.raises(StopUnconfirmed, match="emergency stop"):
+        with pytest.raises(StopUnconfirmed, match="emergency stop") as caught:
             await stop_arm(server.host, server.port, stop_timeout=0.5)
         assert server.names.count("stop") >= 2
+    assert "the last one was sent, but no answer came" in str(caught.value)
+    assert "not sent again" not in str(caught.value)
 
 
 async def test_a_cancelled_stop_goes_on_until_the_arm_stands() -> None:
