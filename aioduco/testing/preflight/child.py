@@ -75,6 +75,7 @@ class _Child:
             self.recorder.not_reached,
         )
         threading.excepthook = self._thread_failed
+        self._note_lost_errors()
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()
         for thread in threading.enumerate():
@@ -122,6 +123,18 @@ class _Child:
         if failure.exc_value is not None and failure.exc_type is not SystemExit:
             self.recorder.failed(failure.exc_value)
         threading.__excepthook__(failure)
+
+    def _note_lost_errors(self) -> None:
+        """Note an error of a task that nobody awaits, or of a callback, which asyncio only logs."""
+        loops: Any = asyncio.BaseEventLoop
+        log = loops.default_exception_handler
+
+        def note(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+            if (error := context.get("exception")) is not None:
+                self.recorder.failed(error)
+            log(loop, context)
+
+        loops.default_exception_handler = note
 
     # -- the simulator ------------------------------------------------------------------------
 

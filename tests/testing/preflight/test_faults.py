@@ -93,13 +93,46 @@ with aioduco.sync.connect("192.168.1.10") as robot:
 """
 
 
+TASK_FAILS = """
+import asyncio, aioduco
+
+async def part():
+    1 / 0
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        asyncio.create_task(part())
+        await robot.state.get_robot_state()
+
+asyncio.run(main())
+"""
+CALLBACK_FAILS = """
+import asyncio, aioduco
+
+def part():
+    1 / 0
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        asyncio.get_running_loop().call_soon(part)
+        await robot.state.get_robot_state()
+
+asyncio.run(main())
+"""
+
+
 @pytest.mark.slow
-def test_an_error_that_ends_a_thread_is_a_finding(tmp_path: Path) -> None:
-    path = tmp_path / "thread.py"
-    path.write_text(THREAD_FAILS)
+@pytest.mark.parametrize(
+    ("program", "line"),
+    [(THREAD_FAILS, 6), (TASK_FAILS, 5), (CALLBACK_FAILS, 5)],
+    ids=["thread", "task", "callback"],
+)
+def test_an_error_that_nobody_gets_is_a_finding(tmp_path: Path, program: str, line: int) -> None:
+    path = tmp_path / "program.py"
+    path.write_text(program)
     report = preflight(path, (), PreflightSettings(timeout=110), quiet=True)
     assert [(each.kind, each.line, each.text) for each in report.findings] == [
-        ("error", 6, "ZeroDivisionError: division by zero")
+        ("error", line, "ZeroDivisionError: division by zero")
     ]
 
 
