@@ -17,11 +17,10 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import (
     DucoError,
     MissingExtra,
-    ParameterError,
     RobotStateError,
     StopsUnconfirmed,
 )
-from aioduco.models.address import HOST_RULE, is_host
+from aioduco.models.address import host_alone
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
@@ -342,8 +341,7 @@ class Robot(Uncopied, ManualNames):
     version: Version
 
     def __init__(self, host: str, port: int, settings: RobotSettings) -> None:
-        if not isinstance(host, str) or not is_host(host):
-            raise ParameterError("host", host, HOST_RULE)
+        host = host_alone(host)
         port = PORT("port", port)
         # Loaded here and not at import: `import aioduco` stays quick.
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415

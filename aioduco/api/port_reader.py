@@ -12,9 +12,9 @@ import anyio
 from aioduco._process.copying import Uncopied
 from aioduco._wire.channel import resolve
 from aioduco._wire.endpoint import Endpoint
-from aioduco.errors import ConnectError, ConnectionLost, ParameterError
+from aioduco.errors import ConnectError, ConnectionLost
 from aioduco.models import ranges
-from aioduco.models.address import HOST_RULE, is_host
+from aioduco.models.address import host_alone
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
@@ -50,8 +50,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
     _ended: ClassVar[str]
 
     def __init__(self, host: str, port: int, timeout: float) -> None:
-        if not isinstance(host, str) or not is_host(host):
-            raise ParameterError("host", host, HOST_RULE)
+        host = host_alone(host)
         self.host = host
         self.port = port
         self.timeout: float = ranges.TIMEOUT("timeout", timeout)

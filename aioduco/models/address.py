@@ -15,6 +15,7 @@ __all__ = [
     "PORT",
     "RobotAddress",
     "WrongAddress",
+    "host_alone",
     "is_host",
     "parse_address",
     "robots_of",
@@ -171,6 +172,22 @@ def parse_address(
     if not (0 if any_port else 1) <= number <= 65535:
         raise ParameterError(name, text, expected)
     return host, number
+
+
+def host_alone(host: object, *, name: str = "host") -> str:
+    """Check a host that has no port with it, as where the port is another argument.
+
+    Raises:
+        ParameterError: it is no host, or an address with a port or brackets.
+    """
+    try:
+        told, port = parse_address(host)
+    except ParameterError:
+        raise ParameterError(name, host, HOST_RULE) from None
+    if told != host:
+        alone = f"the host alone, with its port as an argument of its own: {told!r}, {port or PORT}"
+        raise ParameterError(name, host, alone)
+    return told
 
 
 def _is_right(host: str) -> bool:

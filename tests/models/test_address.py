@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
@@ -13,9 +14,12 @@ import aioduco
 from aioduco import ConnectError, ParameterError
 from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
-from aioduco.models.address import is_host, parse_address
+from aioduco.models.address import host_alone, is_host, parse_address
 from aioduco.models.host_port import host_port
 from aioduco.recording.tap import Tap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 ROOT = Path(__file__).parents[2] / "aioduco"
 
@@ -119,3 +123,20 @@ def test_an_address_is_shown_as_it_is_written() -> None:
         assert parse_address(host_port(host, port)) == (host, port)
     assert "[::1]:7003" in str(ConnectError("::1", 7003, "refused"))
     assert "[::1]:7003" in repr(aioduco.connect("::1"))
+
+
+@pytest.mark.parametrize("make", [aioduco.connect, StatusPort, ForceStream, Tap])
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [("127.0.0.1:7004", "'127.0.0.1', 7004"), ("[::1]", "'::1', 7003"), ("[::1]:9", "'::1', 9")],
+)
+def test_a_port_in_the_host_is_said_to_be_another_argument(
+    make: Callable[[str], object], given: str, said: str
+) -> None:
+    with pytest.raises(ParameterError, match=re.escape(f"as an argument of its own: {said};")):
+        make(given)
+
+
+@pytest.mark.parametrize("host", ["::1", "fe80::1%eth0", "arm.lan", "192.168.1.10"])
+def test_a_host_alone_is_taken(host: str) -> None:
+    assert host_alone(host) == host

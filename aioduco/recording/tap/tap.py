@@ -12,7 +12,8 @@ from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import ConnectError, ParameterError
-from aioduco.models.address import HOST_RULE, is_host
+from aioduco.models.address import HOST_RULE, host_alone, is_host
+from aioduco.models.host_port import host_port
 from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
 from aioduco.recording.tap.relay import HEAD, CopyKind
 
@@ -56,8 +57,7 @@ class Tap(Uncopied):
     def __init__(
         self, host: str, port: int = 7003, *, listen: tuple[str, int] = ("127.0.0.1", 0)
     ) -> None:
-        if not isinstance(host, str) or not is_host(host):
-            raise ParameterError("host", host, HOST_RULE)
+        host = host_alone(host)
         if not isinstance(listen[0], str) or not is_host(listen[0]):
             raise ParameterError("listen", listen, f"{HOST_RULE}, and a port")
         self._controller = (host, port)
@@ -92,7 +92,8 @@ class Tap(Uncopied):
             raise
         if isinstance(ready, str):
             linked.close()
-            raise ConnectError(*self._controller, ready)
+            unheard = f"the tap cannot listen on {host_port(*self._listen)}: {ready}"
+            raise ConnectError(*self._controller, unheard)
         self._link = linked.channel.copy()
         self._link.setblocking(True)
         self._linked = linked
