@@ -476,13 +476,19 @@ def test_every_command_says_how_it_is_used_and_how_it_ends() -> None:
         assert "Exit codes: " in text, command
 
 
+@pytest.mark.parametrize("device", ["gamepad", "spacemouse"])
+def test_a_missing_device_is_a_wrong_option_before_anything_is_asked(device: str) -> None:
+    answer = run("teleop", "127.0.0.1:1", "--device", device, "--path", "/no/device", "--yes")
+    assert (answer.exit_code, "cannot connect" in answer.stderr) == (2, False)
+    assert "/no/device" in answer.stderr
+
+
 @pytest.mark.slow
 def test_the_tool_is_led_by_keys_after_a_question() -> None:
     with ready_arm() as sim:
         refused = run("teleop", at(sim), typed="n\n")
         assert refused.exit_code == 3, refused.output
         assert "Lead the arm?" in refused.stderr
-        assert run("teleop", at(sim), "--device", "gamepad", "--path", "/none", "-y").exit_code != 0
         assert sim.joints.array == pytest.approx(HOME, abs=1e-3)
         program = subprocess.Popen(
             [*COMMAND_LINE, "teleop", at(sim), "--yes", "--joints"],

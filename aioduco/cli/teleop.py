@@ -98,6 +98,9 @@ def teleop(
     scale = TeleopScale(speed=speed, turn_speed=turn_speed, joint_speed=joint_speed)
     try:
         opened = open_device(device.value, path)
+        if device is not DeviceName.KEYBOARD:  # the terminal is needed for the question
+            with opened:
+                pass  # it is there, and may be read
     except ParameterError as error:
         raise typer.BadParameter(str(error)) from None
     task = _Leading(opened, device, scale, frame, wobj, joints, record)

@@ -6757,7 +6757,7 @@ def teleoperate(
         The report.
 
     Raises:
-        ParameterError: an argument is out of range.
+        ParameterError: an argument is out of range, or the device's `read` gave no `Reading`.
         StreamError: the stream ended for another reason; the error says why.
     """
     from aioduco.devices import teleoperation  # noqa: PLC0415  # only when it is used

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.devices.teleoperation.reading import STANDING
+from aioduco.devices.teleoperation.reading import STANDING, Reading
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import JOINT_SPEED
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.devices.teleoperation.devices import InputDevice
-    from aioduco.devices.teleoperation.reading import Reading
     from aioduco.robot import Robot
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.options import WorkerOptions
@@ -81,7 +81,7 @@ async def teleoperate(
         The report.
 
     Raises:
-        ParameterError: an argument is out of range.
+        ParameterError: an argument is out of range, or the device's `read` gave no `Reading`.
         StreamError: the stream ended for another reason; the error says why.
     """
     found = TeleopScale() if scale is None else scale
@@ -114,7 +114,7 @@ async def teleoperate(
         await stream.send(STANDING)
         async for _ in stream.ticks():
             now = time.monotonic()
-            reading = device.read(now)
+            reading = _checked(device.read(now))
             if on_reading is not None:
                 on_reading(reading)
             if reading.held and not before:
@@ -128,3 +128,16 @@ async def teleoperate(
                 break
             await stream.send(found.joints(reading) if joints else found.twist(reading))
     return TeleopReport(held, seconds, stream.statistics())
+
+
+def _checked(reading: object) -> Reading:
+    """What a device gave, if it is a reading."""
+    if isinstance(reading, Reading):
+        with suppress(TypeError):
+            if len(reading.axes) == len(STANDING):
+                return reading
+    raise ParameterError(
+        "the device's reading",
+        reading,
+        "a Reading with six axes (the stream ends, and the arm comes to rest)",
+    )

@@ -170,3 +170,24 @@ async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
             await robot.bring_up()
             report = await teleoperate(robot, Held(0.0), fastest, **WAITING)
     assert report.stream.reason is Reason.CLOSED
+
+
+class Wrong(InputDevice):
+    """A device of somebody's own that gives no reading."""
+
+    def __init__(self, given: Any) -> None:
+        self._given = given
+
+    def read(self, now: float) -> Reading:
+        found: Reading = self._given
+        return found
+
+
+async def test_what_is_no_reading_ends_the_stream() -> None:
+    with Simulator() as sim:
+        async with patient(sim) as robot:
+            await robot.bring_up()
+            for given in (None, (1.0, 0.0, 0.0), Reading((1.0,) * 5, held=True), Reading(None)):  # type: ignore[arg-type]  # what is refused
+                with pytest.raises(ParameterError, match="a Reading with six axes"):
+                    await teleoperate(robot, Wrong(given), **WAITING)
+            assert not await robot.state.robotmoving()
