@@ -3,7 +3,7 @@
 python gripper_of_your_own.py 192.168.1.10     the gripper moves: keep fingers out of it
 """
 
-import sys
+import argparse
 import time
 
 import anyio
@@ -42,4 +42,8 @@ async def main(host: str, port: int) -> None:
 
 
 if __name__ == "__main__":
-    anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    anyio.run(main, given.host, given.port)

@@ -3,7 +3,7 @@
 python measure_payload.py 192.168.1.10     the arm moves: keep out of its reach
 """
 
-import sys
+import argparse
 
 import anyio
 import numpy as np
@@ -39,4 +39,8 @@ async def main(host: str, port: int) -> None:
 
 
 if __name__ == "__main__":
-    anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    anyio.run(main, given.host, given.port)

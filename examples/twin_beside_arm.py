@@ -6,8 +6,8 @@ Limits come from a good run: `aioduco twin --learn good.mcap --limits limits.jso
     python examples/twin_beside_arm.py 192.168.1.10 limits.json
 """
 
+import argparse
 import asyncio
-import sys
 
 import aioduco
 from aioduco import Joints
@@ -38,4 +38,8 @@ async def main(host: str, limits: str | None, port: int = 7003) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(main(sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else None))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host")
+    parser.add_argument("limits", nargs="?")
+    given = parser.parse_args()
+    asyncio.run(main(given.host, given.limits))

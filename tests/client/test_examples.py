@@ -41,6 +41,8 @@ ALONE = {
     "behaviour_tree.py": ["to the parts: TaskFailed", "fetched 3 of 3"],
 }
 
+NEEDS_ARM = ("gripper_dh.py", "gripper_of_your_own.py", "measure_payload.py", "twin_beside_arm.py")
+
 
 def run(*command: str) -> str:
     done = subprocess.run(
@@ -71,6 +73,16 @@ def test_a_load_is_measured() -> None:
         said = run(str(EXAMPLES / "measure_payload.py"), sim.host, str(sim.port))
     found = [float(number) for number in re.findall(r"=([-\d.e]+)", said)]
     assert found == pytest.approx((1.5, 0.01, 0.02, 0.1), abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NEEDS_ARM)
+def test_an_example_for_an_arm_says_that_it_needs_an_address(name: str) -> None:
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / name)], check=False, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"usage: {name} ")
 
 
 @pytest.mark.slow
