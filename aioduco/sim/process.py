@@ -83,6 +83,7 @@ class SimulatorProcess(Startable):
         """Start the process and wait until it listens.
 
         Raises:
+            ValueError: An argument is wrong, as `Simulator` says.
             RuntimeError: It could not be started, it ended before it listened, or it timed out.
         """
         try:
@@ -105,6 +106,9 @@ class SimulatorProcess(Startable):
         except BaseException:
             self.close()
             raise
+        if isinstance(ready, ValueError):
+            self.close()
+            raise ready
         self.host, self.port = ready["host"], ready["port"]
         self.status_port = ready["status_port"]
         self.force_port = ready["force_port"]

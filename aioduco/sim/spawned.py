@@ -80,6 +80,18 @@ def main(arguments: list[str]) -> int:
             return False
         return True
 
+    announced = False
+
+    def announce(addresses: dict[str, Any]) -> None:
+        nonlocal announced
+        announced = True
+        channel.send(addresses)
+
     with contextlib.suppress(EOFError, ConnectionError):  # the program has ended meanwhile
-        serve(channel.receive(), channel.send, channel, answer)
+        try:
+            serve(channel.receive(), announce, channel, answer)
+        except ValueError as error:  # an argument of the simulator
+            if announced:
+                raise
+            channel.send(error)
     return 0

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
+from aioduco.errors import ParameterError, SceneError
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -59,7 +60,10 @@ async def test_the_same_in_async_code(connect: Connect) -> None:
 
 @pytest.mark.slow
 def test_a_process_that_cannot_start_says_why() -> None:
-    with pytest.raises(RuntimeError, match="ur5"), Simulator.spawn(model="ur5"):
+    with pytest.raises(ParameterError, match="ur5"), Simulator.spawn(model="ur5"):
+        pass
+    scene = "<mujoco><worldbody><geom/></worldbody></mujoco>"
+    with pytest.raises(SceneError, match="scene"), Simulator.spawn(scene=scene):
         pass
 
 

@@ -25,6 +25,7 @@ from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.testing.preflight.borders import address_of
 from aioduco.testing.preflight.findings import PreflightFinding, findings
 from aioduco.testing.preflight.margins import Margin, margins, near_singularities
+from aioduco.testing.preflight.variation import Variation
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -194,6 +195,8 @@ def preflight(
         The report.
 
     Raises:
+        ParameterError: a setting is out of range; nothing was run.
+        SceneError: the scene or the tool is no MJCF; nothing was run.
         PreflightError: the program could not be run, was killed, or never used this package; or the
             caller is a frozen program, which has no interpreter to run another program.
     """
@@ -207,6 +210,8 @@ def preflight(
             address_of(address)
         except ValueError as error:
             raise PreflightError(f"{error}, and no program was run") from None
+    Variation.of(settings.vary, settings.seed)
+    _world(settings.plain())
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="aioduco-preflight-") as folder:
         options = {
