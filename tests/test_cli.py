@@ -170,6 +170,8 @@ def test_sim_does_what_a_shell_tells_it() -> None:
         assert "emergency stop" in run("sim-do", "--control-port", port).output
         wrong = run("sim-do", "--control-port", port, "input", "99", "on")
         assert (wrong.exit_code, wrong.output.split(":")[0]) == (1, "error")
+        no_text = run("sim-do", "--control-port", port, "where", "\udcff")
+        assert (no_text.exit_code, no_text.output.split(":")[0]) == (1, "error")
         sim.send_signal(signal.SIGTERM)
         assert sim.communicate(timeout=60)[1] == ""
     nobody = run("sim-do", "--control-port", port, "estop")
@@ -246,6 +248,7 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
     ("options", "code", "says"),
     [
         (("--render", "out.mp4"), 2, ".gif or .png"),
+        (("--render", "no_folder/out.gif"), 2, "there is no folder no_folder"),
         (("--mounting", "roof"), 2, "mounting is 'roof', but must be"),
         (("--mounting", "0,0,0.5"), 2, "mounting is '0,0,0.5', but must be"),
         (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
@@ -599,3 +602,52 @@ def test_a_figure_that_is_no_file_is_refused(tmp_path: Path) -> None:
     assert missing.exit_code == 1
     assert "No such file or directory" in missing.output
     assert "FileNotFoundError" not in missing.output
+
+
+def test_a_tap_says_which_function_it_would_never_show() -> None:
+    for words in ("movej2,movej3", "movej3,", ","):
+        assert run("tap", "127.0.0.1:1", "--only", words).exit_code == 2
+    assert "'movej3' is not known" in run("tap", "127.0.0.1:1", "--only", "movej3").stderr
+
+
+def test_a_tap_says_that_it_cannot_listen() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        there = f"127.0.0.1:{taken.getsockname()[1]}"
+        answer = run("tap", "127.0.0.1:1", "--listen", there)
+    assert answer.exit_code == 1
+    assert f"the tap cannot listen on {there}: " in answer.stderr
+
+
+def test_an_argument_of_a_call_that_is_given_twice_is_refused() -> None:
+    refused = run("call", "movej2", "[0,0,0,0,0,0]", "v=1", "v=2", "a=1", "--port", "1")
+    assert refused.exit_code == 2
+    assert "v is given twice: 1 and 2" in refused.stderr
+
+
+def test_a_simulator_above_the_ports_for_commands_needs_one() -> None:
+    answer = run("sim-do", "--port", "60000", "state")
+    assert answer.exit_code == 2
+    assert "no port for commands belongs to 60000" in answer.stderr
+
+
+def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
+    (tmp_path / "wrong.xml").write_text("no MJCF")
+    (tmp_path / "program.py").write_text("raise SystemExit(7)")
+    for option, value in (
+        ("--scene", str(tmp_path / "wrong.xml")),
+        ("--tool", str(tmp_path / "wrong.xml")),
+        ("--pedestal", "nan"),
+        ("--vary", "weather"),
+    ):
+        answer = run("preflight", str(tmp_path / "program.py"), option, value)
+        assert answer.exit_code == 2, option
+        assert "SystemExit" not in answer.output
+        assert option.strip("-") in answer.stderr
+        assert "Traceback" not in answer.stderr
+
+
+def test_a_demo_takes_the_addresses_of_the_other_commands() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        there = f"127.0.0.1:{taken.getsockname()[1]}"
+    answer = run("demo", "--host", there, "--no-plot")
+    assert (answer.exit_code, f"cannot connect to {there}:" in answer.output) == (1, True)

@@ -96,8 +96,9 @@ def test_points_of_a_cell_are_taught_in_their_file(tmp_path: Path) -> None:
         file = written(tmp_path, sim)
         before = file.read_text()
         words = ("teach", "--cell", str(file), "--no-guide")
-        done = run(*words, typed="ready\npick\n\nabove the part\nq\n")
+        done = run(*words, typed="ready\npick\n\n\x1b[A\nabove the part\nq\n")
         assert done.exit_code == 0, done.output
+        assert "not stored: name is '\\x1b[A'" in done.stderr
         here, tip = sim.joints, sim.arm.fkine(sim.joints.array)
     cell = Cell.load(file)
     assert list(cell) == ["ready", "pick", "above the part"]

@@ -59,3 +59,8 @@ def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
     assert "nothing was written" in answer.output
     assert run("init", str(tmp_path / "a"), "--host", "no host").exit_code == 2
     assert not (tmp_path / "a").exists()
+
+
+def test_the_line_to_try_it_can_be_pasted(tmp_path: Path) -> None:
+    folder = tmp_path / "my cell"
+    assert f"try it: cd '{folder}' && pytest" in run("init", str(folder)).stdout

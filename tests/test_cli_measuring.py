@@ -200,7 +200,7 @@ def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:
     file = tmp_path / "cell.toml"
     file.write_text(
         'arm = "gcr5_910"\n[robots.left]\nhost = "127.0.0.1"\n'
-        "[[waypoint]]\njoints_deg = [0, 0, 90, 0, 90, 0]\n"
+        + 6 * "[[waypoint]]\njoints_deg = [0, 0, 90, 0, 90, 0]\n"
     )
     answer = CliRunner().invoke(app, ["payload", "127.0.0.1:1", "--poses", str(file), "--yes"])
     assert (answer.exit_code, "cannot connect to 127.0.0.1:1" in answer.stderr) == (1, True)
@@ -212,8 +212,7 @@ def test_poses_behind_a_table_are_not_gone_to(arm: Simulator, tmp_path: Path) ->
     file.write_text(
         f'[robots.left]\nhost = "{arm.host}"\nport = {arm.port}\nmodel = "gcr5_910"\n'
         '[[scene.thing]]\nkind = "box"\nname = "bench"\nat = [0.7, 0.1, 0.1]\n'
-        "size = [0.6, 1.2, 0.2]\n"
-        f'[[waypoint]]\nname = "low"\njoints_deg = {below}\n'
+        "size = [0.6, 1.2, 0.2]\n" + 6 * f'[[waypoint]]\nname = "low"\njoints_deg = {below}\n'
     )
     before = arm.joints
     words = ("payload", "left", "--cell", str(file), "--poses", str(file))
@@ -228,8 +227,24 @@ def test_poses_behind_a_table_are_not_gone_to(arm: Simulator, tmp_path: Path) ->
 
 def test_poses_without_a_cell_are_said_to_be_unknown(arm: Simulator, tmp_path: Path) -> None:
     file = WaypointFile.new()
-    file.add("p", HOME)
+    for number in range(6):
+        file.add(f"p{number}", HOME)
     file.save(tmp_path / "around.toml")
     ended = invoke("payload", at(arm), "--poses", str(tmp_path / "around.toml"), confirm="n\n")
     assert ended.exit_code == 3
     assert "not known without --cell" in " ".join(ended.stderr.split())
+
+
+def test_too_few_poses_and_a_load_that_is_none_are_said_before_the_arm_moves(
+    tmp_path: Path,
+) -> None:
+    file = WaypointFile.new()
+    for number in range(5):
+        file.add(f"p{number}", HOME)
+    file.save(tmp_path / "around.toml")
+    few = invoke("payload", "127.0.0.1:1", "--poses", str(tmp_path / "around.toml"), "--yes")
+    assert (few.exit_code, "has 5 poses, but 6 or more" in few.stderr) == (2, True)
+    for mass in ("-1", "nan"):
+        wrong = invoke("payload", "127.0.0.1:1", "--set-load", mass, "0", "0", "0", "--yes")
+        assert wrong.exit_code == 2
+        assert "--set-load" in wrong.stderr

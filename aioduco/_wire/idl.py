@@ -173,6 +173,11 @@ def functions() -> Functions:
     return Functions(service)
 
 
+def names() -> set[str]:
+    """Return the names of all functions: those that are listed, and those of `NEWER`."""
+    return {*functions(), *NEWER}
+
+
 def payload(name: str, spec: _Spec) -> Any:
     """Make a class for the arguments or the result of a function, as thriftpy2 expects it."""
     return type(name, (_Payload,), {"__module__": __name__, "thrift_spec": spec})

@@ -25,7 +25,7 @@ def _functions(incomplete: str) -> list[str]:
     from aioduco._wire import idl  # noqa: PLC0415
     from aioduco.models.names import BY_ITSELF, SPELLINGS  # noqa: PLC0415
 
-    names = {*SPELLINGS, *idl.functions(), *idl.NEWER} - BY_ITSELF.keys()
+    names = {*SPELLINGS, *idl.names()} - BY_ITSELF.keys()
     return sorted(name for name in names if name.startswith(incomplete))
 
 
@@ -120,6 +120,8 @@ def _arguments(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
     for word in words:
         key, equals, value = word.partition("=")
         if equals and key.isidentifier():
+            if key in named:
+                raise typer.BadParameter(f"{key} is given twice: {named[key]!r} and {value}")
             named[key] = _value(value)
         else:
             positional.append(_value(word))

@@ -200,6 +200,7 @@ def _tool(
 ) -> ToolDescription | None:
     from aioduco.descriptions import Capsule, ToolDescription  # noqa: PLC0415
 
+    middle = numbers("tool-centre", centre, 3)
     if tcp is None and mass == 0.0 and not capsules:
         return None
     parts = []
@@ -208,7 +209,7 @@ def _tool(
         parts.append(Capsule((x, y, z), (x2, y2, z2), radius))
     return ToolDescription(
         mass=mass,
-        centre=numbers("tool-centre", centre, 3),
+        centre=middle,
         tcp=numbers("tcp", tcp or "0,0,0,0,0,0", 6),
         parts=parts,
     )

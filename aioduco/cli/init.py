@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
 from typing import Annotated, Final
 
@@ -207,4 +208,4 @@ def init(
     except OSError as error:
         fail(f"{folder} cannot be written: {error}")
     say(f"written to {folder}: {', '.join(files)}")
-    say(f"try it: cd {folder} && pytest && aioduco preflight main.py")
+    say(f"try it: cd {shlex.quote(str(folder))} && pytest && aioduco preflight main.py")

@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.number_lists import Mounting
 from aioduco.cli.options import Json, Yes
@@ -112,6 +112,8 @@ def payload(
         raise typer.BadParameter("--tool and --held write the result in two ways: give one of them")
     address = robot_at(host, port, cell)
     known_arm = None if model is None else arm_named(model)
+    if set_load is not None:
+        _check_load(set_load)
     kept, file = (None, None) if poses is None else _file(poses)
     if cell is not None:
         kept = load_cell(cell)
@@ -157,15 +159,32 @@ def payload(
             say("nothing was written to the controller: --tool and --held do that", error=True)
 
 
+def _check_load(load: _Numbers) -> None:
+    """Refuse the value of --set-load if it is no load."""
+    from aioduco.errors import ParameterError  # noqa: PLC0415 - quick help
+    from aioduco.models.ranges import LOAD  # noqa: PLC0415
+
+    try:
+        LOAD("load", load)
+    except ParameterError as error:
+        raise typer.BadParameter(str(error), param_hint="--set-load") from None
+
+
 def _file(path: Path) -> tuple[Cell | None, WaypointFile]:
     """Waypoints of a file, and the cell if it is one."""
-    from aioduco.recording.playback import WaypointFile  # noqa: PLC0415 - quick help
+    from aioduco.kinematics.payload import MIN_POSES  # noqa: PLC0415 - quick help
+    from aioduco.recording.playback import WaypointFile  # noqa: PLC0415
 
     with ended_by_errors():
-        if is_cell(path):
-            kept = load_cell(path)
-            return kept, kept.waypoints
-        return None, WaypointFile.read(path)
+        kept = load_cell(path) if is_cell(path) else None
+        file = WaypointFile.read(path) if kept is None else kept.waypoints
+    if len(file.waypoints) < MIN_POSES:
+        fail(
+            f"{path} has {len(file.waypoints)} poses, but {MIN_POSES} or more are needed, and "
+            "eight are good: nothing moved",
+            USAGE,
+        )
+    return kept, file
 
 
 def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile) -> None:

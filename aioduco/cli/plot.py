@@ -9,11 +9,13 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import USAGE, fail
 from aioduco.cli.output import say
 from aioduco.models.toml_files import read_text
 
 __all__ = ["plot"]
+
+_NOTHING_TO_DRAW = "it is neither a recording, .mcap, nor a file of StreamStatistics.save"
 
 
 def plot(
@@ -41,12 +43,20 @@ def plot(
     from aioduco.cli.stream_figure import plot as draw  # noqa: PLC0415 - needs matplotlib
 
     target = picture or figures.with_suffix(".png")
+    if target.suffix == ".html":
+        raise typer.BadParameter(f"{target} is a page, which a recording alone can be drawn as")
     try:
         found = json.loads(read_text(figures))
+    except OSError as error:
+        fail(f"{figures} cannot be read: {error.strerror or error}")
+    except (ValueError, RecursionError):
+        fail(f"{figures} cannot be drawn: {_NOTHING_TO_DRAW}")
+    try:
         draw(found, target)
-    except (OSError, ValueError, LookupError, RecursionError, TypeError) as error:
-        why = error.strerror if isinstance(error, OSError) else repr(error)
-        fail(f"{figures} cannot be drawn: {why}")
+    except OSError as error:
+        fail(f"{target} cannot be written: {error.strerror or error}", USAGE)
+    except (ValueError, LookupError, AttributeError, TypeError) as error:
+        fail(f"{figures} cannot be drawn: {_NOTHING_TO_DRAW} ({error!r})")
     say(f"written to {target}")
 
 
@@ -61,10 +71,10 @@ def _recording(path: Path, target: Path, over: Path | None) -> None:
         run = read(path)
         other = None if over is None else read(over)
         (draw_page if as_page else draw_png)(run, target, other)
-    except (OSError, DucoError) as error:
-        # an error of a recording has its name
-        text = str(error) if isinstance(error, DucoError) else f"{path} cannot be drawn: {error}"
-        fail(text)
+    except DucoError as error:
+        fail(str(error))
+    except OSError as error:
+        fail(f"{target} cannot be written: {error.strerror or error}", USAGE)
     for each in (run, other):
         if each is not None and not each.complete:
             say(f"{each.path} was cut off: it is drawn up to there")

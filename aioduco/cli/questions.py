@@ -31,6 +31,7 @@ def ask(what: str, question: str, *, yes: bool) -> None:
     try:
         agreed = typer.confirm(shown(question), default=False, err=True)
     except typer.Abort:
+        say(error=True)  # the question is still the last thing in its line
         agreed = False
     if not agreed:
         fail("not confirmed: nothing was sent that moves the arm", NOT_CONFIRMED)

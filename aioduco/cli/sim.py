@@ -117,6 +117,8 @@ def sim(
     )
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
+    if render is not None and not render.parent.is_dir():
+        raise typer.BadParameter(f"there is no folder {render.parent}", param_hint="--render")
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
     from aioduco.sim.console import Console  # noqa: PLC0415 - as above
     from aioduco.sim.server.line_server import LineServer  # noqa: PLC0415 - as above

@@ -34,11 +34,17 @@ def sim_do(
 ) -> None:
     """Do something at a simulator that runs on this computer: inputs, emergency stop, pushes."""
     where = control_port or control_port_of(port)
+    if not where:
+        raise typer.BadParameter(
+            f"no port for commands belongs to {port}: give the one that `aioduco sim` named when "
+            "it started",
+            param_hint="--control-port",
+        )
     try:
         with socket.create_connection((_HOST, where), timeout=_PATIENCE) as line:
-            line.sendall(" ".join(words or ["help"]).encode() + b"\n")
+            line.sendall(" ".join(words or ["help"]).encode(errors="replace") + b"\n")
             line.shutdown(socket.SHUT_WR)
-            with line.makefile("r") as answer:
+            with line.makefile("r", encoding="utf-8") as answer:
                 said = answer.read().rstrip("\n")
     except OSError as error:
         fail(

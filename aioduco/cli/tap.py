@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from aioduco._process.platform import private
+from aioduco._wire import idl
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
@@ -21,6 +22,7 @@ from aioduco.cli.signals import ENDS
 from aioduco.errors import ParameterError
 from aioduco.models.address import parse_address
 from aioduco.models.host_port import host_port
+from aioduco.models.similar import unknown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -67,6 +69,9 @@ def tap(
     if number is None:
         raise typer.BadParameter("address:port is needed", param_hint="--listen")
     names = None if only is None else {name.strip() for name in only.split(",")}
+    known = idl.names()
+    for strange in sorted((names or set()) - known):
+        raise typer.BadParameter(f"function {unknown(strange, known)}", param_hint="--only")
     try:
         with (
             Tap(address.host, address.port, listen=(where, number)) as between,

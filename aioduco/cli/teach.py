@@ -139,6 +139,8 @@ def _file(robot: Robot, path: Path) -> _Waypoints:
 
 def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
     """Store the place of the arm for each typed line."""
+    from aioduco.errors import ParameterError  # noqa: PLC0415 - quick help
+
     while True:
         try:
             line = input(f"{store.asked}, or {_END}: ").strip()
@@ -148,4 +150,7 @@ def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
         if line == _END:
             return
         if name := line or store.usual:
-            say(f"{name}: {store.store(name, robot)}")
+            try:
+                say(f"{name}: {store.store(name, robot)}")
+            except ParameterError as error:  # of the name; the arm is still guided
+                say(f"not stored: {error}", error=True)

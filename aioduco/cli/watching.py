@@ -8,6 +8,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.cli import picture
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -79,7 +80,10 @@ def _write(simulator: Simulator, end: socket.socket, film: Film, path: Path) -> 
         end.setblocking(False)
         end.recv(4096)
     pictures = _drawn(simulator, end, frames)
-    picture.save(path, pictures, [frame.duration for frame in frames])
+    try:
+        picture.save(path, pictures, [frame.duration for frame in frames])
+    except OSError as error:
+        fail(f"{path} cannot be written: {error.strerror or error}")
     say(f"written to {path}")
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MeasuredLoad", "identify_load_by_forces", "identify_load_by_torques"]
 
-_MIN_POSES = 6
+MIN_POSES = 6
 _DOWN = (0.0, 0.0, -GRAVITY)
 _GRAVITY = Vector(Number(unit="m/s²", source="this package"), length=3, source="this package")
 _MIN_TURN = 0.2  # smallest root mean square of gravity's turn in the flange's frame [rad]
@@ -224,8 +224,8 @@ def _acceleration(gravity: VectorLike) -> Array:
 
 
 def _enough(name: str, count: int) -> int:
-    if count < _MIN_POSES:
-        raise ParameterError(name, f"{count} poses", f"{_MIN_POSES} or more")
+    if count < MIN_POSES:
+        raise ParameterError(name, f"{count} poses", f"{MIN_POSES} or more")
     return count
 
 

@@ -11,6 +11,9 @@ import anyio
 from anyio.from_thread import start_blocking_portal
 
 from aioduco._process.copying import Uncopied
+from aioduco._wire import idl
+from aioduco.errors import ParameterError
+from aioduco.models.similar import did_you_mean
 from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Plan, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
@@ -108,7 +111,14 @@ class FaultProxy(Uncopied):
             fault: the fault.
             times: number of calls to which it is applied; None for all.
             skip: number of calls of the method that pass unchanged before.
+
+        Raises:
+            ParameterError: there is no such function.
         """
+        known = idl.names()
+        if method not in known:
+            rule = f"a function of the wire{did_you_mean(str(method), known)}"
+            raise ParameterError("method", method, rule)
         self._script.on(method, fault, times=times, skip=skip)
 
     def schedule(self, plan: Plan | None) -> None:

@@ -199,3 +199,10 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
     done = run("urdf", "-o", str(tmp_path / "file" / "below"))
     assert done.exit_code == 2
     assert "file" in done.stderr
+
+
+def test_a_centre_of_two_numbers_is_refused_without_a_mass_too(tmp_path: Path) -> None:
+    answer = CliRunner().invoke(
+        app, ["export", "urdf", "-o", str(tmp_path), "--tool-centre", "0,0"]
+    )
+    assert (answer.exit_code, list(tmp_path.iterdir())) == (2, [])

@@ -41,4 +41,12 @@ def test_plot_says_what_it_cannot_draw(tmp_path: Path) -> None:
     (tmp_path / "figures.json").write_text("{}")
     shown = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json")])
     assert shown.exit_code == 1
-    assert "cannot be drawn" in shown.output
+    assert "cannot be drawn: it is neither a recording" in shown.output
+    (tmp_path / "figures.json").write_text("{")
+    shown = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json")])
+    assert shown.exit_code == 1
+    assert shown.output.endswith(
+        "cannot be drawn: it is neither a recording, .mcap, nor a file of StreamStatistics.save\n"
+    )
+    page = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json"), "figures.html"])
+    assert page.exit_code == 2

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import anyio
 import pytest
 
+from aioduco.errors import ParameterError
 from aioduco.testing import (
     ApplicationError,
     Chaos,
@@ -450,3 +451,8 @@ def test_a_proxy_that_cannot_start_leaves_nothing(monkeypatch: pytest.MonkeyPatc
         monkeypatch.setattr(socket.socket, "listen", taken)
         with pytest.raises(OSError, match="taken"):
             FaultProxy("127.0.0.1", 1).__enter__()
+
+
+def test_a_fault_of_a_function_that_no_controller_has_is_refused(proxy: FaultProxy) -> None:
+    with pytest.raises(ParameterError, match=r"method is 'movej3', .*did you mean 'movej'"):
+        proxy.on("movej3", DropReply())

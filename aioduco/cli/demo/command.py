@@ -7,14 +7,17 @@ from typing import Annotated
 
 import typer
 
+from aioduco.cli.addresses import Port, robot_at
+
 __all__ = ["demo"]
 
 
 def demo(
     host: Annotated[
-        str | None, typer.Option(help="Address of a controller. Without it: a simulated arm.")
+        str | None,
+        typer.Option(help="A controller's address, or its name. Without it: a simulated arm."),
     ] = None,
-    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the controller.")] = 7003,
+    port: Port = None,
     model: Annotated[
         str, typer.Option(help="Arm to simulate, or model of the real one.")
     ] = "gcr5_910",
@@ -41,7 +44,8 @@ def demo(
     """Make a small pick and place, show it, and say how well it went."""
     from aioduco.cli.demo import run  # noqa: PLC0415 - NumPy and the rest are for this command alone
 
+    address = None if host is None else robot_at(host, port)
     if planned:
-        run.run_planned(host, model, result, pictures)
+        run.run_planned(address, model, result, pictures)
     else:
-        run.run(host, port, model, speed, None if no_plot else plot, result, yes=yes)
+        run.run(address, model, speed, None if no_plot else plot, result, yes=yes)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from aioduco.cli.addresses import RobotAddress
     from aioduco.cli.demo.session import FoundArm
     from aioduco.cli.demo.stage import Look
     from aioduco.kinematics import Arm
@@ -41,8 +42,7 @@ LEFT = (-0.7, -0.4, 1.2, 0.1, -1.1, 0.2)
 
 
 def run(
-    host: str | None,
-    port: int,
+    address: RobotAddress | None,
     model: str,
     speed: float,
     plot: Path | None,
@@ -53,23 +53,22 @@ def run(
     """Make the pick and place, show it, write the result, and end the program.
 
     Args:
-        host: address of a controller; None for a simulated arm.
-        port: port of the controller.
+        address: address of a controller; None for a simulated arm.
         model: the arm to simulate, or that is there.
         speed: speed of a simulated arm, as a multiple of the wall clock.
         plot: where to write the plot; None for none.
         result: where to write the result; None for nowhere.
         yes: whether a real arm moves without a question.
     """
-    extras.need(*(() if host else ("sim",)), *(() if plot is None else ("plot",)))
+    extras.need(*(() if address else ("sim",)), *(() if plot is None else ("plot",)))
     arm = extras.arm(model)
     console = SafeConsole(stderr=result == OUTPUT)
-    plan = Choreography.for_reach(arm.reach, careful=host is not None)
-    if host is not None:
+    plan = Choreography.for_reach(arm.reach, careful=address is not None)
+    if address is not None:
         if not yes:
-            _ask(host, port, model, plan, console)
-        report = Report(model, host_port(host, port), simulated=False)
-        ended_by = _perform(host, port, plan, report, console)
+            _ask(address, model, plan, console)
+        report = Report(model, str(address), simulated=False)
+        ended_by = _perform(address.host, address.port, plan, report, console)
     else:
         from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
 
@@ -96,9 +95,11 @@ def run(
     raise typer.Exit(0 if report.ok else 1)
 
 
-def run_planned(host: str | None, model: str, result: Path | None, pictures: Path | None) -> None:
+def run_planned(
+    address: RobotAddress | None, model: str, result: Path | None, pictures: Path | None
+) -> None:
     """Plan and carry out ways round an obstacle, on a simulated arm."""
-    if host is not None:
+    if address is not None:
         raise typer.BadParameter("is for a simulated arm: its obstacle stands nowhere else",
                                  param_hint="--plan")  # fmt: skip
     extras.need("sim", "plan", *(("plot",) if pictures is not None else ()))
@@ -137,14 +138,14 @@ def _perform(
         shown.close()
 
 
-def _ask(host: str, port: int, model: str, plan: Choreography, console: SafeConsole) -> None:
+def _ask(address: RobotAddress, model: str, plan: Choreography, console: SafeConsole) -> None:
     """Print what was found and what will move, and continue only if the user confirms it."""
     try:
-        found = anyio.run(session.look, host, port)
+        found = anyio.run(session.look, address.host, address.port)
     except DucoError as error:
         console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
         raise typer.Exit(1) from None
-    ask(_warning(host_port(host, port), model, plan, found), "Move the arm?", yes=False)
+    ask(_warning(str(address), model, plan, found), "Move the arm?", yes=False)
 
 
 def _warning(controller: str, model: str, plan: Choreography, found: FoundArm) -> str:
