@@ -38,6 +38,8 @@ Body: TypeAlias = Literal["tool", "elbow", "flange"]
 #: the points of the arm to which zones apply: the tool's tip, the axis of joint 3, the flange
 BODIES: tuple[str, ...] = get_args(Body)
 _MOST = 100  # largest number of limits in one envelope
+#: highest limit of the tool's speed; no arm is nearly as fast, so such a number is none of m/s
+_FASTEST = 20.0
 
 
 #: margin that is printed as none
@@ -82,7 +84,7 @@ class EnvelopeLimit:
         action: action for a motion that would cross the limit. "refuse": the motion is not sent.
             "stop": the motion is not sent, and the arm is stopped. "slow": the motion is allowed,
             with the tool no faster than `speed`.
-        speed: largest speed of the tool beyond the limit, with the action "slow" [m/s].
+        speed: largest speed of the tool beyond the limit, with the action "slow", up to 20 [m/s].
         name: name for errors and events; empty: a name that describes the limit.
     """
 
@@ -92,7 +94,7 @@ class EnvelopeLimit:
 
     def __post_init__(self) -> None:
         one_of("action", self.action, get_args(Action))
-        object.__setattr__(self, "speed", _positive("speed", self.speed, "m/s"))
+        object.__setattr__(self, "speed", _positive("speed", self.speed, "m/s", _FASTEST))
         if not isinstance(self.name, str) or len(self.name) > 64:
             raise ParameterError("name", self.name, "a text of up to 64 characters")
 
@@ -159,7 +161,7 @@ class Zone(EnvelopeLimit):
         Raises:
             ParameterError: an argument has a wrong type or value.
         """
-        numbers = _numbers("at", at, 3, 6)
+        numbers = _place("at", at, 3, 6)
         turn = _rotation(*numbers[3:]) if len(numbers) == 6 else _rotation(0.0, 0.0, 0.0)
         lengths = _numbers("size", size, 3)
         for length in lengths:
@@ -197,7 +199,7 @@ class Zone(EnvelopeLimit):
         """
         size = (_positive("radius", radius, "m"),)
         return cls(
-            shape="sphere", keep=keep, at=_numbers("at", at, 3), size=size,
+            shape="sphere", keep=keep, at=_place("at", at, 3), size=size,
             bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
@@ -231,7 +233,7 @@ class Zone(EnvelopeLimit):
             raise ParameterError("normal", normal, "three numbers that are not all 0")
         size = tuple(each / length for each in along)
         return cls(
-            shape="plane", keep="in", at=_numbers("point", point, 3), size=size,
+            shape="plane", keep="in", at=_place("point", point, 3), size=size,
             bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
@@ -241,14 +243,15 @@ class ToolSpeed(EnvelopeLimit):
     """The largest speed of the tool's tip.
 
     Attributes:
-        most: the speed [m/s]. With the action "slow", a faster motion is sent at a lower speed.
+        most: the speed, up to 20 [m/s]. With the action "slow", a faster motion is sent at a
+            lower speed.
     """
 
     most: float
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
-        object.__setattr__(self, "most", _positive("most", self.most, "m/s"))
+        object.__setattr__(self, "most", _positive("most", self.most, "m/s", _FASTEST))
 
     def _what(self) -> str:
         return "tool speed"
@@ -407,11 +410,25 @@ def _numbers(name: str, values: Any, *counts: int) -> tuple[float, ...]:
     return numbers
 
 
-def _positive(name: str, value: Any, unit: str, most: float = math.inf) -> float:
+def _place(name: str, values: Any, *counts: int) -> tuple[float, ...]:
+    """Numbers of which the first three are a place in the base frame [m]."""
     # Imported here: the worker of a stream, which checks nothing, does not load the rules.
     from aioduco.models.rules import Number  # noqa: PLC0415
+    from aioduco.models.rules.scalars import FARTHEST  # noqa: PLC0415
 
-    return Number(0.0, most, unit, open_low=True, source="this package")(name, value)
+    numbers = _numbers(name, values, *counts)
+    for number in numbers[:3]:
+        Number(unit="m", plausible=FARTHEST, source="this package")(name, number)
+    return numbers
+
+
+def _positive(name: str, value: Any, unit: str, most: float = math.inf) -> float:
+    from aioduco.models.rules import Number  # noqa: PLC0415 - as above
+    from aioduco.models.rules.scalars import FARTHEST  # noqa: PLC0415
+
+    plausible = FARTHEST if unit == "m" else math.inf
+    rule = Number(0.0, most, unit, open_low=True, plausible=plausible, source="this package")
+    return rule(name, value)
 
 
 def _rotation(rx: float, ry: float, rz: float) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 from xml.etree import ElementTree as ET
@@ -23,8 +23,6 @@ from aioduco.models.rules import Number, Vector, stored
 from aioduco.models.rules.lists import ordered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from aioduco.kinematics import Arm
 
 
@@ -331,6 +329,8 @@ def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
         return scene
     if isinstance(scene, str | os.PathLike):
         return os.path.abspath(scene)  # noqa: PTH100 - a path that need not exist here
+    if not isinstance(scene, Iterable):
+        raise SceneError(f"{scene!r} is no scene: give things, or one file, or MJCF as text")
     root = ET.Element("mujoco")
     world = ET.SubElement(root, "worldbody")
     for thing in scene:

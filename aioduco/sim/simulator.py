@@ -407,7 +407,12 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
         Args:
             observer: called on the simulation's thread, which waits for it, with the state after
                 the cycle and with a function that describes the arm's contacts; None for nothing.
+
+        Raises:
+            ParameterError: It is neither a function nor None.
         """
+        if observer is not None and not callable(observer):
+            raise ParameterError("observer", observer, "a function, or None")
         self._observer = observer
         if self._assembly is not None:
             self._assembly.runtime.observer = observer

@@ -187,6 +187,33 @@ def test_what_is_no_limit_is_refused(make: Any) -> None:
         make()
 
 
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Zone.box((500, 300, 200), (0.3, 0.2, 0.4)),
+        lambda: Zone.box((0, 0, 0.2), (300, 200, 400)),
+        lambda: Zone.box((500, 300, 200, 0, 0, 1.57), (0.3, 0.2, 0.4)),
+        lambda: Zone.sphere((0, 0, 0), 800, keep="in"),
+        lambda: Zone.plane((0, 0, -200), (0, 0, 1)),
+    ],
+)
+def test_millimetres_are_no_zone_that_no_arm_ever_meets(make: Any) -> None:
+    with pytest.raises(ParameterError, match=r"\(millimetres\?\)"):
+        make()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: ToolSpeed(250),
+        lambda: Zone.plane((0, 0, 0), (0, 0, 1), action="slow", speed=100),
+    ],
+)
+def test_millimetres_per_second_are_no_limit_that_holds_nothing(make: Any) -> None:
+    with pytest.raises(ParameterError, match="must be a number above 0, up to 20 m/s"):
+        make()
+
+
 def test_margins_leave_out_a_zone_of_bodies_whose_places_are_not_known() -> None:
     """The elbow, for a pose of the tool that no joints reach."""
     seen = checker(

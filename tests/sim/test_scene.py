@@ -142,9 +142,16 @@ def test_a_scene_that_is_none(scene: Any, says: str) -> None:
         Simulator(scene=scene).start()
 
 
+def test_what_is_no_observer_is_refused_while_it_runs() -> None:
+    with Simulator() as sim, pytest.raises(ParameterError, match="observer is 3"):
+        sim.observe(3)  # type: ignore[arg-type]  # it is refused
+
+
 def test_what_is_no_scene_is_refused_before_the_start() -> None:
     with pytest.raises(SceneError, match="no thing"):
         Simulator(scene=["box"])  # type: ignore[list-item]  # on purpose
+    with pytest.raises(SceneError, match="3 is no scene"):
+        Simulator(scene=3)  # type: ignore[arg-type]  # on purpose
     with pytest.raises(SceneError, match="no mounting is called 'roof'"):
         Simulator(mounting="roof")  # type: ignore[arg-type]  # on purpose
     with pytest.raises(SceneError, match="mounting is"):
