@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -64,7 +65,9 @@ def goals_of(goal: GoalLike) -> tuple[Goal, ...]:
     Raises:
         ParameterError: something else was given, such as six numbers that could be either.
     """
-    given = (goal,) if isinstance(goal, Joints | Pose | Region) else tuple(goal)
+    if isinstance(goal, Joints | Pose | Region):
+        return (goal,)
+    given = tuple(goal) if isinstance(goal, Iterable) else ()
     if not given or not all(isinstance(each, Joints | Pose | Region) for each in given):
         raise ParameterError("goal", goal, "Joints, a Pose, a Region, or several of these")
     return given

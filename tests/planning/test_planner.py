@@ -25,6 +25,7 @@ from aioduco import (
 from aioduco.kinematics import arm
 from aioduco.kinematics.forward import singular_values
 from aioduco.planning import Plan, Planner, Region, Scene
+from aioduco.planning.problem import goals_of
 from aioduco.planning.spaces import UprightPathSpace
 from aioduco.sim.scene import Box, Rod
 
@@ -350,3 +351,9 @@ def test_a_gripper_leaves_the_part_between_its_fingers_and_comes_back() -> None:
             planner.plan_blocking(LEFT, RIGHT, timeout=60),
         ):
             assert plan.check(scene), plan.check(scene)
+
+
+@pytest.mark.parametrize("goal", [None, 3, "home", (), [0.0] * 6])
+def test_what_is_no_goal_is_refused(goal: Any) -> None:
+    with pytest.raises(ParameterError, match="Joints, a Pose, a Region, or several of these"):
+        goals_of(goal)
