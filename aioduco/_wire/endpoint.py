@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._process import trial
 from aioduco._wire.failures import resource_error
-from aioduco.errors import ConnectError
-from aioduco.models.address import HOST_RULE, is_host
+from aioduco.errors import ConnectError, ParameterError
+from aioduco.models.address import host_alone
 from aioduco.models.trace import ConnectionEnded, ConnectionOpened, emit
 
 if TYPE_CHECKING:
@@ -191,8 +191,11 @@ class Endpoint:
         Raises:
             ConnectError: the host is no name and no address, or the system has no more threads.
         """
-        if not is_host(self.host):
-            raise ConnectError(self.host, self.port, f"the host must be {HOST_RULE}")
+        try:
+            host_alone(self.host)
+        except ParameterError as error:
+            said = f"the host must be {error.expected}"
+            raise ConnectError(str(self.host), self.port, said) from None
         try:
             return _resolve(self.host, self.port, socket.AI_NUMERICHOST)
         except (OSError, UnicodeError):

@@ -185,7 +185,7 @@ def host_alone(host: object, *, name: str = "host") -> str:
     except ParameterError:
         raise ParameterError(name, host, HOST_RULE) from None
     if told != host:
-        alone = f"the host alone, with its port as an argument of its own: {told!r}, {port or PORT}"
+        alone = f"alone, with its port as an argument of its own: {told!r}, {port or PORT}"
         raise ParameterError(name, host, alone)
     return told
 

@@ -15,6 +15,7 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco._wire.connection import Connection
+from aioduco.compat import DucoCobot
 from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, ParameterError, WorkerFailed
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually_async, no_leaks
@@ -249,6 +250,12 @@ def test_what_can_be_no_host_is_refused_before_anything_is_tried(
         aioduco.connect(host)
     with pytest.raises(ConnectError, match="the host must be"):
         Connection(host, 7003).open()
+
+
+def test_a_port_in_the_host_is_said_of_the_vendors_class_too() -> None:
+    robot = DucoCobot("192.0.2.1:7004", 7003)
+    assert robot.open() == -1
+    assert "the host must be alone, with its port as an argument" in str(robot.last_error)
 
 
 @pytest.mark.parametrize(
