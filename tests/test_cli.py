@@ -618,6 +618,19 @@ def test_a_tap_says_that_it_cannot_listen() -> None:
     assert f"the tap cannot listen on {there}: " in answer.stderr
 
 
+@pytest.mark.slow
+def test_a_tap_whose_reader_has_ended_ends_without_a_message() -> None:
+    with Simulator() as sim:
+        words = ("tap", f"{sim.host}:{sim.port}", "--listen", "127.0.0.1:0", "--json")
+        with process(*words) as tap:
+            assert tap.stdout is not None
+            assert tap.stderr is not None
+            there = tap.stderr.readline().split()[1]
+            tap.stdout.close()
+            run("status", there)
+            assert (tap.wait(60), tap.stderr.read()) == (1, "")
+
+
 def test_an_argument_of_a_call_that_is_given_twice_is_refused() -> None:
     refused = run("call", "movej2", "[0,0,0,0,0,0]", "v=1", "v=2", "a=1", "--port", "1")
     assert refused.exit_code == 2

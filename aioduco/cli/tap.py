@@ -90,6 +90,8 @@ def tap(
                     say(_line(item))
                 else:
                     say(f"{item.at - begin:10.3f} {item}")
+    except BrokenPipeError:
+        raise  # of the output: who reads it has ended
     except (DucoError, OSError, RuntimeError) as error:
         fail(str(error))
 

@@ -223,7 +223,8 @@ def _title(run: RecordedRun, other: RecordedRun | None) -> str:
     names = [
         f"{each.path.name} ({each.duration:.1f} s)" for each in (run, other) if each is not None
     ]
-    return " and, dashed, ".join(names)
+    # the name of a file may have bytes that are no text
+    return " and, dashed, ".join(names).encode("utf-8", "replace").decode()
 
 
 @of_any_maker

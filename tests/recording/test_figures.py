@@ -226,6 +226,16 @@ def test_a_dollar_in_a_name_is_no_formula(whole: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_name_of_a_file_may_be_no_text(whole: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    strange = tmp_path / "run\udcff.mcap"
+    shutil.copy(whole, strange)
+    draw_png(read(strange), tmp_path / "run.png")
+    draw_page(read(strange), tmp_path / "run.html")
+    assert "run?.mcap" in (tmp_path / "run.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
 def test_of_many_points_the_lowest_and_the_highest_are_drawn(whole: Path, tmp_path: Path) -> None:
     from aioduco.recording import figures  # noqa: PLC0415
 
