@@ -659,6 +659,21 @@ def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
         assert "Traceback" not in answer.stderr
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("sim", "--port", "0", "--robot", "left"),
+        ("preflight", __file__, "--robot", "left"),
+        ("teleop", "127.0.0.1:1", "--wobj", "table", "--yes"),
+    ],
+    ids=" ".join,
+)
+def test_an_option_that_another_one_needs_is_not_passed_over(words: tuple[str, ...]) -> None:
+    answer = run(*words)
+    assert answer.exit_code == 2
+    assert "Invalid value for --" in answer.stderr
+
+
 def test_a_demo_takes_the_addresses_of_the_other_commands() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         there = f"127.0.0.1:{taken.getsockname()[1]}"

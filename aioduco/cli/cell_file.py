@@ -44,6 +44,9 @@ def simulated_parts(cell: Path | None, robot: str | None, **given: Any) -> dict[
         given: values of options, by the simulator's names.
     """
     if cell is None:
+        if robot is not None:
+            raise typer.BadParameter("is a robot of --cell, which is not given",
+                                     param_hint="--robot")  # fmt: skip
         return given
     from aioduco.errors import ParameterError  # noqa: PLC0415
 

@@ -95,6 +95,8 @@ def teleop(
     from aioduco.devices.teleoperation import TeleopScale, open_device  # noqa: PLC0415
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
 
+    if wobj and frame is not TeleopFrame.WOBJ:
+        raise typer.BadParameter("is for --frame wobj alone", param_hint="--wobj")
     scale = TeleopScale(speed=speed, turn_speed=turn_speed, joint_speed=joint_speed)
     try:
         opened = open_device(device.value, path)
