@@ -82,6 +82,10 @@ class MotionCommand(Uncopied):
         """Mark this motion as used, so that it does not warn that it was never used."""
         self._used = True
 
+    def moves_arm_of(self, dispatcher: Dispatcher) -> bool:
+        """Whether it moves the arm of the robot to which this dispatcher belongs."""
+        return self._dispatcher is dispatcher
+
     async def start(
         self, *, deadline: float | None = None, on_cancel: OnCancel | None = None
     ) -> Task:

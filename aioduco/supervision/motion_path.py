@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from aioduco.models.enums import Outcome
+    from aioduco.supervision.dispatcher import Dispatcher
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.task import Task
@@ -37,9 +38,10 @@ class MotionPath(Uncopied):
         ahead: maximum number of motions in the controller, the running one included.
     """
 
-    def __init__(self, ahead: int, permits: Permits) -> None:
+    def __init__(self, ahead: int, permits: Permits, dispatcher: Dispatcher) -> None:
         self.ahead: int = ahead
         self._permits = permits
+        self._dispatcher = dispatcher
         self._permit: Permit | None = None
         self._closed = False
         self._live: deque[Task] = deque()
@@ -70,7 +72,7 @@ class MotionPath(Uncopied):
             motion: the motion, such as `robot.motion.movel(..., r=0.03)`.
 
         Raises:
-            ParameterError: it is no motion; nothing was sent.
+            ParameterError: it is no motion, or one of another robot; nothing was sent.
             TaskError: an earlier motion did not succeed; nothing was sent.
             Refused: the controller refused it.
             RobotStateError: the block was left, or the arm was stopped; the motion was not sent.
@@ -79,6 +81,9 @@ class MotionPath(Uncopied):
         if not isinstance(motion, MotionCommand):
             raise ParameterError("motion", motion, "a motion")
         motion.mark_used()
+        # a stop of the other robot would not hold back what this path sends
+        if not motion.moves_arm_of(self._dispatcher):
+            raise ParameterError("motion", motion, "a motion of this robot")
         permit = self._permit
         if permit is None or self._closed:
             raise RobotStateError(

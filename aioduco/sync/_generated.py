@@ -268,8 +268,8 @@ class Motion(_Section):
 
         Raises:
             TaskError: a motion did not succeed. Those after it were stopped, or not sent.
-            ParameterError: an element of `motions` is not a motion, or `ahead` is out of range;
-                nothing was sent.
+            ParameterError: an element of `motions` is not a motion, or one of another robot, or
+                `ahead` is out of range; nothing was sent.
             MotionCarriedOut: an element of `motions` is the outcome of a motion. The motion was
                 carried out instead of only made: the arm has moved.
 

@@ -262,3 +262,16 @@ async def test_a_path_takes_motions_within_its_block(robot: aioduco.Robot, bench
         robot.motion.path(ahead=0)
     assert bench.commands == []
     assert path.outcomes == ()
+
+
+async def test_a_motion_of_another_robot_is_no_part_of_a_path(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    async with aioduco.connect(robot.host, robot.port, lag_limit=None) as other:
+        theirs = other.motion.movej2(HOME, v=1.0, a=1.0)
+        with pytest.raises(aioduco.ParameterError, match=r"motions\[1\] .*a motion of this robot"):
+            await robot.motion.run(*motions(robot, [0.0]), theirs)
+        async with robot.motion.path() as path:
+            with pytest.raises(aioduco.ParameterError, match="a motion of this robot"):
+                await path.add(theirs)
+    assert bench.commands == []

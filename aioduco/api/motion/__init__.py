@@ -113,8 +113,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
         Raises:
             TaskError: a motion did not succeed. Those after it were stopped, or not sent.
-            ParameterError: an element of `motions` is not a motion, or `ahead` is out of range;
-                nothing was sent.
+            ParameterError: an element of `motions` is not a motion, or one of another robot, or
+                `ahead` is out of range; nothing was sent.
             MotionCarriedOut: an element of `motions` is the outcome of a motion. The motion was
                 carried out instead of only made: the arm has moved.
 
@@ -123,6 +123,9 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         check_motions(motions, MotionCommand, "Leave out the `await` of motions that are to be run")
         for motion in motions:
             motion.mark_used()
+        for number, motion in enumerate(motions):
+            if not motion.moves_arm_of(self._supervisor.dispatcher):
+                raise ParameterError(f"motions[{number}]", motion, "a motion of this robot")
         async with self.path(ahead=ahead) as path:
             for motion in motions:
                 await path.add(motion)
@@ -151,7 +154,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
         Manual section 1.3.5, blend radius.
         """
-        return MotionPath(_AHEAD("ahead", ahead), self._supervisor.permits)
+        supervisor = self._supervisor
+        return MotionPath(_AHEAD("ahead", ahead), supervisor.permits, supervisor.dispatcher)
 
     async def follow_joint_trajectory(
         self,
