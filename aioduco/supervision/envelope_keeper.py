@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from aioduco._process import trial
 from aioduco.envelope.checker import BESIDE
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
-from aioduco.errors import EnvelopeViolated, ParameterError
+from aioduco.errors import ControllerError, EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
 from aioduco.supervision.concurrency import every
@@ -53,6 +53,9 @@ _SLOWEST = {
 _SLOWEST_LINE = 0.01
 #: seconds between two checks whether a stop is confirmed
 _STOPPING_EVERY = 0.01
+#: distance of the flange from where an envelope's arm has it, from which it is another arm [m]: the
+#: lengths of an arm differ from those of its model by less
+_OTHER_ARM = 0.03
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
 
@@ -108,6 +111,8 @@ class EnvelopeKeeper:
         self._feed = feed
         self._watch = watch
         self._open = False
+        #: the envelope whose arm was found to be the one that is there
+        self._fitting: Envelope | None = None
         self._last: _Checked | None = None
         #: tools and work objects by name, as they were read while the arm stood
         self._named: dict[tuple[str, str], _Frames] = {}
@@ -159,6 +164,7 @@ class EnvelopeKeeper:
             trial.current.checked(name)
         if envelope is None or name in _NOT_THE_ARM:
             return command
+        await self._check_arm(envelope)
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
         before, self._last = self._last, None
@@ -319,6 +325,7 @@ class EnvelopeKeeper:
                 sent.
         """
         if self.envelope is not None and (joints or moves):
+            await self._check_arm(self.envelope)
             paths = [joints] if joints else []
             await self._check_unknown(self.envelope, name, paths, moves=moves)
 
@@ -395,6 +402,29 @@ class EnvelopeKeeper:
             *found[:4],
         )
 
+    async def _check_arm(self, envelope: Envelope) -> None:
+        """Check once, while the arm stands, that the envelope was made for it.
+
+        Raises:
+            ParameterError: it was made for another arm; nothing was sent.
+        """
+        if envelope is self._fitting or self._live:
+            return
+        try:
+            flange = pose_of(await self._rpc.get_flange_pose())
+        except ControllerError:
+            return  # this controller does not report it
+        here = envelope.arm.fkine(await self._joints())[:3, 3]
+        away = math.dist(here, list(flange)[:3])
+        if away > _OTHER_ARM:
+            raise ParameterError(
+                "robot.envelope",
+                envelope,
+                f"one of the arm that is there: at its joints, the flange of the "
+                f"{envelope.arm.name} would be {away:.2g} m from where the controller has it",
+            )
+        self._fitting = envelope
+
     async def _joints(self) -> tuple[float, ...]:
         return tuple(joints_of(await self._rpc.get_actual_joints_position()))
 
@@ -470,6 +500,7 @@ class EnvelopeKeeper:
                 break  # before, the arm and what moved it would be looked at too early
         if not self._live:  # else the stream is not opened
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
+        await self._check_arm(self.envelope)
         frames = await self._frames(tool, wobj, standing=True)
         if frames is None:
             await self._check_unknown(self.envelope, name)

@@ -6360,7 +6360,8 @@ class Robot(RobotLifecycle, ManualNames):
         Each motion, and each set-point of a stream, is checked before it is sent, as far as its
         path is known. During all other movement, such as jogs and hand guiding, the state is
         watched, and the arm is stopped. Beyond a limit, only what is known to lead back is sent.
-        The envelope may be set at any time; a stream keeps the one with which it was opened.
+        The envelope may be set at any time; a stream keeps the one with which it was opened. The
+        first motion is refused, with `ParameterError`, if the envelope is for another arm.
 
         Raises:
             ParameterError: the value is neither an Envelope nor None.

@@ -22,6 +22,7 @@ from aioduco import (
 )
 from aioduco.envelope import Crossing, Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.models.realtime import RealtimePoint
 from aioduco.streaming.shared.words import Reason
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.events import EnvelopeLeft
@@ -54,6 +55,22 @@ async def test_a_joint_motion_beyond_a_zone_is_not_sent(robot: aioduco.Robot, se
     robot.envelope = None
     await robot.motion.movej2(turned(0.6), v=3.0, a=20.0)
     assert least((wall(),), seen.q) < 0
+
+
+async def test_the_envelope_of_another_arm_is_refused(robot: aioduco.Robot) -> None:
+    robot.envelope = Envelope("gcr10_1300", Zone.plane((0, 0, -5.0), (0, 0, 1)))
+    said = r"robot\.envelope is .*one of the arm that is there: .*gcr10_1300 would be .* m from"
+    with pytest.raises(aioduco.ParameterError, match=said):
+        await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
+    with pytest.raises(aioduco.ParameterError, match=said):
+        async with robot.servo.joints(v=1.0, a=5.0, options=THREAD):
+            raise AssertionError("entered")
+    point = RealtimePoint.joint_position(START)
+    with pytest.raises(aioduco.ParameterError, match=said):
+        await robot.realtime.realtime_data_enqueue([point])
+    assert not robot.tasks
+    robot.envelope = Envelope("gcr5_910", Zone.plane((0, 0, -5.0), (0, 0, 1)))
+    await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
 
 
 @pytest.mark.slow
