@@ -258,7 +258,9 @@ class Registers(Section):
 
     async def _set(self, call: WireCall[int]) -> None:
         """Set a variable, and check the answer, which is 0 on success."""
+        follower = self._supervisor.stop_coordinator.follower
+        before = follower.known_error_list()
         answer = await self._rpc.send(call)
         if answer != 0:
-            why = "it does not take these arguments in its present state"
-            raise Refused(call.name, answer, why)
+            why = "; ".join(await follower.new_errors(before))
+            raise Refused(call.name, answer, why or "no such variable, or one of another type")

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 __all__ = [
     "JOG_TIME",
     "Section",
-    "check_accepted",
     "check_finished",
     "checked_task_id",
     "new_errors",
@@ -80,7 +79,7 @@ class Section(Uncopied, ManualNames):
 
     async def _finish(self, call: WireCall[int]) -> None:
         """Call a function that answers with the end state of a task, and check that it finished."""
-        check_finished(call.name, await self._rpc.send(call))
+        await self._checked(call, self._rpc, _finished)
 
     async def _finish_within(self, call: WireCall[int], timeout: float) -> None:
         """The same for a call that may take long; it is made on a thread.
@@ -90,11 +89,27 @@ class Section(Uncopied, ManualNames):
             timeout: time-out in place of the robot's call_timeout [s].
         """
         rpc = self._supervisor.blocking.within(ranges.TIMEOUT("timeout", timeout))
-        check_finished(call.name, await rpc.send(call))
+        await self._checked(call, rpc, _finished)
 
     async def _accept(self, call: WireCall[int]) -> None:
-        """Call a function that returns nothing according to the manual: see `check_accepted`."""
-        check_accepted(call.name, await self._rpc.send(call))
+        """Call a function that returns nothing according to the manual: see `_accepted`."""
+        await self._checked(call, self._rpc, _accepted)
+
+    async def _checked(
+        self, call: WireCall[int], rpc: AsyncRpc, good: Callable[[int], bool]
+    ) -> None:
+        """Make a call and check its answer; an error has what the call added to the error list.
+
+        Args:
+            call: the call.
+            rpc: makes it.
+            good: whether an answer is that of a call that succeeded.
+        """
+        follower = self._supervisor.stop_coordinator.follower
+        before = follower.known_error_list()
+        answer = await rpc.send(call)
+        if not good(answer):
+            check_finished(call.name, answer, await follower.new_errors(before))
 
     def _motion(
         self,
@@ -263,13 +278,35 @@ class Section(Uncopied, ManualNames):
         """
         supervisor = self._supervisor
         supervisor.check_open(call.name)
+        follower = supervisor.stop_coordinator.follower
+        before = await follower.error_list()
         answer = await self._rpc.send(call)
         if answer > max(TaskState):
             command = Command(call.name, call.args, motion=False)
-            task = supervisor.dispatcher.adopt(command, answer)
-            await supervisor.stop_coordinator.follower.completed(task, timeout)
-        else:
-            check_finished(call.name, answer)
+            task = supervisor.dispatcher.adopt(command, answer, before)
+            await follower.completed(task, timeout)
+        elif answer != TaskState.FINISHED:
+            check_finished(call.name, answer, await follower.new_errors(before))
+
+    async def _begin(self, call: WireCall[int]) -> None:
+        """Call a function that answers with the id of a task, which may last after what it began.
+
+        Its state is read once: a controller answers with an id although it refuses the task.
+
+        Args:
+            call: the call.
+
+        Raises:
+            TaskError: the task has ended, and did not succeed.
+            Refused: the answer is no id.
+        """
+        follower = self._supervisor.stop_coordinator.follower
+        before = follower.known_error_list()
+        answer = await self._rpc.send(call)
+        begun = answer > max(TaskState)
+        state = await self._rpc.get_noneblock_taskstate(answer) if begun else answer
+        if not (_accepted(state) if begun else _finished(state)):
+            check_finished(call.name, state, await follower.new_errors(before))
 
     async def _read_checked(
         self, call: WireCall[T], name: str, nothing: Callable[[T], bool] = not_
@@ -360,7 +397,8 @@ def check_finished(function: str, answer: int, errors: Sequence[str] = ()) -> No
     if state is TaskState.FINISHED:
         return
     if not state.ended:
-        raise Refused(function, answer, "it does not take these arguments in its present state")
+        why = "; ".join(errors) or "it does not take these arguments in its present state"
+        raise Refused(function, answer, why)
     life = TaskLifecycle()
     life.observe(state)
     outcome = life.outcome or Outcome.UNKNOWN
@@ -382,20 +420,15 @@ def checked_task_id(function: str, answer: int) -> int:
     return answer
 
 
-def check_accepted(function: str, answer: int) -> None:
-    """Check the answer of a function that returns nothing according to the manual.
+def _finished(answer: int) -> bool:
+    """Whether an answer is the end state of a task that succeeded."""
+    return answer == TaskState.FINISHED
+
+
+def _accepted(answer: int) -> bool:
+    """Whether an answer is that of a function that returns nothing according to the manual.
 
     The wire nevertheless returns a number. A negative number is a failure, and so is the end
     state of a task that failed; any other number means only that the call was accepted.
-
-    Args:
-        function: the function of the wire.
-        answer: what it returned.
-
-    Raises:
-        TaskError: the answer is the end state of a task that did not succeed: one of the
-            subclasses.
-        Refused: the answer is negative.
     """
-    if answer < 0 or TaskState(answer).ended:
-        check_finished(function, answer)
+    return _finished(answer) or (answer >= 0 and not TaskState(answer).ended)

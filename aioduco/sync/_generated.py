@@ -1391,6 +1391,7 @@ class Motion(_Section):
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not started.
+            Refused: the controller does not take the name.
 
         Manual section 1.3.7.
         """

@@ -10,11 +10,12 @@ import pytest
 import aioduco
 from aioduco import Joints, Load, Pose
 from aioduco._wire import rpc
-from aioduco.api.section import check_accepted
 from api.motion_cases import HOME, NEAR, OTHER, POSE
 from api.setting_cases import CAPS, DAMP, FORCE, ON, PRESS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.api.kinematics import Reachability
     from api.cases import Case
     from api.desk import Desk
@@ -79,20 +80,21 @@ async def test_a_load_goes_out_as_it_came_in(robot: aioduco.Robot, desk: Desk) -
         await robot.frames.get_tool_load()
 
 
-def test_what_returns_nothing_by_the_manual() -> None:
+async def test_what_returns_nothing_by_the_manual(robot: aioduco.Robot, desk: Desk) -> None:
     for taken in (0, 1, 2, 4, 1000):
-        check_accepted("set_load_data", taken)
-    with pytest.raises(aioduco.Refused):
-        check_accepted("set_load_data", -1)
+        desk.answer("set_load_data", taken)
+        await robot.frames.set_load_data(Load(1.0))
     for code, error in [
+        (-1, aioduco.Refused),
         (3, aioduco.TaskStopped),
         (5, aioduco.TaskInterrupted),
         (6, aioduco.TaskFailed),
         (7, aioduco.TaskIllegal),
         (8, aioduco.TaskParameterMismatch),
     ]:
+        desk.answer("set_load_data", code)
         with pytest.raises(error):
-            check_accepted("set_load_data", code)
+            await robot.frames.set_load_data(Load(1.0))
 
 
 @pytest.mark.parametrize(("mode", "interval"), [(0, 5.0), (1, 0.25)])
@@ -120,10 +122,52 @@ async def test_a_task_is_followed_to_its_end(robot: aioduco.Robot, desk: Desk, c
 
 
 async def test_a_task_that_fails(robot: aioduco.Robot, desk: Desk) -> None:
-    desk.errors = ["no force sensor"]
-    desk.begins("fc_start", end=aioduco.TaskState.ERROR)
-    with pytest.raises(aioduco.TaskFailed, match="no force sensor"):
-        await robot.force.fc_start()
+    desk.errors = ["an old error"]
+    for reason in ("no force sensor", "the sensor is not calibrated"):
+        desk.begins("fc_start", end=aioduco.TaskState.ERROR, error=reason)
+        with pytest.raises(aioduco.TaskFailed) as failed:
+            await robot.force.fc_start()
+        assert failed.value.errors == (reason,)
+
+
+async def test_a_setting_that_fails_says_why(robot: aioduco.Robot, desk: Desk) -> None:
+    def fails(reason: str, answer: int) -> Callable[..., int]:
+        def call(*args: object) -> int:
+            desk.errors.append(reason)
+            return answer
+
+        return call
+
+    desk.errors = ["an old error"]
+    desk.answer("modbus_write", fails("no such signal", 6))
+    with pytest.raises(aioduco.TaskFailed) as failed:  # nobody has read the list yet
+        await robot.modbus.modbus_write("pump", 1)
+    assert failed.value.errors == ()
+    desk.answer("modbus_write", fails("the device does not answer", 6))
+    with pytest.raises(aioduco.TaskFailed) as failed:
+        await robot.modbus.modbus_write("pump", 1)
+    assert failed.value.errors == ("the device does not answer",)
+    desk.answer("modbus_delete_signal", fails("it is in use", 7))
+    with pytest.raises(aioduco.TaskIllegal) as illegal:
+        await robot.modbus.modbus_delete_signal("pump")
+    assert illegal.value.errors == ("it is in use",)
+    desk.answer("set_tool_data", fails("35 kg at most", 0))
+    with pytest.raises(aioduco.Refused, match=r"\(answer 0\): 35 kg at most$"):
+        await robot.frames.set_tool_data("grip", POSE, Load(40.0))
+    desk.answer("set_system_value_bool", fails("there is no 'busy'", 1))
+    with pytest.raises(aioduco.Refused, match=r"\(answer 1\): there is no 'busy'$"):
+        await robot.registers.set_system_value_bool("busy", True)
+
+
+async def test_a_recording_that_does_not_begin(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.begins("start_record_track", end=aioduco.TaskState.ILLEGAL, lasting=0.0)
+    with pytest.raises(aioduco.TaskIllegal, match="start_record_track"):
+        await robot.motion.start_record_track("seam", 0)
+    desk.answer("start_record_track", 0)
+    with pytest.raises(aioduco.Refused, match="start_record_track"):
+        await robot.motion.start_record_track("a/b", 0)
+    desk.begins("start_record_track", lasting=60.0)  # as long as the recording
+    await robot.motion.start_record_track("seam", 0)
 
 
 async def test_a_direction_that_gives_way_has_damping(robot: aioduco.Robot, desk: Desk) -> None:

@@ -135,6 +135,7 @@ class Teaching(Section):
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not started.
+            Refused: the controller does not take the name.
 
         Manual section 1.3.7.
         """
@@ -146,7 +147,7 @@ class Teaching(Section):
         else:
             interval_ = ranges.TRACK_INTERVAL("interval", interval)
             interval_ = interval_ if mode_ else math.degrees(interval_)
-        await self._accept(calls.start_record_track(name_, mode_, tool_, wobj_, interval_))
+        await self._begin(calls.start_record_track(name_, mode_, tool_, wobj_, interval_))
 
     async def stop_record_track(self) -> None:
         """End the recording of a track (停止轨迹记录).
