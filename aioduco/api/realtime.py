@@ -8,7 +8,7 @@ from aioduco._wire.rpc import calls
 from aioduco.api.points import listed
 from aioduco.api.section import Section, check_finished
 from aioduco.api.streams.realtime import RealtimeStreams
-from aioduco.errors import ParameterError
+from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
 
@@ -96,6 +96,8 @@ class Realtime(Section, RealtimeStreams):
         Raises:
             ParameterError: `points` is empty, or an element is not such a point, or is of another
                 mode than the first; nothing was sent.
+            Refused: the queue has no room for the points: `get_realtime_data_queue_size` returns how
+                many wait.
             TaskError: the points were not put in.
             EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
                 that follows them; nothing was sent.
@@ -114,7 +116,10 @@ class Realtime(Section, RealtimeStreams):
         call = calls.realtime_data_enqueue([point.wire() for point in given], True)
         with self._supervisor.asked_for(call.name):
             await self._supervisor.envelope.admit(call.name, joints, moves=moves)
-            check_finished(call.name, await self._feed(call))
+            answer = await self._feed(call)
+            if answer == -1:
+                raise Refused(call.name, answer, "the realtime queue has no room for the points")
+            check_finished(call.name, answer)
 
     async def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).

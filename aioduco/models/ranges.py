@@ -37,7 +37,7 @@ from aioduco.models.rules import (
     Vector,
 )
 from aioduco.models.rules.lists import ordered
-from aioduco.models.rules.scalars import LONGEST, LONGEST_ARM
+from aioduco.models.rules.scalars import FARTHEST, LONGEST, LONGEST_ARM
 
 if TYPE_CHECKING:
     from aioduco.models.rules import FlagsLike, Real, VectorLike, Whole
@@ -120,8 +120,8 @@ CIRCLE_MODE = Choice(
 )
 SPIRAL_MODE = Choice({0: "by parameters", 1: "by its end point"}, source="1.3.5")
 SPIRAL_TURNS = Number(source="1.3.5")
-SPIRAL_LENGTH = Number(unit="m", source="1.3.5")
-SPIRAL_RADIUS = Number(0.0, unit="m", source="1.3.5")
+SPIRAL_LENGTH = Number(unit="m", plausible=LONGEST_ARM, source="1.3.5")
+SPIRAL_RADIUS = Number(0.0, unit="m", plausible=LONGEST_ARM, source="1.3.5")
 
 # the builders check these too, so they are defined beside the builders
 JOINT_VELOCITIES = realtime.JOINT_VELOCITIES
@@ -165,6 +165,8 @@ BAUD_RATE = Integer(1, 2**31 - 1, "bit/s", source="1.3.6")
 READ_LENGTH = Integer(1, 2**31 - 1, "bytes", source="1.3.6")
 #: bytes 0 to 255, or the signed numbers of the wire
 BYTES = Signed(8, "bytes", source="1.3.6")
+#: a CAN frame may have no data, as CANopen's SYNC
+CAN_DATA = Signed(8, "bytes", min_length=0, source="1.3.6")
 #: the identifier of an extended CAN frame has 29 bits
 CAN_ID = Integer(0, 2**29 - 1, source="1.3.6")
 
@@ -189,7 +191,8 @@ FLOAT_REGISTER = Integer(1, 32, source="1.3.7")
 #: the manual gives no range; a word has 16 bits, signed or unsigned
 WORD = Integer(-(2**15), 2**16 - 1, source="1.3.7")
 
-_COORDINATE = Number(unit="m", source="1.3.7")
+#: of a centre of mass
+_COORDINATE = Number(unit="m", plausible=LONGEST_ARM, source="1.3.7")
 #: mass in kg, then its centre in m; the manual gives no range; a mass is not negative
 PAYLOAD = Vector(Number(0.0, unit="kg", source="1.3.7"), *[_COORDINATE] * 3)
 #: mass in kg up to 35, then its centre in m, in the tool's frame
@@ -243,7 +246,10 @@ DAMPING = _six("N/(m/s)", "N·m/(rad/s)", 0.0)
 FORCE_SPEED = _six("m/s", "rad/s", -5.0, 5.0)
 FORCE_FRAME = Choice({0: "tool", 1: "work object"}, source="1.3.10")
 FORCE_PROPERTY = Choice({0: "load and external force", 1: "external force"}, source="1.3.10")
-WAIT_POSITION = _six("m", "rad")
+WAIT_POSITION = Vector(
+    *[Number(unit="m", plausible=FARTHEST, source="1.3.10")] * 3,
+    *[Number(unit="rad", source="1.3.10")] * 3,
+)
 WAIT_VELOCITY = Vector(
     *[Number(-5.0, 5.0, "m/s", source="1.3.10")] * 3,
     *[Number(-2 * pi, 2 * pi, "rad/s", source="1.3.10")] * 3,
@@ -293,7 +299,7 @@ WEAVE_PLANE = Choice(
 )
 #: the manual gives no range
 WEAVE_FREQUENCY = Number(0.0, unit="Hz", open_low=True, source="1.3.13")
-WEAVE_AMPLITUDE = Number(0.0, unit="m", source="1.3.13")
+WEAVE_AMPLITUDE = Number(0.0, unit="m", plausible=LONGEST_ARM, source="1.3.13")
 WEAVE_OFFSET = Number(unit="m", source="1.3.13")
 #: dwell time at one side; milliseconds on the wire, according to manual 4.3
 WEAVE_DWELL = Duration(source="1.3.13")

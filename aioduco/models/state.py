@@ -215,8 +215,9 @@ class IOStatus(Sample):
         function_outputs: output function registers.
         bool_inputs: input bool registers.
         bool_outputs: output bool registers.
-        word_inputs: input word registers.
-        word_outputs: output word registers.
+        word_inputs: input word registers, signed: -32768 to 32767.
+        word_outputs: output word registers, signed: 40000, as it was written and as
+            `read_word_reg` may return it, is -25536 here.
         float_inputs: input float registers.
         float_outputs: output float registers.
     """

@@ -3837,6 +3837,8 @@ class Realtime(_Section):
         Raises:
             ParameterError: `points` is empty, or an element is not such a point, or is of another
                 mode than the first; nothing was sent.
+            Refused: the queue has no room for the points: `get_realtime_data_queue_size` returns
+                how many wait.
             TaskError: the points were not put in.
             EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
                 that follows them; nothing was sent.
@@ -4798,7 +4800,7 @@ class Bus(_Section):
 
         Args:
             id: its identifier, 0 to 0x1FFFFFFF.
-            data: its bytes, at least one.
+            data: its bytes; a frame may have none.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -4826,7 +4828,7 @@ class Bus(_Section):
 
         Args:
             id: its identifier, 0 to 0x1FFFFFFF.
-            data: its bytes, at least one.
+            data: its bytes; a frame may have none.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.

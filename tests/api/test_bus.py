@@ -28,6 +28,14 @@ async def test_nothing_has_come(robot: aioduco.Robot, desk: Desk, case: Case) ->
     assert await case.method(robot)(**case.args) == b""
 
 
+async def test_a_can_frame_without_data_is_written(robot: aioduco.Robot, desk: Desk) -> None:
+    for write in (robot.bus.write_raw_data_can, robot.bus.write_data_can):
+        desk.answer(write.__name__, True)
+        await write(0x80, b"")  # CANopen's SYNC
+        (call,) = desk.received(write.__name__)
+        assert call.args == (0x80, [])
+
+
 async def test_no_can_frame_has_come(robot: aioduco.Robot, desk: Desk) -> None:
     desk.answer("read_raw_data_can", [])
     assert await robot.bus.read_raw_data_can() is None

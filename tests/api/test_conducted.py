@@ -258,6 +258,12 @@ async def test_realtime_mode_that_cannot_be_ended_becomes_a_stop(
     assert "stop" in realtime.commands
 
 
+async def test_a_full_realtime_queue_says_that_it_is(robot: aioduco.Robot, realtime: Desk) -> None:
+    realtime.answer("realtime_data_enqueue", -1)
+    with pytest.raises(aioduco.Refused, match="no room for the points"):
+        await robot.realtime.realtime_data_enqueue([RealtimePoint.joint_position(HOME)])
+
+
 async def test_points_of_two_modes_do_not_mix(robot: aioduco.Robot, realtime: Desk) -> None:
     points = [RealtimePoint.joint_position(HOME), RealtimePoint.joint_velocity([0.0] * 6)]
     with pytest.raises(aioduco.ParameterError, match=r"points\[1\]"):

@@ -168,10 +168,24 @@ async def test_millimetres_are_refused(robot: aioduco.Robot, bench: Bench) -> No
         lambda: motion.movel(POSE, v=0.2, a=0.5, r=20),
         lambda: motion.movej2(HOME, v=1.0, a=1.0, r=20),
         lambda: motion.movec(POSE, [600, *POSE[1:]], v=0.2, a=0.5),
+        lambda: motion.move_spiral(POSE, None, rev=2, length=50, radius=0.1, mode=0, v=0.2, a=0.5),
+        lambda: motion.move_spiral(
+            POSE, None, rev=2, length=0.05, radius=100, mode=0, v=0.2, a=0.5
+        ),
         lambda: robot.servo.pose(v=1.0, a=1.0)._check("point", [492, 140, 442, 3.14, 0, 0]),
     ):
         with pytest.raises(ParameterError, match=r"m \(millimetres\?\); nothing was sent"):
             refused()
+    high, near = [0, 0, 300, 0, 0, 0], [0, 0, 0.01, 0, 0, 0]
+    for sent in (
+        robot.frames.set_load_data([2.0, 0, 0, 50]),
+        robot.frames.set_tool_data("grip", [0, 0, 0.12, 0, 0, 0], [0.8, 0, 0, 50]),
+        robot.frames.set_tool_data("grip", [0, 0, 120, 0, 0, 0], [0.8, 0, 0, 0.05]),
+        robot.compound.combine_motion_config(2, 0, 2.0, 3.0),
+        robot.force.fc_wait_pos(high, near, absolute=True, duration=0.1, timeout=10),
+    ):
+        with pytest.raises(ParameterError, match=r"m \(millimetres\?\); nothing was sent"):
+            await sent
     motion.movel([FARTHEST, 0, 0.4, 3.14, 0, 0], v=0.2, a=0.5, r=LONGEST_ARM).mark_used()
     assert bench.commands == []
 

@@ -68,7 +68,8 @@ USES = {
     "tool_read_raw_data_485_h.head tool_read_raw_data_485_ht.head tool_read_raw_data_485_ht.tail "
     "tool_write_raw_data_485.data tool_write_raw_data_485_h.value tool_write_raw_data_485_h.head "
     "tool_write_raw_data_485_ht.value tool_write_raw_data_485_ht.head "
-    "tool_write_raw_data_485_ht.tail write_raw_data_can.data",
+    "tool_write_raw_data_485_ht.tail",
+    "CAN_DATA": "write_raw_data_can.data",
     "CAN_ID": "write_raw_data_can.id",
     "STANDARD_IO": "set_digital_out_mode.num set_standard_digital_out.num "
     "get_standard_digital_out.num get_standard_digital_in.num",

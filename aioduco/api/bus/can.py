@@ -66,7 +66,7 @@ class CanBus(Section):
 
         Args:
             id: its identifier, 0 to 0x1FFFFFFF.
-            data: its bytes, at least one.
+            data: its bytes; a frame may have none.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -74,7 +74,7 @@ class CanBus(Section):
 
         Manual section 1.3.6.
         """
-        id_, data_ = ranges.CAN_ID("id", id), ranges.BYTES("data", data)
+        id_, data_ = ranges.CAN_ID("id", id), ranges.CAN_DATA("data", data)
         await write(self._rpc, calls.write_raw_data_can(id_, data_))
 
     async def read_data_can(self) -> bytes:
@@ -95,11 +95,11 @@ class CanBus(Section):
 
         Args:
             id: its identifier, 0 to 0x1FFFFFFF.
-            data: its bytes, at least one.
+            data: its bytes; a frame may have none.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             BusError: the frame was not written.
         """
-        id_, data_ = ranges.CAN_ID("id", id), ranges.BYTES("data", data)
+        id_, data_ = ranges.CAN_ID("id", id), ranges.CAN_DATA("data", data)
         await write(self._rpc, calls.write_data_can(id_, data_))
