@@ -347,6 +347,13 @@ def test_a_lost_connection_raises_what_the_vendors_class_raises(server: Recordin
     assert robot.close() == 0
 
 
+@pytest.mark.parametrize("ip", [None, "", 5, "arm 1"])
+def test_open_returns_minus_one_for_what_is_no_address(ip: Any) -> None:
+    robot = DucoCobot(ip)
+    assert robot.open() == -1
+    assert "the host must be a name or an address" in str(robot.last_error)
+
+
 def test_a_lost_answer_is_told_in_last_error(server: RecordingServer) -> None:
     gate = threading.Event()
     server.answer("movej2", lambda *_: gate.wait(30.0) and 4)

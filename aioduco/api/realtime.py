@@ -57,7 +57,7 @@ class Realtime(Section, RealtimeStreams):
             filter_bandwidth: bandwidth of the filter over the points, above 0 [Hz]. The wire
                 spells it fileter_bandwidth.
             com_lost_time: time for which the queue may be empty before the controller stops the
-                arm, above 0 [s].
+                arm, above 0, up to 10 [s]. The arm follows the last point until then.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -96,8 +96,8 @@ class Realtime(Section, RealtimeStreams):
         Raises:
             ParameterError: `points` is empty, or an element is not such a point, or is of another
                 mode than the first; nothing was sent.
-            Refused: the queue has no room for the points: `get_realtime_data_queue_size` returns how
-                many wait.
+            Refused: the queue has no room for the points; `get_realtime_data_queue_size` returns
+                how many wait.
             TaskError: the points were not put in.
             EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
                 that follows them; nothing was sent.

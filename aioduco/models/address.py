@@ -69,9 +69,9 @@ class RobotAddress:
         return f"{self.name} ({where})" if self.name else where
 
 
-def is_host(host: str) -> bool:
+def is_host(host: object) -> bool:
     """Whether it can be a name or an address. The system reads only a part of some other texts."""
-    if not host or not host.isprintable() or " " in host:
+    if not isinstance(host, str) or not host or not host.isprintable() or " " in host:
         return False
     try:
         return len(host.encode("idna")) <= 253

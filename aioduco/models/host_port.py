@@ -7,4 +7,4 @@ __all__ = ["host_port"]
 
 def host_port(host: str, port: int) -> str:
     """The text of an address: `arm.lan:7003`, or `[::1]:7003`."""
-    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+    return f"[{host}]:{port}" if ":" in str(host) else f"{host}:{port}"

@@ -326,8 +326,9 @@ REALTIME_MODE = Choice(
 )
 #: the manual gives only the default (100)
 REALTIME_BANDWIDTH = Number(0.0, unit="Hz", open_low=True, source="1.3.15")
-#: the manual gives only the default (0.02); also seconds on the wire
-REALTIME_LOST_TIME = Number(0.0, unit="s", open_low=True, source="1.3.15")
+#: the manual gives only the default (0.02); also seconds on the wire. The arm goes on without data
+#: for this time: 20, which are milliseconds elsewhere, would be 20 s
+REALTIME_LOST_TIME = Number(0.0, 10.0, "s", open_low=True, source="1.3.15")
 
 # -- only on the wire --------------------------------------------------------------------------
 

@@ -3798,7 +3798,7 @@ class Realtime(_Section):
             filter_bandwidth: bandwidth of the filter over the points, above 0 [Hz]. The wire
                 spells it fileter_bandwidth.
             com_lost_time: time for which the queue may be empty before the controller stops the
-                arm, above 0 [s].
+                arm, above 0, up to 10 [s]. The arm follows the last point until then.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -3837,7 +3837,7 @@ class Realtime(_Section):
         Raises:
             ParameterError: `points` is empty, or an element is not such a point, or is of another
                 mode than the first; nothing was sent.
-            Refused: the queue has no room for the points: `get_realtime_data_queue_size` returns
+            Refused: the queue has no room for the points; `get_realtime_data_queue_size` returns
                 how many wait.
             TaskError: the points were not put in.
             EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
@@ -3895,7 +3895,7 @@ class Realtime(_Section):
             depth: points to keep in the controller's queue; each is one millisecond.
             period: time between two polls of the queue [s].
             filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
-            com_lost_time: time with an empty queue after which the controller faults [s].
+            com_lost_time: time with an empty queue after which the controller faults, up to 10 [s].
             max_step: largest step between two set-points [rad], or [m, rad].
             reach: largest distance of the arm from the first set-point [rad], or [m, rad].
             options: how the worker runs; None: in a separate process.

@@ -88,7 +88,7 @@ class RealtimeStreams(StreamMaker):
             depth: points to keep in the controller's queue; each is one millisecond.
             period: time between two polls of the queue [s].
             filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
-            com_lost_time: time with an empty queue after which the controller faults [s].
+            com_lost_time: time with an empty queue after which the controller faults, up to 10 [s].
             max_step: largest step between two set-points [rad], or [m, rad].
             reach: largest distance of the arm from the first set-point [rad], or [m, rad].
             options: how the worker runs; None: in a separate process.
