@@ -84,7 +84,11 @@ class Realtime(Section, RealtimeStreams):
 
         Manual section 1.3.15.
         """
-        await self._end(_ENDING, lambda: self._finish(calls.end_realtime_mode()))
+        await self._end(_ENDING, self._end_mode)
+
+    async def _end_mode(self) -> None:
+        """Call what ends the mode, at once: the error list is not read first."""
+        check_finished(_ENDING, await self._rpc.end_realtime_mode())
 
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).

@@ -259,7 +259,7 @@ class Registers(Section):
     async def _set(self, call: WireCall[int]) -> None:
         """Set a variable, and check the answer, which is 0 on success."""
         follower = self._supervisor.stop_coordinator.follower
-        before = follower.known_error_list()
+        before = await follower.error_list()
         answer = await self._rpc.send(call)
         if answer != 0:
             why = "; ".join(await follower.new_errors(before))

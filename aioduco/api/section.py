@@ -106,7 +106,7 @@ class Section(Uncopied, ManualNames):
             good: whether an answer is that of a call that succeeded.
         """
         follower = self._supervisor.stop_coordinator.follower
-        before = follower.known_error_list()
+        before = await follower.error_list()
         answer = await rpc.send(call)
         if not good(answer):
             check_finished(call.name, answer, await follower.new_errors(before))
@@ -230,20 +230,24 @@ class Section(Uncopied, ManualNames):
             args: arguments of `ending`.
         """
         supervisor = self._supervisor
-        supervisor.check_open(call.name)
-        modes = supervisor.stop_coordinator.modes
-        was_on = modes.enter(ending, args)  # before the call is sent: from now on a stop ends it
-        try:
-            command = Command(call.name, call.args)
-            timeout = supervisor.settings.call_timeout
-            answer = await supervisor.dispatcher.conduct(
-                command, supervisor.calls, timeout, (ending, args)
-            )
-            check_finished(call.name, answer)
-        except (TaskError, Refused, ControllerError, RobotStateError):
-            if not was_on:
-                modes.over(ending)
-            raise
+        modes, follower = supervisor.stop_coordinator.modes, supervisor.stop_coordinator.follower
+        with supervisor.asked_for(call.name):
+            before = await follower.error_list()
+            was_on = modes.enter(
+                ending, args
+            )  # before the call is sent: from now on a stop ends it
+            try:
+                command = Command(call.name, call.args)
+                timeout = supervisor.settings.call_timeout
+                answer = await supervisor.dispatcher.conduct(
+                    command, supervisor.calls, timeout, (ending, args)
+                )
+                if not _finished(answer):
+                    check_finished(call.name, answer, await follower.new_errors(before))
+            except (TaskError, Refused, ControllerError, RobotStateError):
+                if not was_on:
+                    modes.over(ending)
+                raise
 
     async def _feed(self, call: WireCall[int]) -> int:
         """Send points that the arm may follow at once, without a task of their own.
@@ -301,7 +305,7 @@ class Section(Uncopied, ManualNames):
             Refused: the answer is no id.
         """
         follower = self._supervisor.stop_coordinator.follower
-        before = follower.known_error_list()
+        before = await follower.error_list()
         answer = await self._rpc.send(call)
         begun = answer > max(TaskState)
         state = await self._rpc.get_noneblock_taskstate(answer) if begun else answer

@@ -181,22 +181,13 @@ class TaskFollower:
         self._told += 1
         return self._error_list or ()
 
-    def known_error_list(self) -> tuple[str, ...] | None:
-        """Return the same for a setting, which does not wait for it; None while it is unknown."""
-        self._told += 1
-        return self._error_list
-
-    async def new_errors(self, before: Sequence[str] | None) -> tuple[str, ...]:
-        """Return what a command that has failed, and is no task, added to the error list.
-
-        Args:
-            before: the list before the command; None if it is unknown: then nothing counts as new.
-        """
+    async def new_errors(self, before: Sequence[str]) -> tuple[str, ...]:
+        """Return what a command that has failed, and is no task, added to the error list."""
         found = await self._read("get_last_error")
         if found is None:
             return ()
         self._error_list = tuple(found)
-        return () if before is None else added_entries(before, found)
+        return added_entries(before, found)
 
     async def _read_error_list(self) -> None:
         self._list_due = False

@@ -258,6 +258,20 @@ async def test_realtime_mode_that_cannot_be_ended_becomes_a_stop(
     assert "stop" in realtime.commands
 
 
+async def test_a_mode_that_is_not_entered_says_why(robot: aioduco.Robot, realtime: Desk) -> None:
+    def fails(*args: object) -> int:
+        realtime.errors.append("torques are not followed")
+        return 8
+
+    realtime.errors = ["an old error"]
+    realtime.answer("start_realtime_mode", fails)
+    with pytest.raises(aioduco.TaskParameterMismatch) as failed:
+        await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_TORQUE)
+    assert failed.value.errors == ("torques are not followed",)
+    await robot.stop()
+    assert "end_realtime_mode" not in realtime.commands
+
+
 async def test_a_full_realtime_queue_says_that_it_is(robot: aioduco.Robot, realtime: Desk) -> None:
     realtime.answer("realtime_data_enqueue", -1)
     with pytest.raises(aioduco.Refused, match="no room for the points"):

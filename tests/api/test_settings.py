@@ -140,9 +140,9 @@ async def test_a_setting_that_fails_says_why(robot: aioduco.Robot, desk: Desk) -
 
     desk.errors = ["an old error"]
     desk.answer("modbus_write", fails("no such signal", 6))
-    with pytest.raises(aioduco.TaskFailed) as failed:  # nobody has read the list yet
+    with pytest.raises(aioduco.TaskFailed) as failed:
         await robot.modbus.modbus_write("pump", 1)
-    assert failed.value.errors == ()
+    assert failed.value.errors == ("no such signal",)
     desk.answer("modbus_write", fails("the device does not answer", 6))
     with pytest.raises(aioduco.TaskFailed) as failed:
         await robot.modbus.modbus_write("pump", 1)
