@@ -36,7 +36,8 @@ HEAD = """# Functions
 Every function of the manual (version 3.8, sections 1.3.1 to 1.3.16) and of the wire, and its name
 here. Names are those of the wire; where the manual has another one, it stands in brackets. The
 parameter `block` does not appear here: a motion is awaited, or started and followed. Those that
-[`robot.blocking`](reference/blocking.md) has, too, are called there with `block` true.
+[`robot.blocking`](reference/blocking.md) has, too, are called there with `block` true. What a
+function does is said of the wire: times that it has in ms are in seconds here.
 
 The last column says which controllers lack the function: *oldest* and *older* are two generations
 of the vendor's client that public repositories carry; which versions of the controller's software

@@ -214,8 +214,8 @@ class Force(Section):
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
             range: width of the range [m, rad], larger than the noise; 0 takes the axis out of the
-                condition. The manual does not say whether it is the half width, to each side of
-                `middle`, or the full width. Shape (6,).
+                condition, so at least one is above 0. The manual does not say whether it is the
+                half width, to each side of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: time for which the condition must hold, from 0 [s].
@@ -228,7 +228,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         middle_ = ranges.WAIT_POSITION("middle", middle)
-        range_ = ranges.WAIT_POSITION_RANGE("range", range)
+        range_ = ranges.wait_range(ranges.WAIT_POSITION_RANGE, range)
         absolute_ = ranges.FLAG("absolute", absolute)
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
@@ -253,8 +253,8 @@ class Force(Section):
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
             range: width of the range [m/s, rad/s], larger than the noise; 0 takes the axis out of
-                the condition. The manual does not say whether it is the half width, to each side
-                of `middle`, or the full width. Shape (6,).
+                the condition, so at least one is above 0. The manual does not say whether it is
+                the half width, to each side of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: time for which the condition must hold, from 0 [s].
@@ -267,7 +267,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         middle_ = ranges.WAIT_VELOCITY("middle", middle)
-        range_ = ranges.WAIT_VELOCITY_RANGE("range", range)
+        range_ = ranges.wait_range(ranges.WAIT_VELOCITY_RANGE, range)
         absolute_ = ranges.FLAG("absolute", absolute)
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
@@ -292,8 +292,8 @@ class Force(Section):
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
             range: width of the range [N, N·m], larger than the noise; 0 takes the axis out of the
-                condition. The manual does not say whether it is the half width, to each side of
-                `middle`, or the full width. Shape (6,).
+                condition, so at least one is above 0. The manual does not say whether it is the
+                half width, to each side of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: time for which the condition must hold, from 0 [s].
@@ -306,7 +306,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         middle_ = ranges.WAIT_WRENCH("middle", middle)
-        range_ = ranges.WAIT_WRENCH_RANGE("range", range)
+        range_ = ranges.wait_range(ranges.WAIT_WRENCH_RANGE, range)
         absolute_ = ranges.FLAG("absolute", absolute)
         duration_ = ranges.WAIT_DURATION("duration", duration)
         timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)

@@ -416,3 +416,17 @@ def damping(direction: FlagsLike, damp: VectorLike) -> tuple[list[bool], list[fl
                 f"({DAMPING.element[index].unit})",
             )
     return on, by
+
+
+def wait_range(rule: Vector, value: VectorLike) -> list[float]:
+    """Check the widths of a condition of force control by their rule (1.3.10).
+
+    Raises:
+        ParameterError: one is out of range, or all are 0: each takes its axis out of the condition,
+            and nothing would be left that could hold, or time out.
+    """
+    widths = rule("range", value)
+    if not any(widths):
+        expected = f"{rule.expected}, at least one above 0: nothing else ends the motion"
+        raise ParameterError("range", value, expected)
+    return widths

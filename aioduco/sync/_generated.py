@@ -5503,8 +5503,8 @@ class Force(_Section):
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
             range: width of the range [m, rad], larger than the noise; 0 takes the axis out of the
-                condition. The manual does not say whether it is the half width, to each side of
-                `middle`, or the full width. Shape (6,).
+                condition, so at least one is above 0. The manual does not say whether it is the
+                half width, to each side of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: time for which the condition must hold, from 0 [s].
@@ -5538,8 +5538,8 @@ class Force(_Section):
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
             range: width of the range [m/s, rad/s], larger than the noise; 0 takes the axis out of
-                the condition. The manual does not say whether it is the half width, to each side
-                of `middle`, or the full width. Shape (6,).
+                the condition, so at least one is above 0. The manual does not say whether it is
+                the half width, to each side of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: time for which the condition must hold, from 0 [s].
@@ -5573,8 +5573,8 @@ class Force(_Section):
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
             range: width of the range [N, N·m], larger than the noise; 0 takes the axis out of the
-                condition. The manual does not say whether it is the half width, to each side of
-                `middle`, or the full width. Shape (6,).
+                condition, so at least one is above 0. The manual does not say whether it is the
+                half width, to each side of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: time for which the condition must hold, from 0 [s].

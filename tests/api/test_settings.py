@@ -180,6 +180,16 @@ async def test_a_direction_that_gives_way_has_damping(robot: aioduco.Robot, desk
     assert call.args == (ON, PRESS, DAMP, CAPS, [0.0] * 6, "", "", 0)
 
 
+async def test_a_condition_has_an_axis(robot: aioduco.Robot, desk: Desk) -> None:
+    force, none = robot.force, [0.0] * 6
+    for wait in (force.fc_wait_pos, force.fc_wait_vel, force.fc_wait_ft):
+        desk.answer(wait.__name__, 4)
+        with pytest.raises(aioduco.ParameterError, match="range.*at least one above 0"):
+            await wait(none, none, absolute=False, duration=0.1, timeout=5.0)
+        assert desk.received(wait.__name__) == ()
+        await wait(none, [0.0] * 5 + [0.1], absolute=False, duration=0.1, timeout=5.0)
+
+
 @pytest.mark.parametrize("name", ["fc_stop", "simulation"])
 async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -> None:
     async def call() -> None:
