@@ -184,7 +184,7 @@ async def test_a_condition_has_an_axis(robot: aioduco.Robot, desk: Desk) -> None
     force, none = robot.force, [0.0] * 6
     for wait in (force.fc_wait_pos, force.fc_wait_vel, force.fc_wait_ft):
         desk.answer(wait.__name__, 4)
-        with pytest.raises(aioduco.ParameterError, match="range.*at least one above 0"):
+        with pytest.raises(aioduco.ParameterError, match=r"range.*at least one above 0"):
             await wait(none, none, absolute=False, duration=0.1, timeout=5.0)
         assert desk.received(wait.__name__) == ()
         await wait(none, [0.0] * 5 + [0.1], absolute=False, duration=0.1, timeout=5.0)
