@@ -193,7 +193,8 @@ class Kinematics(Section):
                     f"{self._supervisor.version}, does not say so: it may have taken tool and "
                     "work object in the other order",
                 )
-            return Reachability(found.result, (), found.index, found.singularity_type)
+            index = None if found.result else found.index
+            return Reachability(found.result, (), index, found.singularity_type)
         if not found.result:
             return Reachability(reachable=False, joints=())
         joints = [row for row in found.joints_pos if len(row) >= 6]

@@ -75,6 +75,8 @@ async def test_what_reach_check_found(desk: Desk) -> None:
     found = await check(desk, "V4.3.0", reachability(False, 2, 3))
     assert (found.reachable, found.joints, found.index, found.singularity) == (False, (), 2, 3)
     assert desk.received("reach_check")[0].args[:3] == (POSE, TOOL, WOBJ)
+    found = await check(desk, "V4.3.0", reachability(True, 0, 0))
+    assert (found.reachable, found.index, found.singularity) == (True, None, 0)
 
 
 async def test_an_answer_of_4_3_from_a_controller_of_another_version(desk: Desk) -> None:
