@@ -121,7 +121,7 @@ class Teaching(Section):
         """Start to record joints and poses of the arm on the controller (开启轨迹记录).
 
         When the recording is full, the controller ends it and pauses the running program, and
-        motions: one that is awaited goes on at `Robot.resume`.
+        motions, which go on at `Robot.resume`.
 
         Args:
             name: name of the track, for `replay`.
