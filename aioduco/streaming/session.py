@@ -108,6 +108,7 @@ class Session(OpenStream):
         self._outcome: tuple[Reason, str] | None = None
         self._commanded: tuple[float, ...] | None = None
         self._taken = 0
+        self._closing = False
 
     def __repr__(self) -> str:
         end = f" ({self.reason.name})" if self.reason else ""
@@ -222,7 +223,7 @@ class Session(OpenStream):
         if self.block is None:
             raise StreamClosed("the stream is not open: use it in `async with`")
         self._owner_loop.require(self.name)
-        if self.reason or self._final is not None:
+        if self.reason or self._final is not None or self._closing:
             self.check_end()
             raise StreamClosed("the stream was closed, and takes no set-points any more")
         return self.block
@@ -333,6 +334,8 @@ class Session(OpenStream):
             return
         self._owner_loop.require(self.name)
         try:
+            # Other tasks send nothing more: the worker ends only once all is taken.
+            self._closing = True
             if not at_once and self.block is not None:
                 self._command(ControlWord.CLOSE)
                 await self.until_gone()

@@ -144,6 +144,8 @@ class Stream(Uncopied):
     async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         """End the stream and wait until its worker has ended.
 
+        What was sent is followed to its end. A task that sends from now on gets `StreamClosed`.
+
         Raises:
             StreamError: the stream had ended for another reason, and the block raised no error.
         """

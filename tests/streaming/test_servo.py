@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from aioduco.streaming.shared.config import CheckedEnvelope
+    from aioduco.streaming.stream import Stream
 
 WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
 THREAD = WorkerOptions(run_in="thread")
@@ -85,6 +86,32 @@ async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
         1.0, 5.0, False, 200.0, 25.0, 10.0, 1.0,
     )  # fmt: skip
     assert not controller.server.received("stop")
+
+
+@workers
+@pytest.mark.parametrize("latest", [False, True])
+async def test_a_task_that_sends_on_does_not_hold_the_block_open(
+    controller: Controller, options: WorkerOptions, latest: bool
+) -> None:
+    sent, errors = anyio.Event(), list[str]()
+
+    async def send_on(stream: Stream) -> None:
+        try:
+            while True:
+                await stream.send(HERE)
+                sent.set()
+        except StreamClosed as exc:
+            errors.append(str(exc))
+
+    async with anyio.create_task_group() as group:
+        with anyio.fail_after(20.0):
+            async with controller.servo.joints(
+                v=1.0, a=5.0, rate=100, latest=latest, options=options
+            ) as stream:
+                group.start_soon(send_on, stream)
+                await sent.wait()
+    assert stream.statistics().reason is Reason.CLOSED
+    assert errors == ["the stream was closed, and takes no set-points any more"]
 
 
 @workers
