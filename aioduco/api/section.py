@@ -233,9 +233,7 @@ class Section(Uncopied, ManualNames):
         modes, follower = supervisor.stop_coordinator.modes, supervisor.stop_coordinator.follower
         with supervisor.asked_for(call.name):
             before = await follower.error_list()
-            was_on = modes.enter(
-                ending, args
-            )  # before the call is sent: from now on a stop ends it
+            was_on = modes.enter(ending, args)  # before it is sent: from now on a stop ends it
             try:
                 command = Command(call.name, call.args)
                 timeout = supervisor.settings.call_timeout
