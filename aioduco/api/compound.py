@@ -69,7 +69,7 @@ class Compound(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.13. It prints no unit for `time`. Manual 4.3 prints milliseconds, so
         the times are sent in milliseconds.
@@ -93,7 +93,7 @@ class Compound(Section):
         """Lay the weave over the motions that follow (开启复合运动); the arm must stand.
 
         Raises:
-            TaskError: it was not switched on.
+            TaskError, Refused: it was not switched on.
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
@@ -103,7 +103,7 @@ class Compound(Section):
         """End the weave (结束复合运动); the arm must stand.
 
         Raises:
-            TaskError: it was not switched off.
+            TaskError, Refused: it was not switched off.
 
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
@@ -130,7 +130,7 @@ class Compound(Section):
         """End the tracking of a seam.
 
         Raises:
-            TaskError: it was not switched off.
+            TaskError, Refused: it was not switched off.
             UnknownFunction: the controller is older than manual 4.3, which adds the function.
 
         Not in manual 3.8; manual 4.3 describes it.
@@ -141,7 +141,7 @@ class Compound(Section):
         """Forget the offsets that the laser sensor found.
 
         Raises:
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
             UnknownFunction: the controller is older than manual 4.3, which adds the function.
 
         Not in manual 3.8; manual 4.3 describes it.

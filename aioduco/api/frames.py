@@ -52,7 +52,7 @@ class Frames(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not defined.
+            TaskError, Refused: it was not defined.
 
         Manual section 1.3.7.
         """
@@ -74,7 +74,7 @@ class Frames(Section):
 
         Raises:
             ParameterError: a number is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -94,7 +94,7 @@ class Frames(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not defined.
+            TaskError, Refused: it was not defined.
         """
         name_, wobj_ = ranges.NAME("name", name), ranges.POSE("wobj", wobj)
         await self._accept(calls.set_wobj(name_, wobj_))
@@ -111,7 +111,7 @@ class Frames(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """

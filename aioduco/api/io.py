@@ -29,7 +29,7 @@ class IO(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the output was not set.
+            TaskError, Refused: the output was not set.
 
         Manual section 1.3.7.
         """
@@ -59,7 +59,7 @@ class IO(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the output was not set.
+            TaskError, Refused: the output was not set.
 
         Manual section 1.3.7.
         """
@@ -112,7 +112,7 @@ class IO(Section):
         Raises:
             ParameterError: an argument is out of range, or pulses would be too short; nothing
                 was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7, which prints its name as set_digital_out_mode.
         """
@@ -133,7 +133,7 @@ class IO(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -157,7 +157,7 @@ class IO(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -175,7 +175,7 @@ class IO(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
         """
         num_, mode_ = ranges.ANALOG_IO("num", num), ranges.INT_32("mode", mode)
         await self._finish(calls.set_analog_output_mode(num_, mode_, True))

@@ -55,7 +55,7 @@ class Modbus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.9.
         """
@@ -102,7 +102,7 @@ class Modbus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the registers were not written.
+            TaskError, Refused: the registers were not written.
 
         Manual section 1.3.9.
         """
@@ -124,7 +124,7 @@ class Modbus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the coils were not written.
+            TaskError, Refused: the coils were not written.
 
         Manual section 1.3.9.
         """
@@ -155,7 +155,7 @@ class Modbus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not added.
+            TaskError, Refused: it was not added.
         """
         await self._accept(
             calls.modbus_add_signal(
@@ -177,7 +177,7 @@ class Modbus(Section):
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
-            TaskError: it was not deleted.
+            TaskError, Refused: it was not deleted.
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
         await self._accept(calls.modbus_delete_signal(name_))

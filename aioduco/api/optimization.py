@@ -24,7 +24,7 @@ class Optimization(Section):
         This optimizes accelerations as well.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -34,7 +34,7 @@ class Optimization(Section):
         """Let the arm move at the speeds given to motions (退出速度优化).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -44,7 +44,7 @@ class Optimization(Section):
         """Let the arm accelerate as hard as its drives can (开启加速度优化).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -54,7 +54,7 @@ class Optimization(Section):
         """Let the arm accelerate at the values given to motions (退出加速度优化).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -67,7 +67,7 @@ class Optimization(Section):
         This has no effect while vibration control is on.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -77,7 +77,7 @@ class Optimization(Section):
         """Let Cartesian motions stop with an alarm near singularities (退出奇异点规避).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -89,7 +89,7 @@ class Optimization(Section):
         It makes each motion 200 to 400 ms longer.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -101,7 +101,7 @@ class Optimization(Section):
         This setting remains after the end of the program.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """

@@ -61,7 +61,7 @@ class Realtime(Section, RealtimeStreams):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the mode was not started.
+            TaskError, Refused: the mode was not started.
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
@@ -129,7 +129,7 @@ class Realtime(Section, RealtimeStreams):
         """Empty the queue (清空实时数据队列).
 
         Raises:
-            TaskError: it was not emptied.
+            TaskError, Refused: it was not emptied.
 
         Manual section 1.3.15.
         """

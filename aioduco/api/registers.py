@@ -47,7 +47,7 @@ class Registers(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.7.
         """
@@ -67,7 +67,7 @@ class Registers(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.7.
         """
@@ -87,7 +87,7 @@ class Registers(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.7.
         """

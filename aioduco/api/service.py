@@ -46,7 +46,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._finish(
             calls.set_servo_config(
@@ -71,7 +71,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._finish(calls.apply_servo_config(ranges.AXIS_NUMBER("axis_num", axis_num), True))
 
@@ -99,7 +99,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(
             calls.set_servo_file_params(
@@ -124,7 +124,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(calls.set_dynamic_calibration_params(ranges.MATRIX("params", params)))
 
@@ -141,7 +141,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(calls.set_kinematic_calibration_params(ranges.MATRIX("params", params)))
 
@@ -159,7 +159,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(
             calls.set_dynamic_calibration_info(
@@ -181,7 +181,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(
             calls.set_kinematic_calibration_info(
@@ -203,7 +203,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(
             calls.set_vibration_calibration_info(
@@ -224,7 +224,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(calls.save_dynamic_calibration_params(ranges.TEXT("passwd", passwd)))
 
@@ -241,7 +241,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(calls.save_kinematic_calibration_params(ranges.TEXT("passwd", passwd)))
 
@@ -258,7 +258,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(calls.upload_robot_param_to_toolboard(ranges.TEXT("passwd", passwd)))
 
@@ -275,7 +275,7 @@ class Service(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         await self._accept(calls.set_pendant_type(ranges.INT_32("type", type)))
 

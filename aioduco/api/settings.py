@@ -36,7 +36,7 @@ class Settings(Section):
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -59,7 +59,7 @@ class Settings(Section):
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -77,7 +77,7 @@ class Settings(Section):
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -90,7 +90,7 @@ class Settings(Section):
         `Robot.recover` includes this step.
 
         Raises:
-            TaskError: it was not cleared.
+            TaskError, Refused: it was not cleared.
 
         Manual section 1.3.7.
         """
@@ -161,7 +161,7 @@ class Settings(Section):
 
         Raises:
             ParameterError: it is neither true nor false; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """

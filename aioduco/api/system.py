@@ -146,7 +146,7 @@ class System(Section):
 
         Raises:
             ParameterError: the mode is another one.
-            TaskError: the controller did not switch.
+            TaskError, Refused: the controller did not switch.
 
         Manual section 1.3.7.
         """

@@ -130,7 +130,7 @@ class Track(Section, TrackStreams):
         """Empty the pool (清空轨迹池).
 
         Raises:
-            TaskError: it was not emptied.
+            TaskError, Refused: it was not emptied.
 
         Manual section 1.3.12.
         """

@@ -201,7 +201,7 @@ class System(_Section):
 
         Raises:
             ParameterError: the mode is another one.
-            TaskError: the controller did not switch.
+            TaskError, Refused: the controller did not switch.
 
         Manual section 1.3.7.
         """
@@ -245,7 +245,7 @@ class Motion(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.5.
         """
@@ -1362,7 +1362,7 @@ class Motion(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.5.
         """
@@ -1403,7 +1403,7 @@ class Motion(_Section):
         """End the recording of a track (停止轨迹记录).
 
         Raises:
-            TaskError: it was not ended.
+            TaskError, Refused: it was not ended.
 
         Manual section 1.3.7.
         """
@@ -3101,7 +3101,7 @@ class Track(_Section):
         """Empty the pool (清空轨迹池).
 
         Raises:
-            TaskError: it was not emptied.
+            TaskError, Refused: it was not emptied.
 
         Manual section 1.3.12.
         """
@@ -3266,7 +3266,7 @@ class Compound(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.13. It prints no unit for `time`. Manual 4.3 prints milliseconds, so
         the times are sent in milliseconds.
@@ -3281,7 +3281,7 @@ class Compound(_Section):
         """Lay the weave over the motions that follow (开启复合运动); the arm must stand.
 
         Raises:
-            TaskError: it was not switched on.
+            TaskError, Refused: it was not switched on.
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
@@ -3291,7 +3291,7 @@ class Compound(_Section):
         """End the weave (结束复合运动); the arm must stand.
 
         Raises:
-            TaskError: it was not switched off.
+            TaskError, Refused: it was not switched off.
 
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
@@ -3317,7 +3317,7 @@ class Compound(_Section):
         """End the tracking of a seam.
 
         Raises:
-            TaskError: it was not switched off.
+            TaskError, Refused: it was not switched off.
             UnknownFunction: the controller is older than manual 4.3, which adds the function.
 
         Not in manual 3.8; manual 4.3 describes it.
@@ -3328,7 +3328,7 @@ class Compound(_Section):
         """Forget the offsets that the laser sensor found.
 
         Raises:
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
             UnknownFunction: the controller is older than manual 4.3, which adds the function.
 
         Not in manual 3.8; manual 4.3 describes it.
@@ -3360,7 +3360,7 @@ class ExternalAxes(_Section):
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
-            TaskError: it was not activated.
+            TaskError, Refused: it was not activated.
             OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
@@ -3376,7 +3376,7 @@ class ExternalAxes(_Section):
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
-            TaskError: it was not deactivated.
+            TaskError, Refused: it was not deactivated.
             OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
@@ -3400,7 +3400,7 @@ class ExternalAxes(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not set.
+            TaskError, Refused: they were not set.
 
         Not in the manual, only on the wire. Check what the controller's own page shows before and
         after the call.
@@ -3416,7 +3416,7 @@ class ExternalAxes(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not set.
+            TaskError, Refused: they were not set.
 
         Not in the manual, only on the wire. Check what the controller's own page shows before and
         after the call.
@@ -3431,7 +3431,7 @@ class ExternalAxes(_Section):
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            TaskError: it was not added.
+            TaskError, Refused: it was not added.
 
         Not in the manual, only on the wire.
         """
@@ -3445,7 +3445,7 @@ class ExternalAxes(_Section):
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            TaskError: it was not deleted.
+            TaskError, Refused: it was not deleted.
 
         Not in the manual, only on the wire.
         """
@@ -3803,7 +3803,7 @@ class Realtime(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the mode was not started.
+            TaskError, Refused: the mode was not started.
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
@@ -3852,7 +3852,7 @@ class Realtime(_Section):
         """Empty the queue (清空实时数据队列).
 
         Raises:
-            TaskError: it was not emptied.
+            TaskError, Refused: it was not emptied.
 
         Manual section 1.3.15.
         """
@@ -4127,7 +4127,7 @@ class IO(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the output was not set.
+            TaskError, Refused: the output was not set.
 
         Manual section 1.3.7.
         """
@@ -4156,7 +4156,7 @@ class IO(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the output was not set.
+            TaskError, Refused: the output was not set.
 
         Manual section 1.3.7.
         """
@@ -4203,7 +4203,7 @@ class IO(_Section):
         Raises:
             ParameterError: an argument is out of range, or pulses would be too short; nothing
                 was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7, which prints its name as set_digital_out_mode.
         """
@@ -4222,7 +4222,7 @@ class IO(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -4245,7 +4245,7 @@ class IO(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -4262,7 +4262,7 @@ class IO(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
         """
         self._call(self._made.set_analog_output_mode(num, mode))
 
@@ -4289,7 +4289,7 @@ class Registers(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.7.
         """
@@ -4308,7 +4308,7 @@ class Registers(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.7.
         """
@@ -4327,7 +4327,7 @@ class Registers(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.7.
         """
@@ -4505,7 +4505,7 @@ class Bus(_Section):
 
         Raises:
             ParameterError: the rate is out of range; nothing was sent.
-            TaskError: the rate was not set.
+            TaskError, Refused: the rate was not set.
 
         Manual section 1.3.6.
         """
@@ -4777,7 +4777,7 @@ class Bus(_Section):
 
         Raises:
             ParameterError: the rate is out of range; nothing was sent.
-            TaskError: the rate was not set.
+            TaskError, Refused: the rate was not set.
 
         Manual section 1.3.6.
         """
@@ -4872,7 +4872,7 @@ class Frames(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not defined.
+            TaskError, Refused: it was not defined.
 
         Manual section 1.3.7.
         """
@@ -4888,7 +4888,7 @@ class Frames(_Section):
 
         Raises:
             ParameterError: a number is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -4908,7 +4908,7 @@ class Frames(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not defined.
+            TaskError, Refused: it was not defined.
         """
         self._call(self._made.set_wobj(name, wobj))
 
@@ -4924,7 +4924,7 @@ class Frames(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -5097,7 +5097,7 @@ class Settings(_Section):
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -5120,7 +5120,7 @@ class Settings(_Section):
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -5138,7 +5138,7 @@ class Settings(_Section):
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -5150,7 +5150,7 @@ class Settings(_Section):
         `Robot.recover` includes this step.
 
         Raises:
-            TaskError: it was not cleared.
+            TaskError, Refused: it was not cleared.
 
         Manual section 1.3.7.
         """
@@ -5219,7 +5219,7 @@ class Settings(_Section):
 
         Raises:
             ParameterError: it is neither true nor false; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.7.
         """
@@ -5243,7 +5243,7 @@ class Optimization(_Section):
         This optimizes accelerations as well.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5253,7 +5253,7 @@ class Optimization(_Section):
         """Let the arm move at the speeds given to motions (退出速度优化).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5263,7 +5263,7 @@ class Optimization(_Section):
         """Let the arm accelerate as hard as its drives can (开启加速度优化).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5273,7 +5273,7 @@ class Optimization(_Section):
         """Let the arm accelerate at the values given to motions (退出加速度优化).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5286,7 +5286,7 @@ class Optimization(_Section):
         This has no effect while vibration control is on.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5296,7 +5296,7 @@ class Optimization(_Section):
         """Let Cartesian motions stop with an alarm near singularities (退出奇异点规避).
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5308,7 +5308,7 @@ class Optimization(_Section):
         It makes each motion 200 to 400 ms longer.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5320,7 +5320,7 @@ class Optimization(_Section):
         This setting remains after the end of the program.
 
         Raises:
-            TaskError: it was not switched.
+            TaskError, Refused: it was not switched.
 
         Manual section 1.3.11.
         """
@@ -5657,7 +5657,7 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not written.
+            TaskError, Refused: it was not written.
 
         Manual section 1.3.9.
         """
@@ -5696,7 +5696,7 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the registers were not written.
+            TaskError, Refused: the registers were not written.
 
         Manual section 1.3.9.
         """
@@ -5716,7 +5716,7 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: the coils were not written.
+            TaskError, Refused: the coils were not written.
 
         Manual section 1.3.9.
         """
@@ -5743,7 +5743,7 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not added.
+            TaskError, Refused: it was not added.
         """
         work = self._made.modbus_add_signal(
             ip, slave_number, signal_address, signal_type, signal_name
@@ -5760,7 +5760,7 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
-            TaskError: it was not deleted.
+            TaskError, Refused: it was not deleted.
         """
         self._call(self._made.modbus_delete_signal(signal_name))
 
@@ -5829,7 +5829,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_servo_config(axis_num, id, value, qfmt))
 
@@ -5846,7 +5846,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.apply_servo_config(axis_num))
 
@@ -5869,7 +5869,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_servo_file_params(axis_num, id, name, value, qfmt))
 
@@ -5886,7 +5886,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_dynamic_calibration_params(params))
 
@@ -5903,7 +5903,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_kinematic_calibration_params(params))
 
@@ -5921,7 +5921,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_dynamic_calibration_info(passwd, info))
 
@@ -5939,7 +5939,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_kinematic_calibration_info(passwd, info))
 
@@ -5957,7 +5957,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_vibration_calibration_info(passwd, info))
 
@@ -5974,7 +5974,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.save_dynamic_calibration_params(passwd))
 
@@ -5991,7 +5991,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.save_kinematic_calibration_params(passwd))
 
@@ -6008,7 +6008,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.upload_robot_param_to_toolboard(passwd))
 
@@ -6025,7 +6025,7 @@ class Service(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not done.
+            TaskError, Refused: it was not done.
         """
         self._call(self._made.set_pendant_type(type))
 

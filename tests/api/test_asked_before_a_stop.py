@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
-from client.bench import HOME, POSE
+from client.bench import FLANGE, HOME, POSE
 
 import aioduco
 from aioduco import Joints, RealtimeMode, RealtimePoint, WorkerOptions
@@ -39,7 +39,7 @@ _BY_ITSELF = {
 _READ = {
     "get_tcp_offset": [0.0] * 6,
     "get_wobj": [0.0] * 6,
-    "get_flange_pose": POSE,
+    "get_flange_pose": FLANGE,
     "get_tcp_pose_coord": POSE,
     "get_actual_joints_position": HOME,
     "get_tcp_pose": POSE,
@@ -189,7 +189,6 @@ async def test_points_whose_check_reads_while_the_arm_is_stopped_are_not_sent(
         desk.answer(each, 4)
     desk.answer("realtime_data_enqueue", 4)
     desk.answer("get_wobj", [0.0] * 6)
-    desk.answer("get_flange_pose", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
     async with aioduco.connect(desk.host, desk.port) as robot:
         await begin(robot)
         before = len(desk.received(name))

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 RADIUS = {"movej2": 3, "movel": 3, "movej_pose2": 3, "movec": 4, "tcp_move": 3}
 HOME = [0.0, 0.0, 1.5, 0.0, -1.5, 0.0]
 POSE = [0.5, 0.1, 0.6, 3.1, 0.0, -1.5]
+#: where the flange of a GCR5-910 is at HOME
+FLANGE = [0.4982, 0.1479, 0.4773, -3.0706, 0.0706, -1.5658]
 ENABLED = [6, 0, 5, 1]
 
 
@@ -72,6 +74,7 @@ class Bench(RecordingServer):
             "getRobotIOStatus": rpc.IOStatus(digitalInputs=[True] * 16),
             "get_actual_joints_position": HOME,
             "get_tcp_pose": POSE,
+            "get_flange_pose": FLANGE,
             "get_last_error": lambda: list(self.errors),
             "rpc_heartbeat": lambda milliseconds: None,
             "robotmoving": self.moving,

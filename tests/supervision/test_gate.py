@@ -12,10 +12,8 @@ from client.bench import HOME, POSE, Bench
 
 import aioduco
 import aioduco.sync
-from aioduco import Pose
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
-from aioduco.kinematics import arm
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.testing import eventually_async
 
@@ -234,7 +232,6 @@ async def held_robot(bench: Bench, read: str, answer: Any) -> Any:
     bench.motion_time = 30.0
     bench.answer("get_wobj", [0.0] * 6)
     bench.answer("get_tcp_offset", [0.0] * 6)
-    bench.answer("get_flange_pose", list(Pose.from_matrix(arm("gcr5_910").fkine(HOME))))
     held = bench.hold(read, answer)
     async with aioduco.connect(bench.host, bench.port) as robot:
         robot.envelope = Envelope("gcr5_910", Zone.plane((0, 0, -5.0), (0, 0, 1)))

@@ -40,7 +40,7 @@ class CanBus(Section):
 
         Raises:
             ParameterError: the rate is out of range; nothing was sent.
-            TaskError: the rate was not set.
+            TaskError, Refused: the rate was not set.
 
         Manual section 1.3.6.
         """

@@ -39,7 +39,7 @@ class Schemes(Section):
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
-            TaskError: it was not activated.
+            TaskError, Refused: it was not activated.
             OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
@@ -56,7 +56,7 @@ class Schemes(Section):
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
-            TaskError: it was not deactivated.
+            TaskError, Refused: it was not deactivated.
             OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
@@ -84,7 +84,7 @@ class Schemes(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not set.
+            TaskError, Refused: they were not set.
 
         Not in the manual, only on the wire. Check what the controller's own page shows before and
         after the call.
@@ -102,7 +102,7 @@ class Schemes(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not set.
+            TaskError, Refused: they were not set.
 
         Not in the manual, only on the wire. Check what the controller's own page shows before and
         after the call.
@@ -119,7 +119,7 @@ class Schemes(Section):
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            TaskError: it was not added.
+            TaskError, Refused: it was not added.
 
         Not in the manual, only on the wire.
         """
@@ -134,7 +134,7 @@ class Schemes(Section):
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            TaskError: it was not deleted.
+            TaskError, Refused: it was not deleted.
 
         Not in the manual, only on the wire.
         """

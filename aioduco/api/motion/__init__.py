@@ -88,7 +88,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.5.
         """

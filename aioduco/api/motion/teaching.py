@@ -95,7 +95,7 @@ class Teaching(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
+            TaskError, Refused: it was not set.
 
         Manual section 1.3.5.
         """
@@ -154,7 +154,7 @@ class Teaching(Section):
         """End the recording of a track (停止轨迹记录).
 
         Raises:
-            TaskError: it was not ended.
+            TaskError, Refused: it was not ended.
 
         Manual section 1.3.7.
         """
