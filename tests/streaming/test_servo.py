@@ -39,7 +39,7 @@ from aioduco.testing import eventually_async, no_leaks
 from .conftest import HERE, Controller
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Callable
 
     from aioduco.streaming.shared.config import CheckedEnvelope
     from aioduco.streaming.stream import Stream
@@ -411,7 +411,66 @@ async def test_ids_that_rise_by_two_are_asked_about_once(controller: Controller)
     async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
         for _ in range(20):
             await stream.send(HERE)
-    assert len(controller.server.received("get_noneblock_taskstate")) == 1
+    polled = [call.args[0] for call in controller.server.received("get_noneblock_taskstate")]
+    assert polled == [1000, 1038]  # the last one at the end
+
+
+def set_points(*missing: int) -> Callable[..., int]:
+    """Gives the ids of set-points; other callers have the missing ones."""
+    ids = (id_ for id_ in itertools.count(1000) if id_ not in missing)
+    return lambda *_: next(ids)
+
+
+async def sent_to_the_end(stream: Stream, count: int, error: type[Exception] | None = None) -> None:
+    """Send set-points, and leave the stream when the worker has taken them all, or by an error."""
+    async with stream:
+        for _ in range(count):
+            await stream.send(HERE)
+        await stream._taken()
+        if error is not None:
+            raise error
+
+
+async def test_a_stop_one_tick_after_another_call_is_noticed(controller: Controller) -> None:
+    """The number of an output's task is missing, and in the next tick that of a stop."""
+    controller.server.answer("servoj", set_points(1020, 1022))
+    controller.server.answer("get_noneblock_taskstate", lambda task: 3 if task == 1021 else 5)
+    options = WorkerOptions(run_in="thread", watch=0.0)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    with pytest.raises(StreamStopped, match="the controller stopped task 1021"):
+        await sent_to_the_end(stream, 100)
+    assert len(controller.points()) == 22
+    assert controller.names()[-1] == "stop"
+
+
+@pytest.mark.parametrize("error", [None, KeyError])
+async def test_a_stop_shortly_before_the_end_is_noticed(
+    controller: Controller, error: type[Exception] | None
+) -> None:
+    """The last set-points are sent while the arm still brakes: it must not follow them then."""
+    answers = itertools.chain([1] * 20, itertools.repeat(3))
+    controller.server.answer("servoj", set_points(1018))
+    controller.server.answer("get_noneblock_taskstate", lambda _: next(answers))
+    options = WorkerOptions(run_in="thread", watch=0.0)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    with pytest.raises(error or StreamStopped):
+        await sent_to_the_end(stream, 20, error)
+    assert len(controller.points()) < 38
+    assert len(controller.server.received("stop")) == 1
+
+
+@pytest.mark.parametrize(("state", "error"), [(3, StreamStopped), (2, StreamRefused)])
+async def test_an_arm_that_others_stop_or_pause_after_the_last_set_point(
+    controller: Controller, state: int, error: type[Exception]
+) -> None:
+    """It is not where the program has sent it, and must not go there when somebody resumes it."""
+    controller.server.answer("servoj", set_points())
+    controller.server.answer("get_noneblock_taskstate", state)
+    options = WorkerOptions(run_in="thread", watch=0.0)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    with pytest.raises(error):
+        await sent_to_the_end(stream, 20)
+    assert len(controller.server.received("stop")) == (error is StreamRefused)
 
 
 @pytest.mark.slow

@@ -328,7 +328,6 @@ class TrackPoolDriver(Driver):
         self._batch = Batch(connection, name, element, (True,), self._timeout, permit.require)
         self._depths = block.histograms["depth"].record
         self._age = block.histograms["age"].record
-        self._task = 0
         self._checked: EnvelopeCheck | None = None
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - the pool compensates lateness

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CallDriver", "ProbeDriver"]
 
+#: ends after which nobody else stops the arm, if set-points moved it after another caller's stop
+_UNSTOPPED = (Reason.CLOSED, Reason.ABORTED)
 _BRAKE_LIMIT = 5.0  # s within which an arm that was told to stop stands
 
 
@@ -40,11 +42,11 @@ class CallDriver(Driver):
         self._name = calls.function
         self._point = Point(connection, self._name, args, self._timeout, permit.require)
         self._ahead: tuple[float, ...] | None = None
-        #: id of the last set-point's task, and by how much the ids usually rise
-        self._task, self._rise = 0, 1
-        #: the task before one whose id rose otherwise, so that it may have been stopped; 0: none.
-        #: It is polled until then
-        self._in_question, self._poll_until = 0, 0.0
+        #: by how much the ids of the set-points' tasks rise at least
+        self._rise = 0
+        #: tasks before one whose id rose by more, so that they may have been stopped, and until
+        #: when each is polled
+        self._in_question: dict[int, float] = {}
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -67,39 +69,46 @@ class CallDriver(Driver):
             self._sent += 1
             if self._task < 0:
                 return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
-            if before and self._task - before not in (0, self._rise):
-                self._rise = self._task - before
-                self._question(before)
-            if self._in_question and self._stopped():
-                return False
-        if self.state is StreamState.ENDED and self._ahead is None:
+            if before and self._others_since(before):
+                self._in_question[before] = time.monotonic() + _BRAKE_LIMIT
+        if self._in_question and self._stopped():
             return False
+        if self.state is StreamState.ENDED and self._ahead is None:
+            return bool(self._in_question) and self.life.reason in _UNSTOPPED
         return self._follows(self._task)
 
-    def _question(self, task: int) -> None:
-        if not self._in_question:
-            self._in_question, self._poll_until = task, time.monotonic() + _BRAKE_LIMIT
+    def _others_since(self, task: int) -> bool:
+        """Whether another caller may have made a task between this one and the last set-point's.
+
+        The least rise is the usual one: two callers' tasks may come in two ticks, one after the
+        other, and the second may be a stop.
+        """
+        rise, usual = self._task - task, self._rise
+        if rise > 0:
+            self._rise = min(usual or rise, rise)
+        return rise not in (0, 1, usual)
 
     def _stopped(self) -> bool:
-        """Poll whether another caller stopped the task in question; if so, stop again and end.
+        """Poll whether another caller stopped a task in question; if so, stop again and end.
 
         The set-points that were sent since then have made the arm move again. Such a stop is
         noticed by its number: the controller numbers all tasks, a stop included (manual 1.3.3). By
         the task that `_follows` polls it would be noticed only by chance.
         """
         call, timeout = self._connection.call, self._timeout
-        task = self._in_question
-        state = call("get_noneblock_taskstate", (task,), timeout)
-        brakes = state in (TaskState.RUNNING, TaskState.PAUSED)  # stopped once the arm stands
-        if brakes and time.monotonic() < self._poll_until:
-            return False
-        self._in_question = 0
-        reason, text = ended(task, state)
-        if reason is not Reason.STOPPED:
-            return False
-        call("stop", (True,), timeout)
-        self.end(reason, text)
-        return True
+        for task, until in tuple(self._in_question.items()):
+            state = call("get_noneblock_taskstate", (task,), timeout)
+            brakes = state in (TaskState.RUNNING, TaskState.PAUSED)  # stopped once the arm stands
+            if brakes and time.monotonic() < until:
+                continue
+            del self._in_question[task]
+            reason, text = ended(task, state)
+            if reason is Reason.STOPPED:
+                call("stop", (True,), timeout)
+                self._in_question.clear()
+                self.life.stopped(text)
+                return True
+        return False
 
     def _look_ahead(self) -> None:
         self._ahead = self._feed.step()

@@ -6,7 +6,8 @@ HOLDING     the program is late, and the arm waits for it.
 DECELERATING  the end is decided and its reason known. The arm comes to rest.
 ENDED       nothing more is sent.
 
-The state never goes back from DECELERATING or ENDED, and the first reason and its text stay.
+The state never goes back from DECELERATING or ENDED, and the first reason and its text stay. But a
+stream that its program has closed may be stopped by another caller before the arm is at its end.
 """
 
 from __future__ import annotations
@@ -67,3 +68,9 @@ class Life:
             self.state = StreamState.ENDED
             if not self.reason:
                 self.reason, self.text = reason, text
+
+    def stopped(self, text: str) -> None:
+        """Send nothing more: another caller stopped the arm, and it was stopped again."""
+        if self.reason is Reason.CLOSED:
+            self.reason, self.text = Reason.STOPPED, text
+        self.end(Reason.STOPPED, text)

@@ -43,6 +43,7 @@ from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sle
 from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, StreamPermit
 from aioduco.streaming.worker.rest import bring_to_rest
+from aioduco.streaming.worker.watch import ended
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
@@ -135,6 +136,11 @@ class StreamWorker:
                 self._driver.publish()
         try:
             self._end_on_controller(own, reason)
+            if reason is Reason.CLOSED:
+                ended_by, why = self._ended_early(own)
+                if ended_by:
+                    reason, text = ended_by, why
+                    self._end_on_controller(own, reason)
         except (DucoError, OSError) as exc:
             text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
             if reason in (Reason.CLOSED, Reason.ABORTED):
@@ -195,6 +201,13 @@ class StreamWorker:
             raise error
         if not halted:
             self._wait_for_standstill(own)
+
+    def _ended_early(self, own: OwnConnection) -> tuple[Reason, str]:
+        """Why the arm that stands is not at the last set-point; NONE if nothing says so."""
+        task = 0 if self._driver is None else self._driver.task
+        if task <= 0 or self._config.sent.leave:  # how a call ends a task, the manual does not say
+            return Reason.NONE, ""
+        return ended(task, own.call("get_noneblock_taskstate", (task,), self._timeout))
 
     def _wait_out(self, lost: Connection) -> None:
         """Stop the arm until the unanswered set-point cannot move it any more."""
