@@ -25,6 +25,7 @@ __all__ = ["CallDriver", "ProbeDriver"]
 #: ends after which nobody else stops the arm, if set-points moved it after another caller's stop
 _UNSTOPPED = (Reason.CLOSED, Reason.ABORTED)
 _BRAKE_LIMIT = 5.0  # s within which an arm that was told to stop stands
+_MOST = 8  # tasks that are polled in one tick
 
 
 class CallDriver(Driver):
@@ -69,7 +70,7 @@ class CallDriver(Driver):
             self._sent += 1
             if self._task < 0:
                 return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
-            if before and self._others_since(before):
+            if before and self._others_since(before) and len(self._in_question) < _MOST:
                 self._in_question[before] = time.monotonic() + _BRAKE_LIMIT
         if self._in_question and self._stopped():
             return False
