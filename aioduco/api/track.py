@@ -59,7 +59,10 @@ class Track(Section, TrackStreams):
     A stop leaves points in the pool, and the next motion through it would follow them first. So a
     stop by this program empties a pool into which it has put points. After any other stop, such as
     that of a lost heartbeat, the pool is emptied before this program's next motion or points; also
-    if points were on their way when the arm was stopped.
+    if points were on their way when the arm was stopped. Leaving the robot's block empties it, too.
+
+    A motion also follows points that another program has left in the pool, such as one that was
+    killed: call `trackClearQueue` first.
     """
 
     def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:

@@ -79,8 +79,8 @@ class Modes:
 
     @property
     def any(self) -> bool:
-        """Whether a mode of either kind is on."""
-        return self.moving or bool(self.left_at_standstill)
+        """Whether a mode of either kind is on, or points may be in the track pool."""
+        return self.stoppable or bool(self.left_at_standstill)
 
     @property
     def stoppable(self) -> bool:

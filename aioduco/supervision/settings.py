@@ -51,8 +51,9 @@ class ClosingSteps:
         standstill: time for the arm to stand [s]; a stop that has no effect is repeated. Without
             it, the arm may still move when the block has been left.
         modes: time to end modes that a stop leaves on [s]: hand guiding, realtime mode, and, if
-            the arm stands, force control. Without it, force control stays on after the program,
-            and so do the other modes if nothing was stopped.
+            the arm stands, force control; and to empty a track pool into which this program has
+            put points. Without it, force control stays on after the program, and so do the other
+            modes and the points if nothing was stopped.
 
     Raises:
         ParameterError: a time is not above 0 s.

@@ -197,6 +197,23 @@ async def test_points_that_arrive_after_a_stop_are_not_followed_later(
     assert pool.commands[-2:] == ["trackClearQueue", "trackJointMotion"]
 
 
+@pytest.mark.parametrize("stopped", [False, True])
+async def test_a_program_that_ends_leaves_no_points_for_the_next_one(
+    pool: Desk, stopped: bool
+) -> None:
+    async with aioduco.connect(pool.host, pool.port) as robot:
+        await robot.track.trackEnqueue([Joints(*HOME)])
+        if stopped:  # by another program, or the controller
+            robot._supervisor.gate.end(PermitEnding.LAPSED)
+    assert pool.commands == ["trackEnqueue", "trackClearQueue"]
+
+
+async def test_a_program_without_points_in_the_pool_does_not_empty_it(pool: Desk) -> None:
+    async with aioduco.connect(pool.host, pool.port) as robot:
+        assert await robot.track.getQueueSize() == 3
+    assert pool.commands == []
+
+
 async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk) -> None:
     async with (
         FaultProxy(pool.host, pool.port) as proxy,
