@@ -38,6 +38,8 @@ def test_an_interrupt_in_the_midst_of_work_is_no_failure_of_it(
     error: BaseException, said: list[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     """A signal's handler raises where the loop happens to be: the command says so by itself."""
+    assert reporter.flush()
+    caplog.clear()  # of what earlier tests have logged
     ended: list[BaseException] = []
 
     async def work() -> None:
