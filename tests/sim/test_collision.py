@@ -21,8 +21,6 @@ from aioduco.sim.planner.segments import joint_move
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import let_pass
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
