@@ -483,6 +483,28 @@ async def test_leaving_by_an_error_empties_the_pool(controller: Controller) -> N
     assert controller.names().count("trackClearQueue") == 2
 
 
+async def test_leaving_by_an_error_stops_a_motion_that_somebody_paused(
+    controller: Controller,
+) -> None:
+    """Its task would not end before somebody resumes it."""
+    pool = PoolDrive(controller, per_look=1)
+
+    async def program() -> None:
+        opened = TrackStreams(controller.endpoint).stream(
+            "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
+        )
+        async with opened as stream:
+            for n in range(100):
+                await stream.send(near(1e-4 * n))
+            await eventually_async(lambda: pool.starts == 1)
+            pool.end(2)
+            raise ZeroDivisionError
+
+    with anyio.fail_after(30.0), pytest.raises(ZeroDivisionError):
+        await program()
+    assert len(controller.server.received("stop")) == 1
+
+
 async def test_a_full_pool_is_said(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1)
     pool.points = [None] * 950

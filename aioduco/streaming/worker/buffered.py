@@ -12,6 +12,7 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
+from aioduco.models.enums import TaskState
 from aioduco.streaming.shared.space import too_far
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
@@ -338,8 +339,7 @@ class TrackPoolDriver(Driver):
             case StreamState.FOLLOWING | StreamState.HOLDING:
                 return self._serve()
             case StreamState.DECELERATING:
-                # The pool was cleared, so the controller comes to rest by itself.
-                return self._task_runs() or self._finish(self.life.reason)
+                return self._brakes() or self._finish(self.life.reason)
             case StreamState.ENDED:
                 return False
 
@@ -455,6 +455,18 @@ class TrackPoolDriver(Driver):
         """Empty the pool, so that the controller comes to rest; again at the end, if refused."""
         if not refused(self._connection.call("trackClearQueue", (), self._timeout)):
             self._block.status[StatusWord.MODE] = 0
+
+    def _brakes(self) -> bool:
+        """Whether the arm still comes to rest: by itself, since the pool was emptied.
+
+        A motion that somebody paused is stopped: it would not end before somebody resumes it.
+        """
+        if not self._task or (state := self._state()) not in _RUNNING:
+            return False
+        if state == TaskState.PAUSED:
+            self._connection.call("stop", (True,), self._timeout)
+            return False
+        return True
 
     def _task_runs(self) -> bool:
         return bool(self._task) and self._state() in _RUNNING
