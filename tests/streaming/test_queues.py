@@ -7,7 +7,7 @@ import dataclasses
 import itertools
 import math
 import threading
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
@@ -31,6 +31,9 @@ from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: a busy machine may take long over an answer
 PROCESS, THREAD = (
@@ -464,21 +467,25 @@ async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controlle
     assert controller.names()[-1] == "stop"
 
 
+async def leave_by_an_error(
+    controller: Controller, pool: PoolDrive, before: Callable[[], object] = lambda: None
+) -> None:
+    """Leave a stream, whose motion has begun, by an error."""
+    opened = TrackStreams(controller.endpoint).stream(
+        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
+    )
+    async with opened as stream:
+        for n in range(100):
+            await stream.send(near(1e-4 * n))
+        await eventually_async(lambda: pool.starts == 1)
+        before()
+        raise ZeroDivisionError
+
+
 async def test_leaving_by_an_error_empties_the_pool(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1)
-
-    async def program() -> None:
-        opened = TrackStreams(controller.endpoint).stream(
-            "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
-        )
-        async with opened as stream:
-            for n in range(100):
-                await stream.send(near(1e-4 * n))
-            await eventually_async(lambda: pool.starts == 1)
-            raise ZeroDivisionError
-
     with pytest.raises(ZeroDivisionError):
-        await program()
+        await leave_by_an_error(controller, pool)
     assert pool.taken == len(pool.points) < 100
     assert controller.names().count("trackClearQueue") == 2
 
@@ -488,20 +495,8 @@ async def test_leaving_by_an_error_stops_a_motion_that_somebody_paused(
 ) -> None:
     """Its task would not end before somebody resumes it."""
     pool = PoolDrive(controller, per_look=1)
-
-    async def program() -> None:
-        opened = TrackStreams(controller.endpoint).stream(
-            "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
-        )
-        async with opened as stream:
-            for n in range(100):
-                await stream.send(near(1e-4 * n))
-            await eventually_async(lambda: pool.starts == 1)
-            pool.end(2)
-            raise ZeroDivisionError
-
     with anyio.fail_after(30.0), pytest.raises(ZeroDivisionError):
-        await program()
+        await leave_by_an_error(controller, pool, lambda: pool.end(2))
     assert len(controller.server.received("stop")) == 1
 
 
