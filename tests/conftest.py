@@ -212,7 +212,6 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
             _import_own_files(session.config)
         return (yield)
     finally:
-        gc.collect()
         gc.freeze()
         gc.enable()
 

@@ -1,21 +1,23 @@
 """The quick run: every kind of test, with a few cases.
 
-A test that takes more than a quarter of a second of a processor is left to the thorough run by
-`pytest.mark.slow`, if a quicker one of its file tests what is like it. Of the others, what a case
-costs decides how many are taken. A test says so itself by `pytest.mark.cases(n)`; otherwise the
-table below does, by the longest beginning of its file's path.
+A test that takes more than a tenth of a second of a processor is left to the thorough run by
+`pytest.mark.slow`, if a quicker one tests what is like it. Of the others, what a case costs decides
+how many are taken. A test says so itself by `pytest.mark.cases(n)`; otherwise the table below does,
+by the longest beginning of its file's path.
 """
 
 from __future__ import annotations
 
 import os
 import zlib
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hypothesis import settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
     import pytest
 
@@ -147,22 +149,31 @@ def spread(cases: Sequence[T], number: int) -> list[T]:
     return [cases[round(n * (len(cases) - 1) / (number - 1))] for n in range(number)]
 
 
-def part(times: Mapping[T, int], process: int, processes: int) -> list[T]:
+def part(times: Mapping[Path, int], process: int, processes: int) -> list[Path]:
     """What one of several processes takes of some files: each is taken once, in order.
 
-    The file that takes longest of those that are left goes to the process with the least until now.
+    The files of a folder import the same: they stay together, unless a process alone would take too
+    long with them. What takes longest of what is left goes to the process with the least until now.
 
     Args:
         times: how long each file takes, by any measure.
         process: its number; one that takes the place of another has a higher one than all.
         processes: how many there are.
     """
-    taken: list[set[T]] = [set() for _ in range(processes)]
+    folders: dict[Path, list[Path]] = {}
+    for file in times:
+        folders.setdefault(file.parent, []).append(file)
+    most = sum(times.values()) / processes
+    together: list[tuple[int, list[Path]]] = []
+    for files in folders.values():
+        time = sum(map(times.__getitem__, files))
+        together += [(time, files)] if time <= most else [(times[file], [file]) for file in files]
+    taken: list[set[Path]] = [set() for _ in range(processes)]
     load = [0] * processes
-    for file in sorted(times, key=times.__getitem__, reverse=True):
+    for time, files in sorted(together, key=itemgetter(0), reverse=True):
         least = load.index(min(load))
-        taken[least].add(file)
-        load[least] += times[file]
+        taken[least].update(files)
+        load[least] += time
     return [file for file in times if file in taken[process % processes]]
 
 

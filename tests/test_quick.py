@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -93,11 +94,19 @@ def test_a_table_gives_no_more_cases_than_are_taken(ids: Any) -> None:
 
 @pytest.mark.parametrize(("files", "processes"), [(10, 4), (3, 5)])
 def test_each_file_is_collected_by_one_process(files: int, processes: int) -> None:
-    sizes = {file: 1000 + 7 * file % 5 for file in range(files)}
+    sizes = {Path(f"{file % 3}/{file}"): 1000 + 7 * file % 5 for file in range(files)}
     parts = [part(sizes, process, processes) for process in range(processes)]
-    assert sorted(number for each in parts for number in each) == list(range(files))
+    assert sorted(file for each in parts for file in each) == sorted(sizes)
     assert part(sizes, processes, processes) == parts[0]
-    assert part({"a": 1, "b": 2, "large": 6, "c": 3}, 0, 2) == ["large"]
+
+
+def test_the_files_of_a_folder_stay_together_unless_they_take_too_long() -> None:
+    times = {"large/a": 4, "large/b": 4, "large/c": 3, "small/a": 1, "small/b": 2, "one": 5}
+    parts = [part({Path(file): time for file, time in times.items()}, n, 2) for n in range(2)]
+    assert [[file.as_posix() for file in each] for each in parts] == [
+        ["large/c", "small/a", "small/b", "one"],
+        ["large/a", "large/b"],
+    ]
 
 
 def test_each_case_is_in_one_share() -> None:

@@ -7,6 +7,8 @@ import sys
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 FOLDERS = [ROOT / "benchmarks", ROOT / "tests"]
 PLACES = [str(folder) for folder in FOLDERS]
@@ -51,6 +53,7 @@ def lacking(script: Path) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_what_scripts_import_of_this_project_is_there() -> None:
     assert len(SCRIPTS) > 20
     assert [each for script in SCRIPTS for each in lacking(script)] == []

@@ -131,6 +131,7 @@ def at_a_moment(sim: Simulator, choice: str) -> None:
     sim.wait_until(partial(_later, sim, due))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(2))
 @BOTH
 def test_the_arm_stands_after_a_kill(sim: Simulator, seed: int, watch: Watch, number: int) -> None:

@@ -39,6 +39,7 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
+@pytest.mark.slow
 @BOTH
 async def test_a_short_stall_lets_the_motion_go_on(sim: Simulator, guard: GuardKind | None) -> None:
     async with aioduco.connect(sim.host, sim.port, guard=guard) as robot:

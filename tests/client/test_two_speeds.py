@@ -108,6 +108,7 @@ async def test_each_function_ends_alike(names: list[str]) -> None:
     assert ends[0].keys() == set(names) - ALONE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(ALONE))
 async def test_what_ends_the_controller_ends_alike(name: str) -> None:
     (case,) = (one for one in cases() if one.name == name)

@@ -11,6 +11,7 @@ from .programs import ALL, Program, tried
 from .shell_mutations import SHELL_MUTATIONS, ShellMutation
 
 
+@pytest.mark.slow
 @pytest.mark.cases(2)
 @pytest.mark.parametrize("program", ALL, ids=lambda kind: kind.__name__)
 def test_the_promise_holds_in_all_runs(program: type[Program]) -> None:

@@ -121,6 +121,7 @@ def test_gymnasiums_own_check_passes(
     check_env(env.unwrapped, skip_render_check=True)
 
 
+@pytest.mark.slow
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("actions", ["cartesian", "joints"])
 @pytest.mark.parametrize("task", TASKS)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
@@ -40,7 +40,7 @@ GIMBAL = st.builds(
 
 def scipy_rotation(pose: Pose) -> Any:
     # Capitals turn about moving axes: z, then the new y, then the new x.
-    return Rotation.from_euler("ZYX", [pose.rz, pose.ry, pose.rx])
+    return scipy.spatial.transform.Rotation.from_euler("ZYX", [pose.rz, pose.ry, pose.rx])
 
 
 @given(POSES)
@@ -55,7 +55,10 @@ def test_rotation_is_that_of_scipy(pose: Pose) -> None:
     np.testing.assert_allclose(ours, xyzw, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(np.roll(pose.quaternion("wxyz"), -1), ours)
     np.testing.assert_allclose(
-        Rotation.from_rotvec(pose.rotvec).as_matrix(), expected.as_matrix(), rtol=0, atol=1e-12
+        scipy.spatial.transform.Rotation.from_rotvec(pose.rotvec).as_matrix(),
+        expected.as_matrix(),
+        rtol=0,
+        atol=1e-12,
     )
 
 
@@ -119,7 +122,7 @@ def test_arrays_of_rotations_convert_as_each_alone(count: int, seed: int) -> Non
     rotvec = np.random.default_rng(seed).uniform(-4, 4, (count, 3))
     matrices = matrix_from_rotvec(rotvec)
     assert matrices.shape == (count, 3, 3)
-    expected = Rotation.from_rotvec(rotvec)
+    expected = scipy.spatial.transform.Rotation.from_rotvec(rotvec)
     np.testing.assert_allclose(matrices, expected.as_matrix().reshape(-1, 3, 3), atol=1e-12)
     for convert in (rpy_from_matrix, quaternion_from_matrix, rotvec_from_matrix):
         for one, matrix in zip(convert(matrices), matrices, strict=True):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+import scipy
 
 from aioduco import (
     GoalInCollision,
@@ -149,7 +149,9 @@ def test_a_tool_that_is_kept_upright_never_tilts() -> None:
         first = scene.arm.fkine(LEFT)[:3, :3]
         for time in np.linspace(0.0, plan.duration, 60):
             # By another maker's rotations: what is left after the turn about the vertical.
-            turn = Rotation.from_matrix(scene.arm.fkine(plan.at(time))[:3, :3] @ first.T)
+            turn = scipy.spatial.transform.Rotation.from_matrix(
+                scene.arm.fkine(plan.at(time))[:3, :3] @ first.T
+            )
             assert np.hypot(*turn.as_rotvec()[:2]) < 1e-4
         with pytest.raises(GoalOutOfReach, match="tilted"):
             planner.plan_blocking(LEFT, Joints.deg(-50, -15, 105, 20, -90, 0), upright=True)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline as Reference
-from scipy.interpolate import make_interp_spline
-from scipy.linalg import solve
+import scipy
 
 from aioduco.planning.band import BandMatrix
 from aioduco.planning.spline import BSpline
@@ -20,7 +18,10 @@ def test_points_and_derivatives_are_those_of_scipy(degree: int, shape: tuple[int
     inner[4] = inner[3]  # two knots upon each other
     knots = np.concatenate([[0.0] * (degree + 1), inner, [3.0] * (degree + 1)])
     control = random.normal(size=(len(knots) - degree - 1, *shape))
-    ours, theirs = BSpline(knots, control, degree), Reference(knots, control, degree)
+    ours, theirs = (
+        BSpline(knots, control, degree),
+        scipy.interpolate.BSpline(knots, control, degree),
+    )
     at = np.concatenate([np.linspace(0.0, 3.0, 301), inner, [-0.1, 3.1]])
     for order in range(4):
         expected = theirs(at, order)
@@ -32,7 +33,10 @@ def test_points_and_derivatives_are_those_of_scipy(degree: int, shape: tuple[int
 def test_the_one_through_points_is_that_of_scipy(count: int) -> None:
     random = np.random.default_rng(count)
     at, points = np.cumsum(random.uniform(0.2, 1.8, count)), random.normal(size=(count, 6))
-    found, expected = BSpline.through(at, points), make_interp_spline(at, points, k=5)
+    found, expected = (
+        BSpline.through(at, points),
+        scipy.interpolate.make_interp_spline(at, points, k=5),
+    )
     between = np.linspace(at[0], at[-1], 777)
     assert np.abs(found(at) - points).max() < 1e-12
     assert np.abs(found(between) - expected(between)).max() < 1e-12 * np.abs(expected.c).max()
@@ -50,7 +54,7 @@ def test_a_band_is_solved_as_the_whole_matrix_is_or_refused() -> None:
         blocks[:, i] = square[upper]
     right = random.normal(size=30)
     found = BandMatrix(first, blocks, 30, 4).solve(right)
-    assert found == pytest.approx(solve(whole, right), rel=1e-6)
+    assert found == pytest.approx(scipy.linalg.solve(whole, right), rel=1e-6)
     for wrong in (-blocks, blocks * np.nan):
         with pytest.raises(np.linalg.LinAlgError):
             BandMatrix(first, wrong, 30, 4)

@@ -103,6 +103,7 @@ def test_a_slow_limit_makes_a_plan_long_and_not_large(v: float, a: float, jerk: 
     assert acceleration <= 1.001 * a
 
 
+@pytest.mark.slow
 def test_a_long_plan_is_checked_by_no_more_looks_than_a_short_one() -> None:
     control = np.outer(np.linspace(0.0, 0.5, 4), [1.0, 0.5, -0.3, 0.0, 0.2, -1.0])
     curve = BSpline([0.0] * 4 + [1.0] * 4, control, 3)

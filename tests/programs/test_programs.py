@@ -158,6 +158,7 @@ def test_jogging_then_home(make: Make, sim: Simulator) -> None:
     assert apart < 1e-3
 
 
+@pytest.mark.slow
 def test_two_reads_and_a_set_point_at_250_hz(make: Make, sim: Simulator) -> None:
     answers, goal, reached, fastest = two_reads.main(make.cobot, sim.host, sim.port)
     assert min(answers) >= 1000

@@ -296,6 +296,7 @@ def test_tables_have_the_same_numbers(run: RecordedRun, tmp_path: Path) -> None:
         assert all(row["id"].isdigit() for row in csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_the_end_of_a_file_says_how_many_messages_it_has(whole: Path, run: RecordedRun) -> None:
     with whole.open("rb") as file:
         reader = make_reader(file)

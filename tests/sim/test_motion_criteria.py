@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.interpolate import CubicSpline
+import scipy
 
 from aioduco._wire.rpc import Op, PointOp
 from aioduco.models.enums import TaskState
@@ -160,7 +159,7 @@ def knots(start: Pose, u: float) -> list[Pose]:
 def through(start: Pose, u: float) -> Expected:
     points = np.array([start.position, *(pose.position for pose in knots(start, u))])
     chords = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    curve = CubicSpline(chords / chords[-1], points, bc_type="natural")
+    curve = scipy.interpolate.CubicSpline(chords / chords[-1], points, bc_type="natural")
     rotations = np.broadcast_to(start.rotation, (SAMPLES, 3, 3))
     return Expected(np.asarray(curve(U)), np.array(rotations), V, A)
 
@@ -291,8 +290,8 @@ def fastest(length: float, v: float, a: float, curvature: float) -> float:
     def rate(speed: float) -> float:
         return math.sqrt(max(a * a - (curvature * speed * speed) ** 2, 1e-12))
 
-    takes = quad(lambda speed: 1.0 / rate(speed), 0.0, top)[0]
-    covers = quad(lambda speed: speed / rate(speed), 0.0, top)[0]
+    takes = scipy.integrate.quad(lambda speed: 1.0 / rate(speed), 0.0, top)[0]
+    covers = scipy.integrate.quad(lambda speed: speed / rate(speed), 0.0, top)[0]
     assert 2 * covers < length  # it comes to its speed
     return float(2 * takes + (length - 2 * covers) / top)
 

@@ -125,6 +125,7 @@ def test_a_picture_needs_a_running_simulator() -> None:
 # -- where from, and which instants ------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_camera_looks_at_the_arm_wherever_it_is_mounted() -> None:
     five = arm("gcr5_910")
     for mounting in (Pose(0, 0, 0, 0, 0, 0), Pose(1.0, 2.0, 3.0, math.pi, 0.0, 0.0)):

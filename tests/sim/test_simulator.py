@@ -411,6 +411,7 @@ def test_restart_comes_back_on_the_same_port(started: Started, connect: Connect)
     assert connect(sim).get_robot_state() == [4, 0, 4, 1]
 
 
+@pytest.mark.slow
 async def test_a_restart_is_awaited_to_its_end() -> None:
     async with Simulator(speed=10.0) as sim, aioduco.connect(sim.host, sim.port) as robot:
         await robot.bring_up()

@@ -58,6 +58,7 @@ def better_table() -> Any:
     return Examination(found, found, 4, "performance", 1000.0, 1000.0).__rich__()
 
 
+@pytest.mark.slow
 async def test_nothing_is_moved_and_a_rate_is_found(controller: Controller) -> None:
     async with no_leaks():
         found = await examine(controller.server.host, controller.server.port, seconds=0.2)

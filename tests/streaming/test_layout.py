@@ -93,6 +93,7 @@ atexit.register(lambda: pathlib.Path({path!r}).write_text(" ".join(sys.modules))
 """
 
 
+@pytest.mark.slow
 async def test_a_worker_loads_what_it_needs_and_stays_small(
     controller: Controller, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

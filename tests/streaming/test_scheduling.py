@@ -128,6 +128,7 @@ def test_a_share_of_a_processor_is_judged_over_a_while() -> None:
     assert not share.exceeded(300_000_000, lambda: 100_000_002)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "priority"),
     [

@@ -72,6 +72,7 @@ async def test_what_the_system_does_not_allow_is_said_and_the_stream_runs(
     assert controller.points()[-1] == HERE
 
 
+@pytest.mark.slow
 @pytest.mark.linux("keeping a process on a processor")
 async def test_a_worker_stays_on_its_processor(controller: Controller) -> None:
     processor = min(os.sched_getaffinity(0))

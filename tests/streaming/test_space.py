@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, too_far
 
@@ -19,16 +19,12 @@ POSE = st.tuples(*[st.floats(-2, 2)] * 3, ANGLE, st.one_of(ANGLE, NEAR_VERTICAL)
 JOINTS = st.tuples(*[ANGLE] * 6)
 
 
-def rotation(pose: tuple[float, ...]) -> Rotation:
+def rotation(pose: tuple[float, ...]) -> scipy.spatial.transform.Rotation:
     rx, ry, rz = pose[3:]
-    return Rotation.from_matrix(
-        Rotation.from_euler("z", rz).as_matrix()
-        @ Rotation.from_euler("y", ry).as_matrix()
-        @ Rotation.from_euler("x", rx).as_matrix()
-    )
+    return scipy.spatial.transform.Rotation.from_euler("ZYX", [rz, ry, rx])
 
 
-def angle(turn: Rotation) -> float:
+def angle(turn: scipy.spatial.transform.Rotation) -> float:
     return float(np.asarray(turn.magnitude()))
 
 

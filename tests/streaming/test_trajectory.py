@@ -8,10 +8,10 @@ from typing import Any
 import anyio
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from scipy.interpolate import BPoly, CubicHermiteSpline, PchipInterpolator
 
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.streams.realtime import CYCLE
@@ -66,7 +66,7 @@ def test_points_alone_are_joined_without_overshoot(curve: tuple[Any, Any, Any]) 
 @given(curves())
 def test_inside_the_slopes_are_those_of_pchip(curve: tuple[Any, Any, Any]) -> None:
     times, points, _ = curve
-    theirs = PchipInterpolator(times, points).derivative()(times[1:-1])
+    theirs = scipy.interpolate.PchipInterpolator(times, points).derivative()(times[1:-1])
     np.testing.assert_allclose(Spline(times, points).velocity(times)[1:-1], theirs, atol=1e-6)
 
 
@@ -75,7 +75,7 @@ def test_velocities_given_are_had(curve: tuple[Any, Any, Any]) -> None:
     times, points, velocities = curve
     at = np.linspace(times[0], times[-1], 50)
     found = Spline(times, points, velocities)
-    reference = CubicHermiteSpline(times, points, velocities)
+    reference = scipy.interpolate.CubicHermiteSpline(times, points, velocities)
     np.testing.assert_allclose(found.at(at), reference(at), atol=1e-9)
     np.testing.assert_allclose(found.velocity(at), reference.derivative()(at), atol=1e-6)
 
@@ -87,7 +87,7 @@ def test_accelerations_given_are_had(curve: tuple[Any, Any, Any]) -> None:
     found = Spline(times, points, velocities, accelerations)
     at = np.linspace(times[0], times[-1], 50)
     given_at_points = np.stack([points, velocities, accelerations], axis=1)
-    reference = BPoly.from_derivatives(times, given_at_points)
+    reference = scipy.interpolate.BPoly.from_derivatives(times, given_at_points)
     np.testing.assert_allclose(found.at(at), reference(at), atol=1e-9)
     np.testing.assert_allclose(found.velocity(at), reference.derivative()(at), atol=1e-6)
 

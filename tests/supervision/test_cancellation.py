@@ -236,6 +236,7 @@ INTERRUPTED = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("interrupts", [1, 2, 3])
 def test_ctrl_c_however_often_leaves_a_standing_arm(

@@ -154,6 +154,7 @@ async def test_one_guard_for_all_robots(bench: Bench) -> None:
     eventually(lambda: not running(pid))
 
 
+@pytest.mark.slow
 async def test_the_guards_death_stops_the_arm_and_another_takes_over(
     bench: Bench, robot: aioduco.Robot
 ) -> None:

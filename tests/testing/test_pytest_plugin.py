@@ -208,6 +208,7 @@ def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(
     assert "without -n" in said
 
 
+@pytest.mark.slow
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("options", "says"),

@@ -350,6 +350,7 @@ def test_a_controller_that_takes_no_bytes_ends_a_long_command() -> None:
         assert connection.progress is Progress.SENT
 
 
+@pytest.mark.slow
 def test_long_calls_and_long_replies_are_whole() -> None:
     points = [[float(i)] * 6 for i in range(20_000)]
     lists = [[float(i)] * 7 for i in range(30_000)]

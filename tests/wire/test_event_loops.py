@@ -177,6 +177,7 @@ def test_a_lane_survives_the_end_of_its_loop(runner: asyncio.Runner) -> None:
         assert server.connections == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["asyncio", "uvloop"])
 def test_a_lane_survives_a_loop_that_ends_in_mid_call(kind: str) -> None:
     gate = Gate()
@@ -216,6 +217,7 @@ def test_a_lane_is_closed_on_another_loop_than_its_own() -> None:
         assert repr(lane).endswith("CLOSED, 0 of 1 busy, 0 waiting>")
 
 
+@pytest.mark.slow
 def test_a_lane_that_is_forgotten_on_another_thread_closes_its_connection() -> None:
     """The garbage collector runs anywhere; the loop's readers are taken away on the loop."""
 

@@ -132,6 +132,7 @@ async def test_a_signal_handler_stops_in_the_middle_of_a_call() -> None:
         assert server.names == ["get_noneblock_taskstate", "stop"]
 
 
+@pytest.mark.slow
 async def test_signals_at_random_moments_of_busy_calls() -> None:
     """Neither side ever waits for the other for long: no lock is shared that could be held."""
     stops = within = 0

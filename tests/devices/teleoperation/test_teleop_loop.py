@@ -183,6 +183,7 @@ class Wrong(InputDevice):
         return found
 
 
+@pytest.mark.slow
 async def test_what_is_no_reading_ends_the_stream() -> None:
     with Simulator() as sim:
         async with patient(sim) as robot:

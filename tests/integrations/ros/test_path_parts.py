@@ -60,6 +60,7 @@ def test_what_remains_leads_from_rest_onto_the_path(
 SIX = st.lists(st.floats(-0.1, 0.1), min_size=6, max_size=6)
 
 
+@pytest.mark.slow
 @given(st.floats(0.0, 2.5), st.floats(0.05, 1.0), SIX, SIX)
 def test_a_moving_arm_comes_onto_the_path_without_a_step(
     begin: float, factor: float, off: list[float], drift: list[float]

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 import aioduco
 from aioduco import Tolerances
@@ -125,7 +125,7 @@ def farthest(points: Array, way: Array) -> float:
     """Largest distance of a joint from a way, for any of the points [rad]."""
     index = np.arange(0.0, len(way) - 1, 0.1)  # steps of some 0.1 mrad
     dense = np.column_stack([np.interp(index, np.arange(len(way)), q) for q in way.T])
-    tree = cKDTree(dense)
+    tree = scipy.spatial.cKDTree(dense)
     return float(np.max(tree.query(points, p=np.inf)[0]))
 
 

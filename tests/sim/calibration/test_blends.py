@@ -107,6 +107,7 @@ def test_one_radius_does_not_show_that_a_reach_is_a_share_of_it() -> None:
     assert "of two radii" in found.missing[0]
 
 
+@pytest.mark.slow
 def test_a_share_is_not_claimed_where_the_speed_was_the_limit() -> None:
     run = cut("joint", CornerLaw())
     quick = tuple(each._replace(speed=0.1) for each in run.corners)

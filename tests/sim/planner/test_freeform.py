@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
+import scipy
 
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import rotvec_from_matrix
@@ -91,7 +91,9 @@ def test_a_spline_is_the_natural_one_through_its_poses() -> None:
     found = sampled(curve, 4000)
     points = np.array([pose[:3, 3] for pose in poses])
     knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    expected = CubicSpline(knots, points, bc_type="natural")(np.linspace(0, knots[-1], 4000))
+    expected = scipy.interpolate.CubicSpline(knots, points, bc_type="natural")(
+        np.linspace(0, knots[-1], 4000)
+    )
     nearest = np.linalg.norm(found[::40, None, :3, 3] - expected[None], axis=2).min(axis=1)
     assert nearest.max() < 2e-4
     evenly(found[:, :3, 3])

@@ -477,6 +477,7 @@ def test_a_blend_needs_its_successor_in_time() -> None:
     assert len(late.setpoints) == pytest.approx((0.2 / 0.25 + 0.25 + alone) / CYCLE, abs=3)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 1049), st.floats(0.005, 0.15), st.floats(0.3, 1.0))
 @settings(max_examples=examples(25))
 def test_a_successor_at_any_time_breaks_no_limit(when: int, radius: float, speed: float) -> None:

@@ -131,6 +131,7 @@ def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     assert mover.keys == (1, 2)
 
 
+@pytest.mark.slow
 def test_turns_change_nothing_of_a_plan() -> None:
     turns: list[None] = []
     plain = woven(HOME, swings=20)

@@ -30,6 +30,7 @@ def learned() -> TwinLimits:
     return learn(ARM, good)
 
 
+@pytest.mark.slow
 def test_friction_and_noise_are_those_of_the_arm(learned: TwinLimits) -> None:
     assert learned.dry == pytest.approx((0.03 * EFFORT).tolist(), rel=0.1)
     assert learned.noise == pytest.approx((0.003 * EFFORT).tolist(), rel=0.15)

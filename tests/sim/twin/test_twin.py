@@ -75,6 +75,7 @@ async def test_a_payload_is_an_event_and_in_the_recording(
     assert written["what"]["cause"] == "payload"
 
 
+@pytest.mark.slow
 async def test_it_stops_the_arm_if_it_was_asked_to(sim: Simulator, robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS, action="stop"), anyio.create_task_group() as tasks:
         tasks.start_soon(push_when_it_moves, sim, robot)

@@ -138,6 +138,7 @@ def test_the_fixture_in_a_project_of_its_own(tmp_path: Path) -> None:
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
     program.write_text(ORIGINAL, encoding="utf-8")
