@@ -108,6 +108,9 @@ class Controller:
         pointed: when the last set-point came [ticks].
         slow: a resume that was accepted and has not moved the arm yet.
         beat: when the last heartbeat came [ticks]; None before, and after it has stopped by itself.
+        task: number of the last task; each set-point and each stop has one.
+        followed_task: that of the last set-point.
+        stopped_tasks: those of set-points that a stop ended.
     """
 
     def __init__(self) -> None:
@@ -119,6 +122,8 @@ class Controller:
         self.pointed = 0
         self.slow: Command | None = None
         self.beat: int | None = None
+        self.task = self.followed_task = 0
+        self.stopped_tasks: list[int] = []
 
     def key(self, world: World) -> object:
         return (
@@ -127,6 +132,8 @@ class Controller:
             *[one and one.name for one in (self.resumed, self.mode, self.followed, self.slow)],
             self.followed and world.now - self.pointed,
             None if self.beat is None else world.now - self.beat,
+            self.task - self.followed_task,
+            *[self.task - each for each in self.stopped_tasks],
         )
 
     @property
@@ -157,6 +164,8 @@ class Controller:
                 self.mode = command
             case "points":
                 self.followed = command
+                self.task += 1
+                self.followed_task = self.task
 
     def end(self, mode: Command) -> None:
         """End a mode."""
@@ -186,8 +195,15 @@ class Controller:
             command.cut = True
             command.state = TaskState.INTERRUPT if command.blends else TaskState.STOPPED
         self.queue.clear()
+        if self.followed is not None:
+            self.stopped_tasks.append(self.followed_task)
+        self.task += 1
         self.paused = False
         self.resumed = self.followed = self.slow = None
+
+    def state_of(self, task: int) -> TaskState:
+        """What `get_noneblock_taskstate` answers of a set-point that is not the last one."""
+        return TaskState.STOPPED if task in self.stopped_tasks else TaskState.FINISHED
 
     def pause(self) -> None:
         """Pause the running motion, if there is one."""

@@ -2,9 +2,9 @@
 
 `LivingWorld` has three operating system's processes: the program, the worker of its stream, and its
 guard. Each may be frozen, thawed and killed; the event loop may hang; the computer may sleep.
-The drivers mirror `supervision.heartbeat`, `streaming.worker.main`, `streaming.session` and
-`supervision.guard.process`; the decisions are those of `Gate`, `HeartbeatMachine` and
-`StreamPermit`.
+The drivers mirror `supervision.heartbeat`, `streaming.worker.main` and `drivers`,
+`streaming.session` and `supervision.guard.process`; the decisions are those of `Gate`,
+`HeartbeatMachine`, `StreamPermit` and `TaskNumbers`.
 
 Assumed: a controller that gets no heartbeat stops the arm between the heartbeat time and `SLACK`
 later, once, and nothing that a dead program has sent arrives later than that.
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 from aioduco.errors import StopUnconfirmed
 from aioduco.streaming.shared.words import ControlWord, Reason
 from aioduco.streaming.worker.permit import StreamPermit
+from aioduco.streaming.worker.task_numbers import TaskNumbers
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
 from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
@@ -48,6 +49,7 @@ class LivingWorld(ArmWorld):
         stamp: the event loop's last keep-alive that counts [s].
         killed: when the program was killed [ticks].
         still: number of ticks for which its event loop has not run.
+        others_stop: the number of another program's stop.
         freezable: what may be frozen: names of `PARTS`, or "loop" for a loop that hangs.
         mortal: what may be killed.
     """
@@ -63,6 +65,7 @@ class LivingWorld(ArmWorld):
         self.stamp = self.boot()
         self.killed: int | None = None
         self.still = 0
+        self.others_stop: int | None = None
         self.program = LivingProgram(self)
 
     def parts(self) -> Iterable[object]:
@@ -70,6 +73,7 @@ class LivingWorld(ArmWorld):
         yield self.program.key()
         killed = None if self.killed is None else min(self.now - self.killed, 9)
         yield self.ago(self.stamp, self.boot()), killed, min(self.still, 6)
+        yield None if self.others_stop is None else self.controller.task - self.others_stop
 
     def environment(self) -> Iterable[Action]:
         yield from super().environment()
@@ -90,6 +94,10 @@ class LivingWorld(ArmWorld):
             yield from (("kill", name) for name in self.mortal if PARTS[name][0] not in self.dead)
         if self.may("exit") and "loop" not in self.dead:
             yield "exit", None
+        if self.may("other stop") and self.controller.followed is not None:
+            yield "other_stop", None
+        if self.may("other task"):
+            yield "other_task", None
         beat = self.controller.beat
         if beat is not None and (self.now - beat) * TICK > HEARTBEAT:
             yield "lapse", None
@@ -104,6 +112,18 @@ class LivingWorld(ArmWorld):
                 self.say("the controller stops")
                 self.controller.stop()
         self.die("program")
+
+    def do_other_stop(self, _: object) -> None:
+        """The next set-point moves the arm once more: its number tells of the stop."""
+        self.spend("other stop")
+        self.say("another program stops the arm")
+        self.controller.stop()
+        self.others_stop = self.controller.task
+
+    def do_other_task(self, _: object) -> None:
+        self.spend("other task")
+        self.say("another program sets an output")
+        self.controller.task += 1
 
     def do_suspend(self, _: object) -> None:
         self.spend("suspend")
@@ -323,8 +343,8 @@ class LivingProgram(Program):
 
     def works(self, name: str, mode: str) -> Steps[bool]:
         """`StreamWorker.run`. Returns whether the mode may be on."""
-        world = self.world
-        due = world.monotonic()
+        world, controller = self.world, self.world.controller
+        due, numbers = world.monotonic(), TaskNumbers()
         permit = StreamPermit(self.control, STALL, AWAY, self.times)
         if mode:
             world.say(f"{mode} is entered")
@@ -336,8 +356,16 @@ class LivingProgram(Program):
             if world.down or permit.look():
                 break
             world.say("the worker sends a set-point")
-            world.controller.begin(world[name])
-            world.controller.pointed = world.now
+            controller.begin(world[name])
+            controller.pointed = world.now
+            numbers.sent(controller.task, world.monotonic())
+            if any(
+                numbers.polled(task, controller.state_of(task), world.monotonic())
+                for task in numbers.in_question
+            ):
+                world.say("the worker sees that another program stopped the arm, and stops it")
+                controller.stop()
+                break
             due += TICK
             yield lambda: world.monotonic() >= due  # noqa: B023
         else:

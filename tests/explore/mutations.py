@@ -19,6 +19,7 @@ from unittest.mock import patch
 
 from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.worker.permit import StreamPermit
+from aioduco.streaming.worker.task_numbers import TaskNumbers
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
@@ -186,6 +187,16 @@ def _never_overtaken(self: Program, permit: Permit) -> bool:
     return False
 
 
+_sent = TaskNumbers.sent
+
+
+def _is_sure_at_once(self: TaskNumbers, task: int, now: float) -> None:
+    if self._last and task - self._last == self._least:
+        self._last = task
+    else:
+        _sent(self, task, now)
+
+
 MUTATIONS = (
     Mutation(
         "1: a permit is asked for when it is a motion's turn",
@@ -328,5 +339,19 @@ MUTATIONS = (
         "stop_sent",
         _nothing,
         scenarios.Tasks,
+    ),
+    Mutation(
+        "another program's stop is not looked for",
+        TaskNumbers,
+        "sent",
+        _nothing,
+        scenarios.StreamStoppedByAnother,
+    ),
+    Mutation(
+        "the first rise of the numbers is taken for the usual one",
+        TaskNumbers,
+        "sent",
+        _is_sure_at_once,
+        scenarios.StreamStoppedByAnother,
     ),
 )

@@ -413,6 +413,26 @@ class StreamStopped(Living):
         self.start("stop", self.program.stops())
 
 
+class StreamStoppedByAnother(Living):
+    """A stream; another program sets an output, and stops the arm; the worker may be frozen."""
+
+    gate = 14
+    freezable: tuple[str, ...] = ("worker",)
+    wrong = {"other stop": 1, "other task": 1, "freeze": 1}
+
+    def __init__(self) -> None:
+        super().__init__(Command("S", POINTS))
+
+    def begin(self) -> None:
+        self.program.opens("S")
+
+    def check(self) -> None:
+        super().check()
+        controller, stop = self.controller, self.others_stop
+        if stop is not None and controller.task > stop + 2 and controller.followed is not None:
+            raise Violation("set-points go on moving the arm after another program's stop")
+
+
 class StreamLost(Living):
     """A stream in a mode of the controller loses its connection; then a motion is awaited."""
 
@@ -492,6 +512,7 @@ ALL: tuple[type[Scenario | Living], ...] = (
     StreamSuspended,
     StreamWithoutHeartbeat,
     StreamStopped,
+    StreamStoppedByAnother,
     StreamLost,
     Guarded,
     GuardedWithoutHeartbeat,

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 
 from aioduco.errors import DucoError
 from aioduco.streaming.worker.permit import StreamPermit
+from aioduco.streaming.worker.task_numbers import TaskNumbers
 from aioduco.supervision.gate import Gate, Permit
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
@@ -141,6 +142,14 @@ def _stream_permit(permit: StreamPermit, world: World) -> object:
     return permit.reason, world.ago(permit._seen * 1e-9, boot), permit._ahead * 1e-9 - ahead
 
 
+def _task_numbers(numbers: TaskNumbers, world: World) -> object:
+    questions = [
+        (numbers._last - task, world.ago(until, world.monotonic()))
+        for task, until in numbers._in_question.items()
+    ]
+    return bool(numbers._last), numbers._least, numbers._times, *questions
+
+
 def _sequence(values: Iterable[Any], world: World) -> object:
     return (*[canonical(value, world) for value in values],)
 
@@ -168,6 +177,7 @@ _KEYS: dict[type, Callable[[Any, World], object]] = {
     TaskLifecycle: _life,
     HeartbeatMachine: _machine,
     StreamPermit: _stream_permit,
+    TaskNumbers: _task_numbers,
     Gate: _gate,
     Permit: _name,
 }

@@ -403,16 +403,17 @@ async def test_a_task_of_another_caller_may_be_a_stop(
         assert len(controller.points()) == 20 + len(states)
 
 
-async def test_ids_that_rise_by_two_are_asked_about_once(controller: Controller) -> None:
+async def test_ids_that_rise_by_two_are_asked_about_at_first(controller: Controller) -> None:
     ids = itertools.count(1000, 2)
     controller.server.answer("servoj", lambda *_: next(ids))
     controller.server.answer("get_noneblock_taskstate", 5)
     options = WorkerOptions(run_in="thread", watch=0.0)
     async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
-        for _ in range(20):
+        for _ in range(60):
             await stream.send(HERE)
     polled = [call.args[0] for call in controller.server.received("get_noneblock_taskstate")]
-    assert polled == [1000, 1000 + 2 * len(controller.points()) - 2]  # the last one at the end
+    last = 1000 + 2 * len(controller.points()) - 2  # at the end
+    assert polled == [*range(1000, 1040, 2), last]
 
 
 def set_points(*missing: int) -> Callable[..., int]:

@@ -6,13 +6,12 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, idl
-from aioduco.models.enums import TaskState
 from aioduco.streaming.shared.words import Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Point
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.setpoints import SetpointFeed
-from aioduco.streaming.worker.watch import ended
+from aioduco.streaming.worker.task_numbers import TaskNumbers
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
@@ -24,8 +23,6 @@ __all__ = ["CallDriver", "ProbeDriver"]
 
 #: ends after which nobody else stops the arm, if set-points moved it after another caller's stop
 _UNSTOPPED = (Reason.CLOSED, Reason.ABORTED)
-_BRAKE_LIMIT = 5.0  # s within which an arm that was told to stop stands
-_MOST = 8  # tasks that are polled in one tick
 
 
 class CallDriver(Driver):
@@ -43,11 +40,7 @@ class CallDriver(Driver):
         self._name = calls.function
         self._point = Point(connection, self._name, args, self._timeout, permit.require)
         self._ahead: tuple[float, ...] | None = None
-        #: by how much the ids of the set-points' tasks rise at least
-        self._rise = 0
-        #: tasks before one whose id rose by more, so that they may have been stopped, and until
-        #: when each is polled
-        self._in_question: dict[int, float] = {}
+        self._numbers = TaskNumbers()
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -64,49 +57,29 @@ class CallDriver(Driver):
             values = feed.wire(values)
             start = time.monotonic_ns()
             ahead = hurry and not feed.reads
-            before = self._task
             self._task = self._point.send(values, self._look_ahead if ahead else None)
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
             if self._task < 0:
                 return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
-            if before and self._others_since(before) and len(self._in_question) < _MOST:
-                self._in_question[before] = time.monotonic() + _BRAKE_LIMIT
-        if self._in_question and self._stopped():
+            self._numbers.sent(self._task, time.monotonic())
+        if self._stopped():
             return False
         if self.state is StreamState.ENDED and self._ahead is None:
-            return bool(self._in_question) and self.life.reason in _UNSTOPPED
+            return bool(self._numbers.in_question) and self.life.reason in _UNSTOPPED
         return self._follows(self._task)
-
-    def _others_since(self, task: int) -> bool:
-        """Whether another caller may have made a task between this one and the last set-point's.
-
-        The least rise is the usual one: two callers' tasks may come in two ticks, one after the
-        other, and the second may be a stop.
-        """
-        rise, usual = self._task - task, self._rise
-        if rise > 0:
-            self._rise = min(usual or rise, rise)
-        return rise not in (0, 1, usual)
 
     def _stopped(self) -> bool:
         """Poll whether another caller stopped a task in question; if so, stop again and end.
 
-        The set-points that were sent since then have made the arm move again. Such a stop is
-        noticed by its number: the controller numbers all tasks, a stop included (manual 1.3.3). By
-        the task that `_follows` polls it would be noticed only by chance.
+        By the task that `_follows` polls a stop would be noticed only by chance.
         """
         call, timeout = self._connection.call, self._timeout
-        for task, until in tuple(self._in_question.items()):
+        for task in self._numbers.in_question:
             state = call("get_noneblock_taskstate", (task,), timeout)
-            brakes = state in (TaskState.RUNNING, TaskState.PAUSED)  # stopped once the arm stands
-            if brakes and time.monotonic() < until:
-                continue
-            del self._in_question[task]
-            reason, text = ended(task, state)
-            if reason is Reason.STOPPED:
+            text = self._numbers.polled(task, state, time.monotonic())
+            if text:
                 call("stop", (True,), timeout)
-                self._in_question.clear()
                 self.life.stopped(text)
                 return True
         return False
