@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import sys
 import time
 import warnings
 import weakref
@@ -159,6 +160,8 @@ class WireLane:
         )
 
     def __del__(self) -> None:
+        if sys.is_finalizing():
+            return  # a thread that ended in mid-work may hold a lock for ever
         if getattr(self, "_open", False) and not self.owner_loop.in_forked_child:
             unclosed = f"unclosed {self!r}"
             self._threads.close()

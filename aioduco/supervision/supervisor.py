@@ -16,6 +16,7 @@ import atexit
 import math
 import os
 import random
+import sys
 import time
 from collections import deque
 from functools import partial
@@ -450,9 +451,11 @@ class Supervisor:
     def forget(self) -> None:
         """Stop what moves, and end the heartbeat, after the program dropped an open robot.
 
-        A section or a motion of it that the program kept can move the arm no more.
+        A section or a motion of it that the program kept can move the arm no more. Nothing is left
+        to do as the interpreter ends: the arm was stopped at exit, and a thread that ended in
+        mid-work may hold a lock for ever.
         """
-        if self.owner_loop.in_forked_child:
+        if self.owner_loop.in_forked_child or sys.is_finalizing():
             return
         self.gate.close(
             "the robot was dropped without being closed: keep what connect() returned as long as "

@@ -208,6 +208,43 @@ FORGOTTEN = """
 """
 
 
+KEPT = """
+    import asyncio
+    import atexit
+    import threading
+    import aioduco
+
+    guards = []
+    ends, held = threading.Event(), threading.Event()
+
+    def hold():
+        ends.wait()
+        with guards.pop():
+            held.set()
+            threading.Event().wait()
+
+    def at_exit():
+        ends.set()
+        held.wait()
+
+    async def main():
+        robot = aioduco.connect({host!r}, {port}, heartbeat=0.2)
+        await robot.open()
+        guards.append(robot._supervisor.heartbeat._own.connection._guard)
+        raise SystemExit(0)
+
+    atexit.register(at_exit)
+    threading.Thread(target=hold, daemon=True).start()
+    asyncio.run(main())
+"""
+
+
+def test_a_lock_of_a_thread_that_has_ended_holds_up_no_end(bench: Bench) -> None:
+    """As the interpreter ends, its daemons end wherever they are."""
+    script = textwrap.dedent(KEPT.format(host=bench.host, port=bench.port))
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, timeout=30)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("end", ["return", "raise SystemExit(3)", "1 / 0"])
 def test_a_program_that_ends_without_closing_beats_no_more(bench: Bench, end: str) -> None:
