@@ -4,12 +4,14 @@
     python behaviour_tree.py 192.168.1.10         on a real one
 
 A leaf starts its motion when it is first ticked, and looks at its task at each further tick: the
-tree never waits. A leaf that is left stops the arm. Needs py-trees.
+tree never waits. A leaf that is left stops the arm. After a failure a real arm moves again only
+when a person says so at the terminal; without one the program ends. Needs py-trees.
 """
 
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import TYPE_CHECKING
 
 import anyio
@@ -68,23 +70,31 @@ class Leaf(py_trees.behaviour.Behaviour):
                 self._result = Status.FAILURE
 
 
-def tree(robot: aioduco.Robot, tasks: anyio.abc.TaskGroup) -> py_trees.trees.BehaviourTree:
+def tree(
+    robot: aioduco.Robot, tasks: anyio.abc.TaskGroup, *, simulated: bool
+) -> py_trees.trees.BehaviourTree:
     """Fetch; if that fails, recover."""
 
     def go(goal: Joints) -> Callable[[], Awaitable[object]]:
         return lambda: robot.motion.movej2(goal, v=0.8, a=2.0)
 
+    async def recover() -> None:
+        if not simulated:
+            await anyio.to_thread.run_sync(input, "look at the arm, then press Enter to go on: ")
+        await robot.recover()
+
     fetch = py_trees.composites.Sequence("fetch a part", memory=True)
     fetch.add_children([Leaf("to the parts", tasks, go(PARTS)), Leaf("to the box", tasks, go(BOX))])
     root = py_trees.composites.Selector("work", memory=True)
-    root.add_children([fetch, Leaf("recover", tasks, robot.recover)])
+    root.add_children([fetch, Leaf("recover", tasks, recover)])
     return py_trees.trees.BehaviourTree(root)
 
 
-async def main(host: str, port: int, parts: int = 3) -> None:
+async def main(host: str, port: int, *, simulated: bool = False, parts: int = 3) -> None:
     async with aioduco.connect(host, port) as robot, anyio.create_task_group() as tasks:
         await robot.bring_up()
-        work, fetched, start, number = tree(robot, tasks), 0, anyio.current_time(), 0
+        work, start = tree(robot, tasks, simulated=simulated), anyio.current_time()
+        fetched = number = 0
         while fetched < parts:
             work.tick()
             if work.root.status is work.root.children[0].status is Status.SUCCESS:
@@ -110,5 +120,5 @@ if __name__ == "__main__":
 
             pusher = threading.Thread(target=push, name="somebody in the way")
             pusher.start()
-            anyio.run(main, sim.host, sim.port)
+            anyio.run(partial(main, sim.host, sim.port, simulated=True))
             pusher.join()

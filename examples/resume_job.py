@@ -4,14 +4,16 @@
     python resume_job.py JOB.json 192.168.1.10       on a real one
 
 What is done is written to the file after each step. A fault is recovered from once a person says
-so, and the step that it interrupted is done again. Start the program again after it was ended, and
-it goes on with the next step; without the file it begins anew.
+so, and the step that it interrupted is done again. A real arm does not move again by itself:
+without a terminal to ask in, the fault ends the program. Start the program again after it was
+ended, and it goes on with the next step; without the file it begins anew.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from functools import partial
 from pathlib import Path
 
 import anyio
@@ -35,13 +37,14 @@ def note(file: Path, number: int) -> None:
     fresh.replace(file)
 
 
-async def cleared() -> None:
-    """Wait until a person has looked at the arm and says that it may go on."""
+async def cleared() -> bool:
+    """Wait until a person has looked at the arm; whether one says that it may go on."""
     if sys.stdin.isatty():
         await anyio.to_thread.run_sync(input, "look at the arm, then press Enter to go on: ")
+    return sys.stdin.isatty()
 
 
-async def main(file: Path, host: str, port: int) -> None:
+async def main(file: Path, host: str, port: int, *, simulated: bool = False) -> None:
     async with aioduco.connect(host, port) as robot:
         await robot.bring_up()
         for number in range(done(file), len(STEPS)):
@@ -51,7 +54,8 @@ async def main(file: Path, host: str, port: int) -> None:
                     break
                 except FAULTS as fault:
                     print(f"step {number + 1}: {type(fault).__name__}")
-                    await cleared()
+                    if not await cleared() and not simulated:
+                        raise
                     await robot.recover()
             note(file, number + 1)
             print(f"step {number + 1}: done")
@@ -76,5 +80,5 @@ if __name__ == "__main__":
 
             pusher = threading.Thread(target=push, name="somebody in the way")
             pusher.start()
-            anyio.run(main, job, sim.host, sim.port)
+            anyio.run(partial(main, job, sim.host, sim.port, simulated=True))
             pusher.join()

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from moments import complaints
 
+import aioduco.sync
 from aioduco.sim import Simulator
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -110,6 +111,28 @@ def test_a_job_goes_on_after_a_fault_and_after_its_end(tmp_path: Path) -> None:
     with Simulator(speed=2.0) as sim:
         said = run(str(EXAMPLES / "resume_job.py"), str(job), sim.host, str(sim.port))
     assert said == "step 5: done\nthe job is done\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["behaviour_tree.py", "resume_job.py"])
+def test_a_stop_by_somebody_else_ends_it_where_nobody_can_be_asked(
+    name: str, tmp_path: Path
+) -> None:
+    job = [str(tmp_path / "job.json")] if name == "resume_job.py" else []
+    if not job:
+        pytest.importorskip("py_trees", reason="needs pip install 'aioduco[examples]'")
+    with Simulator() as sim:
+        address = sim.host, str(sim.port)
+        command = [sys.executable, PATIENT, str(EXAMPLES / name), *job, *address]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE) as program:
+            sim.wait_until(lambda: abs(sim.joints[0]) > 0.1, 60.0)
+            with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as operator:
+                operator.stop()
+            stopped = sim.joints
+            said, _ = program.communicate(timeout=50)
+        assert b"TaskStopped" in said
+        assert program.returncode == 1
+        assert sim.joints == pytest.approx(stopped, abs=1e-3)
 
 
 @pytest.mark.slow
