@@ -263,9 +263,10 @@ class TaskFollower:
         if task.life.continues_after_task:
             answered = await self._ask_whether_it_stands(task)
         elif not task.life.undecided:
-            self.polls += 1
             try:
-                value: int = await self._lane.call("get_noneblock_taskstate", (task.id,), ASK_LIMIT)
+                state = await self._state(task)
+                if state is TaskState.INTERRUPT and await self._aborted(task):
+                    task.life.all_interrupted()
             except ControllerError:
                 # The controller answered that it does not have the state: the connection is not
                 # lost, but the task cannot be followed any more.
@@ -273,7 +274,7 @@ class TaskFollower:
             except DucoError:
                 answered = False
             else:
-                self._answered(task, TaskState(value))
+                self._answered(task, state)
         now = time.monotonic()
         if not answered and now - self._seen[task] > LOST_AFTER:
             task.life.mark_lost()
@@ -296,6 +297,20 @@ class TaskFollower:
         remaining = None if task.expected_end is None else task.expected_end - arm_time
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
         self._due[task] = next_poll(self._due[task], now, every)
+
+    async def _state(self, task: Task) -> TaskState:
+        """Poll the state of a task."""
+        self.polls += 1
+        value: int = await self._lane.call("get_noneblock_taskstate", (task.id,), ASK_LIMIT)
+        return TaskState(value)
+
+    async def _aborted(self, task: Task) -> bool:
+        """Whether a motion in state 5 did not blend: the last one after it is in state 5, too.
+
+        So an abort by another program is noticed, before a path sends the next motion.
+        """
+        *_, last = self.motions or (task,)
+        return last is not task and await self._state(last) is TaskState.INTERRUPT
 
     def _note_stop(self, task: Task) -> None:
         if self._arm.stops != task.stops_before:

@@ -7,7 +7,8 @@ Rules:
 - An end is final. Later observations change nothing.
 - A motion that blended into the next one also ends with state 5 (interrupted). It counts as
   blended only if the motion asked for blending, another motion was accepted after it, and no
-  stop was sent in the meantime. In doubt it is an interruption, which is an error.
+  stop was sent in the meantime. In doubt it is an interruption, which is an error. If those after
+  it are interrupted, too, somebody has aborted them all.
 - While the next motion is on its way to the controller, state 5 is not judged: the acceptance of
   that motion decides.
 - The end of the task of a continuous motion (`ContinuousMotion`) is not the end of the motion.
@@ -257,6 +258,10 @@ class TaskLifecycle:
         if not self.ended and self.successor is Successor.SENT:
             self.successor = Successor.NONE
             self._judge()
+
+    def all_interrupted(self) -> None:
+        """The motions after this one are interrupted, too: this one has not blended into them."""
+        self._blends = False
 
     def stop_sent(self) -> None:
         """A stop is about to be sent to the controller."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING
 
 import anyio
@@ -216,6 +217,41 @@ async def test_a_stop_ends_a_path_and_holds_for_what_would_follow(
     with pytest.raises(aioduco.RobotStateError, match="was stopped on this path"):
         await along([])
     assert len(bench.received("movel")) == 1
+
+
+async def test_an_abort_by_somebody_else_is_not_taken_for_blending(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    legs = motions(robot, [0.02, 0.02, 0.0])
+    for leg in legs:
+        leg.mark_used()
+
+    async def along() -> None:
+        async with robot.motion.path() as path:
+            first, _ = [await path.add(leg) for leg in legs[:2]]
+            told, sent = threading.Event(), threading.Event()
+
+            def state(task: int) -> int:
+                if task == first.id:
+                    told.set()
+                elif not told.is_set():
+                    return int(TaskState.IDLE)
+                else:
+                    sent.wait(0.3)  # there is time to send the third
+                return int(TaskState.INTERRUPT)
+
+            def third(*_: object) -> int:
+                sent.set()
+                return 2000
+
+            bench.answer("movel", third)
+            bench.answer("get_noneblock_taskstate", state)
+            await path.add(legs[2])
+
+    with pytest.raises(aioduco.TaskInterrupted):
+        await along()
+    assert len(bench.received("movel")) == 2
 
 
 async def test_a_block_that_raises_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:

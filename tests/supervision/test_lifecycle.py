@@ -118,6 +118,15 @@ def test_interrupted_is_an_interruption_once_a_stop_was_sent(when: str) -> None:
     assert life.outcome is Outcome.INTERRUPTED
 
 
+def test_interrupted_is_an_interruption_when_the_motions_after_it_are_interrupted_too() -> None:
+    life = TaskLifecycle(blends=True)
+    life.observe(TaskState.RUNNING)
+    life.successor_accepted()
+    life.all_interrupted()
+    life.observe(TaskState.INTERRUPT)
+    assert life.outcome is Outcome.INTERRUPTED
+
+
 def test_a_second_successor_that_is_refused_does_not_take_the_first_away() -> None:
     life = blending()
     life.successor_sent()
