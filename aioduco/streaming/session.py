@@ -8,7 +8,7 @@ Guarantees:
   at rest or a stop was sent. Cancelling the caller, once or more, does not cut this short.
 - If the worker ends without giving a reason, or does not end in time, the session stops the robot
   on another connection. It does the same if the program cannot supervise the worker any more, or if
-  the worker could not end the mode of the stream.
+  the worker could not bring the arm to rest, or end the mode of the stream.
 - From the moment at which the stream is admitted, the end of its permit reaches the worker, also if
   that does not exist yet. The robot knows the mode of the stream from then on, until the worker has
   seen it end.
@@ -410,6 +410,7 @@ class Session(OpenStream):
             self._crashed(error)
             raise
         lost = self._worker_reason is Reason.WORKER_DIED or self._mode_on
+        lost = lost or bool(self._word(StatusWord.UNSTOPPED))
         if lost and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 
@@ -515,7 +516,8 @@ class Session(OpenStream):
 
     async def _stop_robot(self, stop: Callable[[str], Awaitable[object]]) -> None:
         # `stop` raises if the stop cannot be confirmed. This task has no caller that could handle
-        # the error; the user of the stream gets the error for the worker's end.
+        # the error; the user of the stream gets the error for the worker's end, and who leaves the
+        # robot that of a further stop.
         with contextlib.suppress(DucoError):
             await stop(self._config.sent.ending)
 

@@ -42,6 +42,10 @@ class ClosingSteps:
     has no time limit of its own and is never skipped: the heartbeat ends, the guard releases the
     robot, connections and threads end.
 
+    If the last set-point of a stream was not answered, leaving the stream's block, or the step
+    `stop` if that was not left, lasts until the set-point cannot move the arm any more: up to the
+    `unanswered_timeout` of `connect`, some seconds to stand, and `stop_timeout`.
+
     Attributes:
         answers: time to wait for the answers of commands on their way [s]. Without it, a command
             may be accepted after the stop.

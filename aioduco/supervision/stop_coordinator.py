@@ -295,14 +295,15 @@ class StopCoordinator:
         return angles
 
     async def stop_stream(self, ending: str) -> None:
-        """Stop the arm after a stream's worker has died.
+        """Stop the arm after a stream's worker has died, or could not bring it to rest.
 
         Args:
             ending: the function of the wire that ends the mode of the stream; may be empty.
         """
         if ending:
             self.modes.enter(ending)
-        self.worker_died = True
+        # if this stop fails, too, the robot is stopped again when it is left
+        self.worker_died = self.unfollowed_motion = True
         await self.stop()
 
     async def leave_modes(self, timeout: float) -> None:
@@ -634,8 +635,9 @@ class StopCoordinator:
             elif due - since >= _BRAKED:
                 break
         return HeartbeatLost(
-            "no heartbeat could be given to the controller: it has stopped the arm by itself. No "
-            "stop of this program was answered yet; it is tried on, and motions wait for that"
+            "no heartbeat could be given to the controller: it has stopped the arm by itself, unless "
+            "another program gives it heartbeats. No stop of this program was answered yet; it is "
+            "tried on, and motions wait for that"
         )
 
     async def _controlled(self, name: str) -> None:

@@ -174,6 +174,39 @@ async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: Fa
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("what", ["its connection", "its worker"])
+async def test_leaving_says_that_the_arm_is_not_known_to_stand(
+    sim: Simulator, proxy: FaultProxy, what: str
+) -> None:
+    async def follow(robot: aioduco.Robot) -> None:
+        async with robot.servo.joints(v=1.0, a=8.0, options=PROCESS) as stream:
+            await stream.send(START)
+            await stream.send([5e-3, *START[1:]])
+            proxy.refuse()
+            proxy.cut()
+            if what == "its worker":
+                assert stream.pid is not None
+                os.kill(stream.pid, signal.SIGKILL)
+            await stream.ended()
+
+    async def program() -> None:
+        async with aioduco.connect(
+            *(proxy.host, proxy.port),
+            stop_timeout=0.3,
+            standstill_timeout=0.3,
+            unanswered_timeout=0.3,
+        ) as robot:
+            await robot.recover()
+            await robot.motion.movej2(START, v=3.0, a=20.0)
+            with pytest.raises(StreamLost if what == "its connection" else WorkerFailed):
+                await follow(robot)
+
+    with pytest.raises(aioduco.StopUnconfirmed):
+        await program()
+    proxy.clear()
+
+
+@pytest.mark.slow
 async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultProxy) -> None:
     """The controller stops the arm then, and the next set-point would set it moving again."""
     async with aioduco.connect(proxy.host, proxy.port, heartbeat=2.0) as robot:

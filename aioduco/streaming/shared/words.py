@@ -124,6 +124,8 @@ class StatusWord(IntEnum):
     PRIORITY = 22
     #: whether the controller's mode of the stream may be on, or its points in the track pool
     MODE = 23
+    #: whether the worker could not bring the arm to rest, as far as it knows
+    UNSTOPPED = 24
 
 
 class Unmet(IntFlag):

@@ -143,6 +143,7 @@ class StreamWorker:
                     self._end_on_controller(own, reason)
         except (DucoError, OSError) as exc:
             text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
+            block.status[StatusWord.UNSTOPPED] = 1
             if reason in (Reason.CLOSED, Reason.ABORTED):
                 reason = Reason.FAILED
         finally:
