@@ -635,8 +635,8 @@ class StopCoordinator:
             elif due - since >= _BRAKED:
                 break
         return HeartbeatLost(
-            "no heartbeat could be given to the controller: it has stopped the arm by itself, unless "
-            "another program gives it heartbeats. No stop of this program was answered yet; it is "
+            "no heartbeat could be given to the controller: it has stopped the arm by itself, if "
+            "no other program gives it heartbeats. No stop of this program was answered yet; it is "
             "tried on, and motions wait for that"
         )
 

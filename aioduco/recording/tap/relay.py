@@ -7,6 +7,8 @@ Guarantees:
 - Without descriptors a client waits or is refused; the connections that are open go on.
 - A connection ends on each side as it ended on the other. When the process ends, all connections
   end.
+- A process that stood still, since it was frozen or its computer slept, delivers nothing of what
+  came before: an arm would begin to move when nobody expects it any more. All connections end.
 
 The process loads little, and does nothing else, so it delays a call only by two process switches.
 """
@@ -24,7 +26,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._process.linked_process import ValueChannel
-from aioduco._process.platform import CONNECTING
+from aioduco._process.platform import CONNECTING, boot_time
 from aioduco._process.scheduling import shorten_slice
 from aioduco.models.host_port import host_port
 
@@ -55,6 +57,10 @@ _RESET: Final = struct.pack("ii", 1, 0)
 
 #: seconds after which the controller's next address is tried, if it has one
 _TRY: Final = 1.0
+
+#: seconds between two looks whether this process runs, and after which it stood still
+_LOOK: Final = 0.5
+_AWAY: Final = 2.0
 
 #: seconds in which no client is accepted after descriptors or memory ran out
 _REST: Final = 0.1
@@ -338,8 +344,14 @@ class _Relay:
 
     def run(self) -> None:
         """Forward bytes until the program closes its socket."""
+        now = boot_time()
         while True:
-            for key, mask in self.selector.select(self._timeout()):
+            ready = self.selector.select(self._timeout())
+            before, now = now, boot_time()
+            if now - before > _AWAY:
+                self._cut_all()
+                continue
+            for key, mask in ready:
                 if key.fileobj is self._program:
                     if mask & _READ and not self._program.recv(1):
                         return
@@ -362,14 +374,14 @@ class _Relay:
         self.selector.unregister(self._listener)
         self._rests_until = time.monotonic() + _REST
 
-    def _timeout(self) -> float | None:
+    def _timeout(self) -> float:
         """Seconds until something is to be done that no socket tells."""
-        left = [] if (copies := self.copies.left()) is None else [copies]
+        left = [_LOOK] if (copies := self.copies.left()) is None else [_LOOK, copies]
         if self._rests_until is not None:
             left.append(max(0.0, self._rests_until - time.monotonic()))
         if self._trying:
             left.append(max(0.0, min(self._trying.values()) - time.monotonic()))
-        return min(left, default=None)
+        return min(left)
 
     def tries(self, link: _Link, *, again: bool) -> None:
         """Note that a link connects, and whether it tries another address if that takes long."""
@@ -396,10 +408,22 @@ class _Relay:
 
     def close(self) -> None:
         """End all connections, and send the remaining copies."""
+        self._end_links()
+        self.copies.finish()
+
+    def _end_links(self) -> None:
         for link in tuple(self._links):
             self.end(link, CopyKind.CLOSED, b"tap")
             link.close(reset=True)
-        self.copies.finish()
+
+    def _cut_all(self) -> None:
+        """End all connections, also those that clients opened while this process stood still."""
+        self._end_links()
+        with contextlib.suppress(OSError):  # there is none any more
+            while True:
+                client, _ = self._listener.accept()
+                client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
+                client.close()
 
     def watch(self, sock: socket.socket, events: int, data: tuple[_Link, _Side]) -> None:
         """Set the events of a socket for which to wait."""

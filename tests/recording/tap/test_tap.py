@@ -11,6 +11,7 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -183,6 +184,26 @@ def test_its_end_ends_what_is_connected_and_tells_what_passed(listener: socket.s
         for sock in (client, controller):
             with pytest.raises(ConnectionResetError):
                 sock.recv(1)
+
+
+@pytest.mark.slow
+@pytest.mark.linux("freezes a process")
+def test_a_relay_that_stood_still_delivers_nothing_of_before(listener: socket.socket) -> None:
+    with Tap("127.0.0.1", listener.getsockname()[1]) as tap, joined(tap, listener) as pair:
+        client, controller = pair
+        assert tap._linked is not None
+        tap._linked.popen.send_signal(signal.SIGSTOP)
+        client.sendall(b"late")
+        with socket.create_connection((tap.host, tap.port), timeout=PATIENCE) as another:
+            another.sendall(b"late")
+            time.sleep(2.1)
+            tap._linked.popen.send_signal(signal.SIGCONT)
+            for sock in (client, controller, another):
+                with pytest.raises(ConnectionResetError):
+                    sock.recv(1)
+        with joined(tap, listener) as (client, controller):
+            client.sendall(b"new")
+            assert taken(controller, 3) == b"new"
 
 
 def test_a_relay_that_is_killed_ends_what_is_told(listener: socket.socket) -> None:
