@@ -40,7 +40,7 @@ from aioduco.models.trace import tell
 from aioduco.supervision.concurrency import GRID, Alarm, on_grid
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_command import Command
-from aioduco.supervision.task_state import STOOD, added_entries
+from aioduco.supervision.task_state import STOOD, Successor, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -307,10 +307,13 @@ class TaskFollower:
     async def _aborted(self, task: Task) -> bool:
         """Whether a motion in state 5 did not blend: the last one after it is in state 5, too.
 
-        So an abort by another program is noticed, before a path sends the next motion.
+        So an abort by another program is noticed, before a path sends the next motion. Once another
+        motion was sent, that may have replaced the last one, as set-points do.
         """
         *_, last = self.motions or (task,)
-        return last is not task and await self._state(last) is TaskState.INTERRUPT
+        if last is task or await self._state(last) is not TaskState.INTERRUPT:
+            return False
+        return last.life.successor is Successor.NONE
 
     def _note_stop(self, task: Task) -> None:
         if self._arm.stops != task.stops_before:

@@ -254,6 +254,34 @@ async def test_an_abort_by_somebody_else_is_not_taken_for_blending(
     assert len(bench.received("movel")) == 2
 
 
+async def test_a_motion_that_is_sent_meanwhile_may_have_replaced_the_last_one(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """Set-points come in such fast succession."""
+    bench.motion_time = 30.0
+    first, second, third = motions(robot, [0.02, 0.02, 0.0])
+    tasks = [await first.start(), await second.start()]
+    asked, sent = threading.Event(), threading.Event()
+
+    def state(task: int) -> int:
+        if task == tasks[1].id and asked.is_set():
+            sent.wait(10.0)
+        elif task == tasks[1].id or task == 2000:
+            return int(TaskState.RUNNING)
+        asked.set()
+        return int(TaskState.INTERRUPT)
+
+    def start(*_: object) -> int:
+        sent.set()
+        return 2000
+
+    bench.answer("movel", start)
+    bench.answer("get_noneblock_taskstate", state)
+    await eventually_async(asked.is_set)
+    await third.start()
+    assert [await task for task in tasks] == [Outcome.BLENDED] * 2
+
+
 async def test_a_block_that_raises_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 30.0
 
