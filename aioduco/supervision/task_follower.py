@@ -14,6 +14,7 @@ Guarantees:
 - Each live task is polled in its turn, at the rate of `interval`.
 - A task that could not be polled for `LOST_AFTER` seconds ends with an unknown outcome. Nothing is
   assumed about it.
+- If another program stops a motion, those that this program has sent after it are stopped, too.
 - A motion that cannot be followed any more, or is overdue, is stopped. Its await ends when the arm
   stands, when no stop was accepted in time, or when the controller must have stopped the arm by
   itself, because no heartbeat reaches it.
@@ -371,8 +372,11 @@ class TaskFollower:
                 errors, self._error_list = found, tuple(found)
         told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
+            # What this program has sent meanwhile would move an arm that somebody else has stopped.
+            again = not told and await self._goes_on(task)
+            step = self._arm.halt if again else self._arm.standstill
             self._background.start(
-                self._see(task, self._arm.standstill, "%r was stopped, but %s"),
+                self._see(task, step, "%r was stopped, but %s"),
                 "aioduco standstill",
                 lambda: self._mark_ended(task, (), now),
             )
@@ -381,6 +385,18 @@ class TaskFollower:
             self._stop_lost(task, lambda: self._mark_ended(task, errors, now))
             return
         self._mark_ended(task, errors, now)
+
+    async def _goes_on(self, task: Task) -> bool:
+        """Whether a motion was sent after one that this program did not stop, and was not ended."""
+        if task.life.stop_seen:
+            return False
+        *_, last = self.motions or (task,)
+        if last is task or last.life.successor is Successor.SENT:
+            return last.life.successor is Successor.SENT
+        try:
+            return not (await self._state(last)).ended
+        except DucoError:
+            return True  # it may
 
     def _mark_ended(self, task: Task, errors: Sequence[str], now: float) -> None:
         self._seen.pop(task, None)

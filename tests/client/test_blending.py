@@ -132,6 +132,32 @@ async def test_a_stop_ends_a_run(robot: aioduco.Robot, bench: Bench) -> None:
     assert not bench.moving()
 
 
+async def test_a_stop_by_somebody_else_holds_for_what_was_sent_meanwhile(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """The controller carries out what comes after a stop as soon as the arm stands."""
+    bench.motion_time = 30.0
+    stopped, behind = [await motion.start() for motion in motions(robot, [0.02, 0.0])]
+    bench.tasks[stopped.id].state = TaskState.STOPPED
+    for task in stopped, behind:
+        with pytest.raises(aioduco.TaskStopped):
+            await task
+    assert "stop" in bench.commands
+    assert not bench.moving()
+
+
+async def test_a_stop_by_somebody_else_is_not_repeated_if_nothing_was_sent_since(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    tasks = [await motion.start() for motion in motions(robot, [0.02, 0.0])]
+    bench._stop(block=False)
+    for task in tasks:
+        with pytest.raises(aioduco.TaskStopped):
+            await task
+    assert "stop" not in bench.commands
+
+
 async def test_what_is_no_motion_is_refused(robot: aioduco.Robot, bench: Bench) -> None:
     with pytest.raises(aioduco.ParameterError, match=r"motions\[0\].*must be a motion"):
         await robot.motion.run("home")  # type: ignore[arg-type]  # the wrong type is the point
