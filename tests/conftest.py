@@ -36,7 +36,7 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
 from ports import give_each_once  # noqa: E402 - see above
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Sequence
+    from collections.abc import Generator, Iterator, Sequence
 
 # The tests start hundreds of programs. Where Python is told to keep no bytecode, each of them would
 # compile all that it imports.
@@ -60,6 +60,15 @@ _SIGNALS = [
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGCHLD", "SIGPIPE")
     if hasattr(signal, name)
 ]
+
+
+@pytest.fixture
+def hangups() -> Iterator[None]:
+    """Programs are told of a hang-up also where the tests themselves are not, as under nohup."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
 
 _FAULTS = {False: 300, True: 2_000}
 _FRAMES = {False: 300, True: 3_000}

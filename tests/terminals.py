@@ -6,6 +6,7 @@ import fcntl
 import os
 import pty
 import select
+import signal
 import struct
 import subprocess
 import termios
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 
+#: what asks a command to end: Ctrl-C, a service that is stopped, a terminal that is closed
+ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
 class Terminal:
     """A pseudo-terminal with a program in it."""
 
@@ -25,6 +30,7 @@ class Terminal:
         self._descriptor = descriptor
         self.program = program
         self.seen = bytearray()
+        self.closed = False
 
     def shows(self, text: bytes) -> bool:
         while select.select([self._descriptor], [], [], 0.0)[0]:
@@ -43,6 +49,11 @@ class Terminal:
         """Take what the program still shows, until it has ended."""
         eventually(lambda: self.shows(b"") and self.program.poll() is not None, timeout=60)
         return self.program.returncode
+
+    def close(self) -> None:
+        """Close the terminal's window."""
+        os.close(self._descriptor)
+        self.closed = True
 
     def press(self, keys: bytes) -> None:
         self.seen.clear()
@@ -64,9 +75,11 @@ def terminal(*words: str, command: Sequence[str]) -> Iterator[Terminal]:
         env=environment | {"TERM": "xterm-256color"},
     ) as program:
         try:
-            yield Terminal(ours, program)
-            assert termios.tcgetattr(theirs) == before, "the terminal is as it was"
+            shown = Terminal(ours, program)
+            yield shown
+            assert shown.closed or termios.tcgetattr(theirs) == before, "the terminal is as it was"
         finally:
             program.kill()
-            os.close(ours)
+            if not shown.closed:
+                os.close(ours)
             os.close(theirs)

@@ -19,7 +19,7 @@ from interpreter import python
 from moments import complaints
 from patient import COMMAND_LINE
 from PIL import Image
-from terminals import terminal
+from terminals import ENDS, terminal
 
 import aioduco
 import aioduco.sync
@@ -116,7 +116,8 @@ def test_missing_extra_is_named(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.usefixtures("hangups")
+@pytest.mark.parametrize("number", ENDS)
 def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) -> None:
     with process("sim", "--port", "0") as sim:
         assert sim.stdout is not None

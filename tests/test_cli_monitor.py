@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import math
 import os
@@ -13,7 +14,7 @@ import anyio
 import pytest
 from client.bench import Bench
 from rich.console import Console
-from terminals import terminal
+from terminals import ENDS, terminal
 from test_cli import COMMAND, run, wait_until_it_moves
 from test_cli_robot import HOME, at, ready_arm
 
@@ -24,11 +25,12 @@ from aioduco.cli.monitor.keyboard import Key, keys_of
 from aioduco.cli.monitor.onlooker import MonitorClient, event_line
 from aioduco.cli.monitor.screen import bar, chart, screen
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
+from aioduco.cli.output import OutputFailed
 from aioduco.models.enums import Outcome, SafetyState
 from aioduco.models.samples import Samples
 from aioduco.supervision.heartbeat import HeartbeatState
 from aioduco.supervision.state_feed import Snapshot
-from aioduco.testing import eventually_async
+from aioduco.testing import eventually, eventually_async
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -304,17 +306,46 @@ def test_in_a_terminal_it_shows_the_arm_and_stops_it() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_signal_ends_it_and_stops_nothing(
-    bench: Bench, number: signal.Signals, code: int
-) -> None:
+@pytest.mark.usefixtures("hangups")
+@pytest.mark.parametrize("number", ENDS)
+def test_a_signal_ends_it_and_stops_nothing(bench: Bench, number: signal.Signals) -> None:
     with terminal("monitor", f"{bench.host}:{bench.port}", command=COMMAND) as shown:
         shown.until_it_shows(b"standing, no task")
         os.killpg(shown.program.pid, number)
         shown.until_it_shows(b"nothing was stopped")
-        assert shown.exit_code() == code
+        assert shown.exit_code() == 128 + number
         assert b"Traceback" not in shown.seen, shown.seen.decode()
         assert bench.received("stop") == ()
+
+
+@pytest.mark.linux("SIGHUP")
+async def test_a_closed_terminal_ends_it_although_it_cannot_be_drawn_on(bench: Bench) -> None:
+    robot = aioduco.connect(bench.host, bench.port, heartbeat=None, lag_limit=None)
+    ours, keyboard = os.pipe()
+
+    def draw(state: MonitorState) -> None:
+        if state.sample is not None:
+            os.close(keyboard)
+            raise OutputFailed(OSError(errno.EIO, "Input/output error"))
+
+    try:
+        with anyio.fail_after(60):
+            told = await MonitorClient(robot, "left", ours, draw).watch()
+    finally:
+        os.close(ours)
+    assert told is signal.SIGHUP
+    assert bench.received("stop") == ()
+
+
+@pytest.mark.slow
+@pytest.mark.linux("SIGHUP")
+def test_a_terminal_that_is_closed_ends_the_command(bench: Bench) -> None:
+    words = ("monitor", f"{bench.host}:{bench.port}")
+    with terminal(*words, command=COMMAND) as shown:
+        shown.until_it_shows(b"standing, no task")
+        shown.close()
+        eventually(lambda: shown.program.poll() is not None, timeout=60)
+        assert shown.program.returncode == 128 + signal.SIGHUP
 
 
 @pytest.mark.slow

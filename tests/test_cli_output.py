@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import errno
 import io
 import logging
 import os
@@ -10,14 +11,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import anyio
 import pytest
 from interpreter import python
 from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
+import aioduco
 import aioduco.cli
-from aioduco.cli.output import one_line, say, shown
+from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.output import ended_by_output, one_line, say, shown
 from aioduco.cli.safe_console import SafeConsole
 
 #: what a terminal carries out, or shows otherwise than it is: title, clipboard, colours, C1, DEL,
@@ -128,3 +132,52 @@ def test_what_an_output_cannot_show_is_spelled_out(encoding: str) -> None:
     assert b"\\u68c0\\u6d4b \\u2713" in ended.stdout
     assert b"\\u8d85\\u9650" in ended.stderr
     assert b"RuntimeError: \\u68c0\\u6d4b" in ended.stderr
+
+
+@pytest.mark.linux("/dev/full")
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["completion", "bash"]])
+def test_an_output_that_cannot_be_written_ends_the_command_without_a_traceback(
+    words: list[str],
+) -> None:
+    command = [sys.executable, "-m", "aioduco.cli", *words]
+    with Path("/dev/full").open("wb") as full:
+        ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, check=False)
+    said = b"the output cannot be written: No space left on device\n"
+    assert (ended.returncode, ended.stderr) == (1, said)
+    ours, theirs = os.pipe()
+    os.close(ours)
+    with os.fdopen(theirs, "wb") as closed:
+        ended = subprocess.run(command, stdout=closed, stderr=subprocess.PIPE, check=False)
+    assert (ended.returncode, ended.stderr) == (1, b"")
+
+
+class FullDisk(io.StringIO):
+    def flush(self) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_no_command_takes_a_full_disk_for_a_failure_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async def serve() -> None:
+        async with anyio.create_task_group():
+            say("left is on http://127.0.0.1:8080/")
+
+    monkeypatch.setattr(sys, "stdout", FullDisk())
+    with pytest.raises(SystemExit, match=r"^1$"), ended_by_output(), ended_by_errors():
+        anyio.run(serve)
+    assert capsys.readouterr().err == "the output cannot be written: No space left on device\n"
+    with pytest.raises(FileNotFoundError), ended_by_output():
+        raise FileNotFoundError(errno.ENOENT, "no such file")
+
+
+def test_a_closed_terminal_does_not_change_how_a_command_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for gone in (FullDisk(), None):
+        monkeypatch.setattr(sys, "stderr", gone)
+        monkeypatch.setattr(sys, "stdout", told := io.StringIO())
+        with pytest.raises(SystemExit, match=r"^4$"), ended_by_output(), ended_by_errors():
+            raise aioduco.StopUnconfirmed("it is not known")
+        assert told.getvalue() == "", "no message is taken for the result"

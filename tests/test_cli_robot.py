@@ -371,14 +371,6 @@ def test_a_move_that_is_told_to_end_leaves_a_standing_arm(
         assert "the arm was stopped, and stands" in errors
 
 
-@pytest.fixture
-def hangups() -> Iterator[None]:
-    """Commands are told of a hang-up also where the tests themselves are not, as under nohup."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    yield
-    signal.signal(signal.SIGHUP, before)
-
-
 @pytest.mark.slow
 @pytest.mark.linux("SIGHUP")
 @pytest.mark.usefixtures("hangups")

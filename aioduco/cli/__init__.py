@@ -19,6 +19,11 @@ _FREE: Final = ("call", "sim-do")
 def main() -> None:
     """Run the command line."""
     output.guard_streams()
+    with output.ended_by_output():
+        _run()
+
+
+def _run() -> None:
     _refuse_empty(sys.argv[1:])
     if sys.argv[1:2] == ["stop"]:
         from aioduco.cli import stopping  # noqa: PLC0415 - for this command alone

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from aioduco.cli.output import say
@@ -76,43 +76,27 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
     Args:
         interrupted: message after Ctrl-C, SIGTERM or SIGHUP.
     """
-    from aioduco._process.platform import ending_signals  # noqa: PLC0415 - quick help
+    from aioduco.cli.signals import handled, termination_signals  # noqa: PLC0415 - quick help
     from aioduco.errors import DucoError, PersonNeeded, StopUnconfirmed  # noqa: PLC0415 - quick help
 
     def terminate(number: int, _frame: object) -> None:
         raise Terminated(number)
 
-    before = {
-        number: signal.signal(number, terminate)
-        for number in ending_signals()
-        # as under nohup: the command is to go on without its terminal
-        if number == signal.SIGTERM or signal.getsignal(number) is not signal.SIG_IGN
-    }
-    try:
-        yield
-    except StopUnconfirmed as error:
-        code = _said(str(error), STOP_UNCONFIRMED)
-    except PersonNeeded as error:
-        code = _said(str(error), PERSON_NEEDED)
-    except DucoError as error:
-        code = _said(str(error), FAILED)
-    except BrokenPipeError:
-        raise  # of the output: who reads it has ended
-    except OSError as error:  # of a file
-        code = _said(str(error), FAILED)
-    except Terminated as end:
-        code = _said(interrupted, SIGNALLED + end.number)
-    except KeyboardInterrupt:
-        code = _said(interrupted, SIGNALLED + signal.SIGINT)
-    else:
-        return
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    with handled(termination_signals(), terminate):
+        try:
+            yield
+        except StopUnconfirmed as error:
+            say(error, error=True)
+            code = STOP_UNCONFIRMED
+        except PersonNeeded as error:
+            say(error, error=True)
+            code = PERSON_NEEDED
+        except (DucoError, OSError) as error:  # an OSError: of a file
+            say(error, error=True)
+            code = FAILED
+        except KeyboardInterrupt as end:
+            say(interrupted, error=True)
+            code = SIGNALLED + (end.number if isinstance(end, Terminated) else signal.SIGINT)
+        else:
+            return
     raise SystemExit(code)
-
-
-def _said(message: str, code: int) -> int:
-    with suppress(OSError):  # the terminal is gone
-        say(message, error=True)
-    return code

@@ -39,7 +39,8 @@ def serve(file: File) -> None:
 
     At the end the arms are stopped.
 
-    Exit codes: 1 an address cannot be listened on; 2 a wrong file; 130, 143 Ctrl-C or SIGTERM.
+    Exit codes: 1 an address cannot be listened on; 2 a wrong file; 130, 143, 129 Ctrl-C, SIGTERM,
+    or the terminal was closed.
     """
     settings = _settings(file)
     from aioduco.cli.signals import receive_signals  # noqa: PLC0415 - quick help
@@ -81,7 +82,7 @@ async def _rearm_heartbeats(gateway: FleetGateway) -> None:
             if heartbeat is not None and heartbeat.state is HeartbeatState.STALLED:
                 with suppress(DucoError):  # the view says that the controller does not answer
                     await robot.rearm_heartbeat()
-                    say(f"the gateway had stood still: it supervises {name} again")
+                    say(f"the gateway had stood still: it supervises {name} again", error=True)
 
 
 @fleet.command()

@@ -9,18 +9,49 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import errno
 import io
 import json
 import logging
 import math
 import sys
 import unicodedata
-from typing import TYPE_CHECKING, Any
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from types import TracebackType
 
-__all__ = ["guard_streams", "one_line", "plain", "print_json", "say", "shown"]
+__all__ = [
+    "OutputFailed",
+    "ended_by_output",
+    "guard_streams",
+    "one_line",
+    "plain",
+    "print_json",
+    "say",
+    "shown",
+    "written",
+]
+
+
+class OutputFailed(Exception):
+    """The standard output cannot be written: its disk is full, or nobody reads it any more.
+
+    No `OSError`: commands take those for failures of the files and ports that they use.
+
+    Args:
+        error: the failure.
+    """
+
+    def __init__(self, error: OSError) -> None:
+        super().__init__(f"the output cannot be written: {error.strerror or error}")
+        self.error = error
+
+
+#: errors of a write to a full disk, to a closed terminal, or to a pipe that nobody reads
+_UNWRITABLE: Final = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE}
 
 
 def shown(text: str) -> str:
@@ -44,8 +75,56 @@ def one_line(text: str) -> str:
 
 
 def say(text: object = "", *, error: bool = False, end: str = "\n") -> None:
-    """Print a line to the standard output, or to the standard error."""
-    print(shown(str(text)), end=end, file=sys.stderr if error else sys.stdout, flush=True)
+    """Print a line to the standard output, or to the standard error.
+
+    A standard error that cannot be written, as of a closed terminal, ends no command: the exit code
+    still says how it ended.
+
+    Raises:
+        OutputFailed: the standard output cannot be written.
+    """
+    line = shown(str(text))
+    if not error:
+        with written():
+            print(line, end=end, flush=True)
+    elif sys.stderr is not None:
+        with suppress(OSError):
+            print(line, end=end, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def written() -> Iterator[None]:
+    """Raise `OutputFailed` if what is printed in the block cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputFailed(error) from error
+
+
+@contextmanager
+def ended_by_output() -> Iterator[None]:
+    """End the command with 1 if its output cannot be written, and say why.
+
+    It says nothing if whoever read the output has ended, as `head` does.
+    """
+    failed: BaseException | None = None
+    try:
+        try:
+            yield
+        except OSError as error:  # the help is printed by other means
+            if error.errno not in _UNWRITABLE:
+                raise
+            raise OutputFailed(error) from error
+    except* OutputFailed as group:
+        failed = group
+    if failed is None:
+        return
+    while isinstance(failed, BaseExceptionGroup):
+        failed = failed.exceptions[0]
+    assert isinstance(failed, OutputFailed)
+    if not isinstance(failed.error, BrokenPipeError):
+        say(failed, error=True)
+    raise SystemExit(1)
 
 
 class _ShownFormatter(logging.Formatter):

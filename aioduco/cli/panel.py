@@ -87,8 +87,8 @@ def panel(
 
     aioduco panel left --watch-only --bind 0.0.0.0
 
-    Exit codes: 1 no controller, or the port is taken; 2 wrong options; 130, 143 Ctrl-C or SIGTERM:
-    motions of the panel were stopped.
+    Exit codes: 1 no controller, or the port is taken; 2 wrong options; 130, 143, 129 Ctrl-C,
+    SIGTERM, or the terminal was closed: motions of the panel were stopped.
     """
     extras.need("panel")
     address = robot_at(host, port, cell)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.segment import Segment
 
-from aioduco.cli.output import shown
+from aioduco.cli.output import shown, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,3 +36,7 @@ class SafeConsole(Console):
                 yield segment
             else:
                 yield Segment(shown(segment.text), segment.style)
+
+    def _check_buffer(self) -> None:
+        with written():
+            super()._check_buffer()

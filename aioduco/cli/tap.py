@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json as json_module
-import signal
 import threading
 import time
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
@@ -18,7 +17,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
-from aioduco.cli.signals import ENDS
+from aioduco.cli.signals import end_signals, handled
 from aioduco.errors import ParameterError
 from aioduco.models.address import parse_address
 from aioduco.models.host_port import host_port
@@ -76,7 +75,8 @@ def tap(
         with (
             Tap(address.host, address.port, listen=(where, number)) as between,
             _file(output, address.host, address.port) as write,
-            _ended_by_signals(between.end),
+            # Not raised, so that files are complete.
+            handled(end_signals(), lambda *_: between.end()),
         ):
             said = f"between {host_port(between.host, between.port)} and {address}; Ctrl-C ends it"
             say(said, error=json)
@@ -90,21 +90,8 @@ def tap(
                     say(_line(item))
                 else:
                     say(f"{item.at - begin:10.3f} {item}")
-    except BrokenPipeError:
-        raise  # of the output: who reads it has ended
     except (DucoError, OSError, RuntimeError) as error:
         fail(str(error))
-
-
-@contextlib.contextmanager
-def _ended_by_signals(end: Callable[[], None]) -> Iterator[None]:
-    """On Ctrl-C or SIGTERM, call `end` instead of raising, so that files are complete."""
-    handlers = {number: signal.signal(number, lambda *_: end()) for number in ENDS}
-    try:
-        yield
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
 
 
 @contextlib.contextmanager

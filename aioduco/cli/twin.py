@@ -197,7 +197,7 @@ def _show_page(
             told, count = anyio.run(_serve_page, made, str(address), seconds, as_json)
         except OSError as error:
             fail(f"cannot listen on port {listen}: {error.strerror or error}")
-    if told == signal.SIGTERM:
+    if told not in (0, signal.SIGINT):
         raise typer.Exit(SIGNALLED + told)
     if made.twin is not None and made.twin.error is not None:
         fail(f"it ended early: {made.twin.error}")

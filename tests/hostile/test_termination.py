@@ -32,14 +32,6 @@ def stops(bench: Bench) -> int:
     return len(bench.received("stop"))
 
 
-@pytest.fixture
-def hangups() -> Iterator[None]:
-    """Programs are told of a hang-up also where the tests themselves are not, as under nohup."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    yield
-    signal.signal(signal.SIGHUP, before)
-
-
 @pytest.mark.usefixtures("hangups")
 @pytest.mark.linux("the guard's process")
 @pytest.mark.slow

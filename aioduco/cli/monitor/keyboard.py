@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import os
 import re
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 import anyio
@@ -57,17 +57,21 @@ def single_keys(terminal: int) -> Iterator[None]:
     try:
         yield
     finally:
-        termios.tcsetattr(terminal, termios.TCSANOW, before)
+        with suppress(termios.error):  # the terminal was closed
+            termios.tcsetattr(terminal, termios.TCSANOW, before)
 
 
-async def wait_for_keys(terminal: int) -> list[Key]:
-    """Wait for keys, and return their commands. A closed terminal gives `Key.QUIT`."""
+async def wait_for_keys(terminal: int) -> list[Key] | None:
+    """Wait for keys, and return their commands; None if the terminal was closed."""
     try:
         import msvcrt  # noqa: PLC0415 - Windows has it, and its console cannot be waited for
     except ImportError:
         await anyio.wait_readable(terminal)
-        data = os.read(terminal, 1024)
-        return keys_of(data) if data else [Key.QUIT]
+        try:
+            data = os.read(terminal, 1024)
+        except OSError:
+            return None
+        return keys_of(data) if data else None
     console: Any = msvcrt
     while not console.kbhit():  # noqa: ASYNC110 - nothing else tells of a key
         await anyio.sleep(_LOOK)

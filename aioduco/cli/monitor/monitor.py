@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated
 
 import anyio
@@ -10,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, USAGE, ended_by_errors, fail
-from aioduco.cli.output import say
+from aioduco.cli.output import OutputFailed, say
 
 if TYPE_CHECKING:
     from aioduco.cli.monitor.view_state import MonitorState
@@ -34,8 +35,8 @@ def monitor(
 
     aioduco monitor 192.168.1.10
 
-    Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 130, 143 Ctrl-C or
-    SIGTERM.
+    Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 130, 143, 129 Ctrl-C,
+    SIGTERM, or the terminal was closed.
     """
     address = robot_at(host, port, cell)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
@@ -67,7 +68,8 @@ def monitor(
             with single_keys(terminal):
                 told = anyio.run(MonitorClient(robot, str(address), terminal, draw).watch)
         finally:
-            live.stop()
+            with suppress(OutputFailed):  # the terminal is gone
+                live.stop()
     if told is not None:
         say(_ENDED, error=True)
         raise typer.Exit(SIGNALLED + told)

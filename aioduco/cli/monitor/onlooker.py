@@ -9,6 +9,7 @@ Guarantees:
 from __future__ import annotations
 
 import logging
+import signal
 import time
 from collections import deque
 from dataclasses import replace
@@ -18,12 +19,12 @@ import anyio
 
 from aioduco.cli.monitor.keyboard import Key, wait_for_keys
 from aioduco.cli.monitor.view_state import EventLine, MonitorState, history_point
+from aioduco.cli.output import OutputFailed
 from aioduco.cli.signals import receive_signals
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
-    import signal
     from collections.abc import Awaitable, Callable
 
     from aioduco.robot import Robot
@@ -80,7 +81,7 @@ class MonitorClient:
         """Open the robot and observe it until a key quits; a stop in progress is completed.
 
         Returns:
-            The signal that ended it; None if a key did.
+            The signal that ended it, SIGHUP for a closed terminal; None if a key did.
 
         Raises:
             ConnectError: there is no controller.
@@ -109,11 +110,12 @@ class MonitorClient:
                 looking.cancel()
 
     async def _follow_keys(self, work: anyio.abc.TaskGroup) -> None:
-        while True:
-            for key in await wait_for_keys(self._terminal):
+        while (keys := await wait_for_keys(self._terminal)) is not None:
+            for key in keys:
                 if key is Key.QUIT:
                     return
                 self._begin(key, work)
+        self._told = signal.SIGHUP  # the terminal is gone, whether or not the signal has come yet
 
     def _begin(self, key: Key, work: anyio.abc.TaskGroup) -> None:
         """Start the command of a key, unless it is running already."""
@@ -177,7 +179,10 @@ class MonitorClient:
             if sample is not None:
                 self._change(age=sample.age)
             # On a thread: a terminal that blocks, as on a slow line, must not delay a stop.
-            await anyio.to_thread.run_sync(self._draw, self._state, abandon_on_cancel=True)
+            try:
+                await anyio.to_thread.run_sync(self._draw, self._state, abandon_on_cancel=True)
+            except OutputFailed:
+                return  # the terminal is gone, which ends the wait for keys, too
 
     def _change(self, **values: Any) -> None:
         self._state = replace(self._state, **values, events=tuple(self._events))

@@ -103,7 +103,10 @@ class Fleet:
         if name in self.processes:
             self._end(self.processes[name])
         self.processes[name] = subprocess.Popen(
-            self.command("serve", str(self.files[name])), stdout=subprocess.PIPE, text=True
+            self.command("serve", str(self.files[name])),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         output = self.processes[name].stdout
         assert output is not None
@@ -119,9 +122,7 @@ class Fleet:
 
     def _end(self, process: subprocess.Popen[str]) -> None:
         process.kill()
-        process.wait()
-        assert process.stdout is not None
-        process.stdout.close()
+        process.communicate()
 
 
 @contextmanager
@@ -238,7 +239,11 @@ async def test_a_lost_router_changes_nothing_about_supervision(tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_a_gateway_that_is_told_to_end_stops_its_arms_first(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("hangups")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_gateway_that_is_told_to_end_stops_its_arms_first(
+    tmp_path: Path, number: signal.Signals
+) -> None:
     with simulators(1) as (sim,), ExitStack() as stack:
         fleet = Fleet(tmp_path, {"one": sim})
         stack.callback(fleet.close)
@@ -249,8 +254,8 @@ def test_a_gateway_that_is_told_to_end_stops_its_arms_first(tmp_path: Path) -> N
             async with FleetClient(fleet.settings("one")) as client:
                 await eventually_async(lambda: bool(up(client.view)), 60.0)
             process = fleet.processes["one"]
-            process.send_signal(signal.SIGTERM)
-            assert await anyio.to_thread.run_sync(process.wait, 60.0) == 128 + signal.SIGTERM
+            process.send_signal(number)
+            assert await anyio.to_thread.run_sync(process.wait, 60.0) == 128 + number
             assert not moves(sim)
             await robot.aclose()
 
@@ -272,9 +277,11 @@ async def test_a_gateway_that_was_suspended_supervises_its_arms_again(tmp_path: 
             await eventually_async(lambda: not sim.moving, 60.0)
             await eventually_async(lambda: not up(client.view), 60.0)
             process.send_signal(signal.SIGCONT)
-            assert process.stdout is not None
-            said = await anyio.to_thread.run_sync(process.stdout.readline)
-            assert said == "the gateway had stood still: it supervises arm-of-one again\n"
+            assert process.stderr is not None
+            said = ""
+            while said != "the gateway had stood still: it supervises arm-of-one again\n":
+                said = await anyio.to_thread.run_sync(process.stderr.readline)
+                assert said, "it ended"
             await eventually_async(lambda: bool(up(client.view)), 60.0)
             await robot.motion.movej2([0.0] * 6, 0.015, 1.0).start()
             await eventually_async(lambda: sim.moving, 30.0)
