@@ -320,6 +320,7 @@ class GripperCalls(Block):
             ModbusTimeout: the gripper does not answer.
             ModbusGarbled: the answer has a wrong checksum, or is not valid.
             GripperFault: the gripper has a fault.
+            GripperError: its block has ended.
         """
         return self._call(self._made.read())
 
@@ -352,6 +353,7 @@ class GripperCalls(Block):
             GripperNotActivated: `activate` was not called since power on; nothing moved.
             GripperFault: the gripper has a fault.
             GripperTimeout: the fingers did not come to rest; they were halted.
+            GripperError: its block has ended; nothing was sent.
             ModbusTimeout: the gripper does not answer: its motion is not known.
             ModbusGarbled: an answer has a wrong checksum, or is not valid.
         """
@@ -359,6 +361,8 @@ class GripperCalls(Block):
 
     def halt(self) -> None:
         """Stop the fingers where they are, also while another thread moves them.
+
+        It works after the block, too.
 
         Raises:
             ModbusError: the gripper did not answer as it should: it may still move.

@@ -82,13 +82,13 @@ class DhGripper(ModbusGripper):
         Raises:
             GripperTimeout: the gripper did not become ready.
         """
-        async with self._lock:
+        async with self._turn():
             if await self._initialized():
                 return
             self._held = self._lost = False
             await self._modbus.write_register(registers.INITIALIZE, 1)
             await self._until_ready(self._initialized)
-        await self.read()
+        await self._read_state()
 
     async def _initialized(self) -> bool:
         return (await self.status()).initialization is registers.Initialization.DONE

@@ -171,7 +171,7 @@ class PolledGripper(Uncopied, ABC):
         self._state: GripperState | None = None
         self._lock = anyio.Lock()
         self._background = BackgroundTasks(self._poll_failed)
-        self._held = self._lost = self._going = self._silent = False
+        self._held = self._lost = self._going = self._silent = self._ended = False
         #: why the last poll failed; None if it did not
         self._failure: Exception | None = None
 
@@ -212,6 +212,7 @@ class PolledGripper(Uncopied, ABC):
         Raises:
             ModbusError: the gripper does not answer as it should.
         """
+        self._ended = False
         await self.read()
         name = f"aioduco gripper {self._model.name}"
         self._background.start(self._watch(), name)
@@ -219,7 +220,11 @@ class PolledGripper(Uncopied, ABC):
         return self
 
     async def aclose(self) -> None:
-        """End the polling. The gripper stays as it is, and keeps what it holds."""
+        """End the polling. The gripper stays as it is, and keeps what it holds.
+
+        From then on it takes no commands but `halt`; a movement of another task goes on.
+        """
+        self._ended = True
         await self._background.aclose()
 
     async def __aenter__(self) -> Self:
@@ -236,7 +241,7 @@ class PolledGripper(Uncopied, ABC):
     async def _watch(self) -> None:
         async for _ in every(self._poll):
             try:
-                await self.read()
+                await self._read_state()
             except Exception as error:
                 if self._failure is None:
                     trace = None if isinstance(error, DucoError) else error
@@ -287,7 +292,16 @@ class PolledGripper(Uncopied, ABC):
             ModbusTimeout: the gripper does not answer.
             ModbusGarbled: the answer has a wrong checksum, or is not valid.
             GripperFault: the gripper has a fault.
+            GripperError: its block has ended.
         """
+        self._require_open()
+        return await self._read_state()
+
+    def _require_open(self) -> None:
+        if self._ended:
+            raise GripperError(f"{self} is closed: its block has ended. Nothing was sent")
+
+    async def _read_state(self) -> GripperState:
         state = await self._read()
         if self._held and state.holding is False and not self._going:
             self._held, self._lost = False, True
@@ -325,6 +339,7 @@ class PolledGripper(Uncopied, ABC):
             GripperNotActivated: `activate` was not called since power on; nothing moved.
             GripperFault: the gripper has a fault.
             GripperTimeout: the fingers did not come to rest; they were halted.
+            GripperError: its block has ended; nothing was sent.
             ModbusTimeout: the gripper does not answer: its motion is not known.
             ModbusGarbled: an answer has a wrong checksum, or is not valid.
         """
@@ -339,8 +354,15 @@ class PolledGripper(Uncopied, ABC):
                 speed_ = self._speed("speed", speed)
         elif self._speed is not None:
             speed_ = max(speed_, self._speed.low)
-        async with self._lock:
+        async with self._turn():
             return await self._carry_out(width_, speed_, force_)
+
+    @asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """For each command that moves the fingers: one at a time, and none after the block."""
+        async with self._lock:
+            self._require_open()
+            yield
 
     def _cannot(self, name: str, value: float) -> None:
         raise ParameterError(name, value, f"None: that of a {self._model.title} cannot be set")
@@ -369,7 +391,7 @@ class PolledGripper(Uncopied, ABC):
 
     async def _at_rest(self) -> GripperState:
         async for _ in every(self._poll):
-            if not (state := await self.read()).moving:
+            if not (state := await self._read_state()).moving:
                 return state
         raise AssertionError("a schedule without end has ended")
 
@@ -382,6 +404,8 @@ class PolledGripper(Uncopied, ABC):
 
     async def halt(self) -> None:
         """Stop the fingers where they are, also while another task moves them.
+
+        It works after the block, too.
 
         Raises:
             ModbusError: the gripper did not answer as it should: it may still move.

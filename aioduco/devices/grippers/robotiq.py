@@ -86,7 +86,7 @@ class Robotiq(ModbusGripper):
             GripperTimeout: the gripper did not become ready.
             ModbusError: the gripper did not answer as it should; its fingers may move.
         """
-        async with self._lock:
+        async with self._turn():
             found = await self.status()
             if found.activation is registers.Activation.ACTIVE and not found.fault:
                 return
@@ -94,7 +94,7 @@ class Robotiq(ModbusGripper):
             await self._send(registers.reset())
             await self._send(registers.activation())
             await self._until_ready(self._active)
-        await self.read()
+        await self._read_state()
 
     async def _active(self) -> bool:
         found = await self.status()

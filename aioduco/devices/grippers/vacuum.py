@@ -91,7 +91,7 @@ class VacuumGripper(OutputGripper):
         for name, value in (("speed", speed), ("force", force)):
             if value is not None:
                 self._cannot(name, value)
-        async with self._lock:
+        async with self._turn():
             return await self._carry_out(float(not sucking), 0.0, 0.0)
 
     async def _go(self, width: float, speed: float, force: float) -> None:

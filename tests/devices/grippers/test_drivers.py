@@ -12,7 +12,7 @@ from example_modules import example
 
 from aioduco import ParameterError, errors
 from aioduco.devices.bus import ModbusRtu, Port
-from aioduco.devices.grippers import GRIPPERS, DhGripper, PolledGripper, Robotiq
+from aioduco.devices.grippers import GRIPPERS, DhGripper, GripperState, PolledGripper, Robotiq
 from aioduco.testing import eventually_async
 
 from .peer import Peer
@@ -249,6 +249,40 @@ async def test_an_object_that_is_lost_ends_what_is_awaited() -> None:
 async def test_before_its_start_it_has_no_state() -> None:
     with pytest.raises(errors.GripperError, match="in its block"):
         _ = robotiq()[0].state
+
+
+@pytest.mark.parametrize("make", [robotiq, dh])
+async def test_after_its_block_it_moves_nothing(make: Any) -> None:
+    gripper, peer = make()
+    async with gripper:
+        await gripper.activate()
+        await gripper.open()
+    sent = len(peer.frames)
+    for command in (gripper.open, gripper.close, gripper.activate, gripper.read):
+        with pytest.raises(errors.GripperError, match=r"block has ended\. Nothing was sent"):
+            await command()
+    assert len(peer.frames) == sent
+    await gripper.halt()
+    assert len(peer.frames) > sent, "fingers that another task left moving can be halted"
+    async with gripper:
+        assert (await gripper.close()).holding
+
+
+async def test_the_end_of_the_block_leaves_a_movement_of_another_task_to_it() -> None:
+    gripper, peer = robotiq()
+    states: list[GripperState] = []
+
+    async def close() -> None:
+        states.append(await gripper.close())
+
+    async with anyio.create_task_group() as others:
+        async with gripper:
+            await gripper.activate()
+            behave, peer.before_read = peer.before_read, lambda _: None
+            others.start_soon(close)
+            await eventually_async(lambda: peer.registers[0x03E9] == 0xFF)
+        peer.before_read = behave
+    assert states[0].holding
 
 
 def test_models_have_figures_and_a_source() -> None:

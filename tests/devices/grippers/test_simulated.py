@@ -193,6 +193,10 @@ async def test_a_cup_that_finds_nothing() -> None:
         for wrong in (cup.move(0.0), cup.close(force=10.0)):
             with pytest.raises(errors.ParameterError):
                 await wrong
+        await cup.aclose()
+        with pytest.raises(errors.GripperError, match="block has ended"):
+            await cup.close()
+        assert not sim.signals.standard_out[1]
 
 
 @pytest.mark.slow
