@@ -116,7 +116,7 @@ def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
 def stop(
     file: File,
     arm: Annotated[list[str] | None, typer.Argument(help="Arms; all if none is named.")] = None,
-    timeout: Timeout = 5.0,
+    timeout: Timeout = 6.0,
     json: Json = False,
 ) -> None:
     """Stop all arms of the fleet, or those that are named.
@@ -195,7 +195,8 @@ def _tell(done: FleetStop) -> None:
             said = "anyone may have answered: this computer has no key of it, see docs/fleet.md"
         say(f"{name:16} not proven: {said}", error=True)
     for name in done.missing:
-        say(f"{name:16} missing: it is not known whether its arms stand", error=True)
+        which = "another gateway of this name is missing" if name in answered else "missing"
+        say(f"{name:16} {which}: it is not known whether its arms stand", error=True)
     known = [arm.name for report in done.reports for arm in report.arms]
     for name in done.unknown:
         say(f"no gateway has an arm {name}{did_you_mean(name, known)}", error=True)

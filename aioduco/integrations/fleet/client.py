@@ -50,7 +50,9 @@ class FleetStop:
 
     Attributes:
         reports: the answers of the gateways. Of a gateway whose key is known, only its proven one.
-        missing: gateways that are expected, or were present, and did not answer.
+            Of several gateways of one name, one report with the arms of all that have answered.
+        missing: gateways that are expected, or were present, and did not answer. One that has a
+            report, too, is one of several of its name, of which not all have answered.
         unproven: gateways whose answer may be of anyone, since there is no key for its proof; and
             those in whose name there was an answer without the right proof.
         unknown: requested arms that no gateway has.
@@ -156,14 +158,16 @@ class FleetClient(Uncopied):
         found = tuple(self._reports[name] for name in sorted(self._reports))
         return FleetView(found, self._missing(self._reports))
 
-    async def stop(self, arms: Iterable[str] | None = None, timeout: float = 5.0) -> FleetStop:
+    async def stop(self, arms: Iterable[str] | None = None, timeout: float = 6.0) -> FleetStop:
         """Stop arms, and wait until all gateways have answered.
 
         Each gateway gets the request as soon as it is discovered, also during the wait.
 
         Args:
             arms: names of the arms; None for all.
-            timeout: time after which gateways without an answer are missing [s].
+            timeout: time after which gateways without an answer are missing [s]. A gateway answers
+                after 5 s if one of its controllers does not answer: with the default it still says
+                which arms stand.
 
         Raises:
             ParameterError: the time is not above 0; nothing was sent.
@@ -175,6 +179,7 @@ class FleetClient(Uncopied):
         answers: dict[str, StopReport] = {}
         unproven: set[str] = set()
         asked: set[str] = set()
+        ended: set[str] = set()
 
         def answered(gateway: str, data: bytes, proof: bytes) -> None:
             key = self._keys.get(gateway)
@@ -185,27 +190,32 @@ class FleetClient(Uncopied):
                 return
             if report.gateway != gateway:
                 return
-            if proven:
-                answers[gateway] = report
-            else:
+            if not proven:
                 unproven.add(gateway)
-                if key is None:
-                    answers[gateway] = _worse(answers.get(gateway), report)
+            if proven or key is None:
+                before = answers.get(gateway)
+                answers[gateway] = report if before is None else _joined(before, report)
             self._wake()
+
+        def all_answered(gateway: str) -> None:
+            ended.add(gateway)
+            self._wake()
+
+        def missing() -> set[str]:
+            return {*self._missing(answers), *(asked - (answers.keys() & ended))}
 
         def over() -> bool:
             for gateway in sorted(self._present - asked):
                 asked.add(gateway)
-                self._link.ask_for_stop(gateway, request, riddle, timeout, answered)
-            return not self._missing(answers) and not (asked - answers.keys())
+                self._link.ask_for_stop(gateway, request, riddle, timeout, answered, all_answered)
+            return not missing()
 
         await self._until(over, timeout)
-        missing = tuple(sorted({*self._missing(answers), *(asked - answers.keys())}))
         found = {arm.name for report in answers.values() for arm in report.arms}
         unknown = tuple(sorted((names or frozenset()) - found))
         told = tuple(answers[name] for name in sorted(answers))
         lies = unproven - {name for name in answers if name in self._keys}
-        return FleetStop(told, missing, unknown, tuple(sorted(lies)))
+        return FleetStop(told, tuple(sorted(missing())), unknown, tuple(sorted(lies)))
 
     async def _until(self, over: Callable[[], bool], timeout: float) -> None:
         begin = anyio.current_time()
@@ -222,11 +232,14 @@ class FleetClient(Uncopied):
                     await changed.wait()
 
 
-def _worse(one: StopReport | None, other: StopReport) -> StopReport:
-    """Of two unproven answers in one name, the one that says that an arm does not stand."""
-    if one is not None and any(arm.error for arm in one.arms):
-        return one
-    return other
+def _joined(one: StopReport, other: StopReport) -> StopReport:
+    """Two answers in one name as one: an arm stands if none of them says that it does not."""
+    arms = {arm.name: arm for arm in one.arms}
+    for arm in other.arms:
+        if arm.error or arm.name not in arms:
+            arms[arm.name] = arm
+    note = "; ".join(filter(None, (one.note, other.note)))
+    return StopReport(one.gateway, tuple(arms[name] for name in sorted(arms)), note)
 
 
 def _require_time(timeout: float) -> None:

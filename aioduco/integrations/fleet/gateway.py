@@ -66,6 +66,7 @@ class FleetGateway(Uncopied):
         self._state = GatewayState(settings.gateway, [arm.name for arm in settings.arms])
         self._link = FleetLink(settings, listens=True)
         self._tasks: anyio.abc.TaskGroup | None = None
+        self._has_namesake = False
         #: open robots, by the name of their arm
         self.robots: dict[str, Robot] = {}
 
@@ -82,6 +83,7 @@ class FleetGateway(Uncopied):
         await self._link.__aenter__()
         try:
             self._link.answer_stops(self._settings.gateway, self._stop, self._key)
+            self._link.watch_namesakes(self._settings.gateway, self._namesake_seen)
             self._link.declare_alive(self._settings.gateway)
         except BaseException:  # also a panic of Zenoh, which is no Exception
             await self._link.__aexit__(None, None, None)
@@ -169,6 +171,15 @@ class FleetGateway(Uncopied):
             self._link.publish_state(self._settings.gateway, report.encode())
             due = begin + number / self._settings.rate
             await anyio.sleep_until(max(due, anyio.current_time()))
+
+    def _namesake_seen(self) -> None:
+        if not self._has_namesake:
+            self._has_namesake = True
+            _log.error(
+                "another gateway is named %s, too: the view of the fleet shows one of them, and a "
+                "stop may not wait for the other. Give each computer's gateway a name of its own",
+                self._settings.gateway,
+            )
 
     async def _stop(self, data: bytes) -> bytes:
         """Carry out a stop that a client of the fleet requested."""

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 import re
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import anyio
@@ -36,6 +36,8 @@ _RETRY: Final = {
 #: time for a peer to answer as a session opens [ms]. Zenoh's own 10 s would hold up whoever opens a
 #: session, or closes one, while another computer does not answer
 _OPEN: Final = 2000
+#: by which a query lasts longer than its caller waits for the answers [s]
+_LONGER: Final = 1.0
 #: where Zenoh's errors go on with places in its own source
 _PLACE: Final = re.compile(r"\s+at /.*", re.DOTALL)
 
@@ -157,6 +159,18 @@ class FleetLink:
 
         self._declared.append(self._session.declare_queryable(key, asked))
 
+    def watch_namesakes(self, gateway: str, seen: Callable[[], object]) -> None:
+        """Report each state that another session publishes in the name of this gateway."""
+        import zenoh  # noqa: PLC0415 - it is there
+
+        key = state_key(self._settings.name, gateway)
+        origin = zenoh.Locality.REMOTE
+        self._declared.append(
+            self._session.declare_subscriber(
+                key, lambda _: self._hand_on(seen), allowed_origin=origin
+            )
+        )
+
     # -- a client ---------------------------------------------------------------------------
 
     def watch_gateways(self, seen: Callable[[str, bool], object]) -> None:
@@ -189,6 +203,7 @@ class FleetLink:
         asked: bytes,
         timeout: float,
         answered: Callable[[str, bytes, bytes], object],
+        ended: Callable[[str], object],
     ) -> None:
         """Request a stop from one gateway. Its answer arrives later, or never.
 
@@ -201,6 +216,7 @@ class FleetLink:
             asked: the challenge for its proof.
             timeout: time until which answers are passed on [s].
             answered: called with the gateway, an answer, and its proof, which may be empty.
+            ended: called with the gateway when all that take its name have answered.
         """
         import zenoh  # noqa: PLC0415 - it is there
 
@@ -210,9 +226,10 @@ class FleetLink:
                 self._hand_on(answered, gateway, _bytes(reply.ok.payload), proof)
 
         key = stop_key(self._settings.name, gateway)
-        # Rounded up, so that the query does not end before the caller's time-out.
+        handler = zenoh.handlers.Callback(came, partial(self._hand_on, ended, gateway))
+        # Longer than the caller waits: a query that ends by its own time-out has ended, too.
         self._session.get(
-            key, came, payload=data, attachment=asked, timeout=math.ceil(timeout * 10) / 10,
+            key, handler, payload=data, attachment=asked, timeout=timeout + _LONGER,
             target=zenoh.QueryTarget.ALL, consolidation=zenoh.ConsolidationMode.NONE,
         )  # fmt: skip
 

@@ -157,6 +157,44 @@ async def test_a_liar_beside_a_gateway_takes_no_stop_from_it(
         assert gateway._key == KEY
 
 
+def of_another_arm(query: Any) -> None:
+    asked, request = query.attachment.to_bytes(), query.payload.to_bytes()
+    answer = StopReport("cell", (ArmStopped("right", "it may move"),)).encode()
+    query.reply(query.key_expr, answer, attachment=proof_of(KEY, asked, request, answer))
+
+
+@pytest.mark.parametrize("hangs", [True, False])
+async def test_a_stop_waits_for_each_of_two_gateways_of_one_name(
+    hangs: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The names are to differ: that they do not must not hide an arm that moves."""
+    pytest.importorskip("zenoh")
+    keys = tmp_path / "keys.toml"
+    keys.write_text(f'cell = "{KEY.hex()}"')
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    settings = FleetSettings("plant", "cell", listen=(endpoint,), expect=("cell",), keys=str(keys))
+    held: list[Any] = []
+    async with AsyncExitStack() as stack:
+        await stack.enter_async_context(FleetGateway(settings))
+        client = await stack.enter_async_context(FleetClient(settings))
+        other = held.append if hangs else of_another_arm
+        await told_by(stack, other, connect=[endpoint])
+        done = await client.stop(timeout=5.0)
+        while done.confirmed and not held:  # the client had not seen the other one yet
+            done = await client.stop(timeout=5.0)
+        assert not done.confirmed
+        if hangs:
+            assert done.reports == (StopReport("cell", ()),)
+            assert done.missing == ("cell",)
+        else:
+            assert done.reports[0].arms == (ArmStopped("right", "it may move"),)
+            assert not done.missing
+        held.clear()
+        later = replace(settings, listen=("tcp/127.0.0.1:0",), connect=(endpoint,))
+        await stack.enter_async_context(FleetGateway(later))
+        await eventually_async(lambda: "another gateway is named cell, too" in caplog.text)
+
+
 async def test_a_gateway_needs_its_own_key_alone(tmp_path: Path) -> None:
     keys = tmp_path / "keys.toml"
     keys.write_text(f'other = "{KEY.hex()}"')
