@@ -7,6 +7,8 @@ Guarantees:
   the motion.
 - The end of a lease ends its motion. No new lease is given until that is completed.
 - A stop is never refused, and the held motion does not resume after it.
+- What comes late moves nothing: a button, an action or an output is refused if the state that its
+  page saw is older than `hold_limit`, as after an outage of the network.
 """
 
 from __future__ import annotations
@@ -196,6 +198,18 @@ class ControlLease:
             return RefusePage(page, "the robot is still being opened")
         return None
 
+    def too_old(self, page: int, seen_at: float, now: float) -> RefusePage | None:
+        """Refusal for a page that acts on a state of long ago; None if that is new enough.
+
+        Args:
+            page: the page.
+            seen_at: when the state that the page saw last was sent [s].
+            now: the time [s].
+        """
+        if now - seen_at > self._hold_limit:
+            return RefusePage(page, "what this page shows is too old to move by")
+        return None
+
     def press(self, page: int, motion: HoldMotion, seen_at: float, now: float) -> LeaseEffect:
         """A page presses a button that moves the arm while it is held down.
 
@@ -212,8 +226,8 @@ class ControlLease:
             return RefusePage(page, "the arm is being stopped")
         if self.motion is not None:
             return RefusePage(page, "the motion before has not ended yet")
-        if now - seen_at > self._hold_limit:
-            return RefusePage(page, "what this page shows is too old to move by")
+        if (refused := self.too_old(page, seen_at, now)) is not None:
+            return refused
         self.motion, self._ending_motion = motion, False
         self._heard_at, self._seen_at = now, seen_at
         return BeginMotion(motion)

@@ -167,9 +167,15 @@ class PageAim:
 
 @dataclass(frozen=True, slots=True)
 class RobotAction:
-    """Change the state of the arm: bring up, recover, pause, resume."""
+    """Change the state of the arm: bring up, recover, pause, resume.
+
+    Attributes:
+        verb: what to do.
+        seen: number of the state that the page saw last.
+    """
 
     verb: RobotVerb
+    seen: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,11 +186,13 @@ class SetOutput:
         num: number of the output, from 1.
         on: whether to switch it on.
         tool: whether it is one of the tool, rather than of the cabinet.
+        seen: number of the state that the page saw last.
     """
 
     num: int
     on: bool
     tool: bool
+    seen: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -315,12 +323,14 @@ def _aim(data: dict[str, Any]) -> PageAim:
 
 
 def _action(data: dict[str, Any]) -> RobotAction:
-    return RobotAction(_one_of("verb", data.get("verb"), get_args(RobotVerb)))
+    verb = _one_of("verb", data.get("verb"), get_args(RobotVerb))
+    return RobotAction(verb, _whole("seen", data.get("seen")))
 
 
 def _output(data: dict[str, Any]) -> SetOutput:
     num, on = _whole("num", data.get("num")), _flag("on", data.get("on"))
-    return SetOutput(num, on, _flag("tool", data.get("tool")))
+    tool, seen = _flag("tool", data.get("tool")), _whole("seen", data.get("seen"))
+    return SetOutput(num, on, tool, seen)
 
 
 def _line(data: dict[str, Any]) -> SimulatorLine:

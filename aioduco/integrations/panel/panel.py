@@ -366,6 +366,13 @@ class Panel(Uncopied):
             self._aim = request.joints if page == lease.holder else self._aim
         else:
             refused = lease.refusal(page)
+            # A pause, which may come late, is no request that could move anything.
+            if (
+                refused is None
+                and isinstance(request, RobotAction | SetOutput)
+                and request != RobotAction("pause", request.seen)
+            ):
+                refused = lease.too_old(page, self._seen_at(request.seen), now)
             if refused is not None:
                 self._apply(refused)
             else:

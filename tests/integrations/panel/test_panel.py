@@ -92,7 +92,7 @@ async def test_after_a_collision_a_page_is_told_to_tare_again(bench: Bench, verb
         await page.command(panel.token)
         bench.collision = True
         bench.states[:3] = [6, 3, 7]
-        await page.ask("do", verb=verb)
+        await page.ask("do", verb=verb, seen=page.state["n"])
         await eventually_async(
             lambda: any("can move" in each["text"] for each in page.all("event"))
         )
@@ -124,10 +124,10 @@ async def test_one_page_commands_and_the_others_watch(
             assert bench.received("rpc_heartbeat"), "who commands is supervised"
             for ask, values in (
                 ("take", {"token": panel.token}),
-                ("do", {"verb": "bring_up"}),
+                ("do", {"verb": "bring_up", "seen": 1}),
                 ("measure", {"step": "touch", "sensor": "torque"}),
                 ("write", {"what": "held", "name": ""}),
-                ("output", {"num": 1, "on": True, "tool": False}),
+                ("output", {"num": 1, "on": True, "tool": False, "seen": 1}),
             ):
                 seen = len(two.all("refused"))
                 await two.ask(ask, **values)
@@ -141,6 +141,24 @@ async def test_one_page_commands_and_the_others_watch(
             assert bench.received("movej2") == ()
             assert bench.received("set_standard_digital_out") == ()
         await eventually_async(lambda: "free" in repr(panel))
+
+
+async def test_what_comes_late_as_after_an_outage_starts_nothing(bench: Bench) -> None:
+    async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
+        await page.command(panel.token)
+        for verb in ("bring_up", "recover", "resume"):
+            await page.ask("do", verb=verb, seen=0)
+        await page.ask("output", num=1, on=True, tool=False, seen=0)
+        await page.ask("do", verb="pause", seen=0)  # which starts nothing
+        await eventually_async(lambda: len(page.all("refused")) == 4)
+        await eventually_async(lambda: bench.received("pause"))
+        assert {each["reason"] for each in page.all("refused")} == {
+            "what this page shows is too old to move by"
+        }
+        for call in ("resume", "power_on", "enable", "set_standard_digital_out"):
+            assert bench.received(call) == ()
+        await page.ask("output", num=1, on=True, tool=False, seen=page.state["n"])
+        await eventually_async(lambda: bench.received("set_standard_digital_out"))
 
 
 async def test_the_lease_ends_with_its_page_and_the_arm_is_stopped(bench: Bench) -> None:

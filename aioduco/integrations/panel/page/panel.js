@@ -211,7 +211,7 @@ const lamp = (number) => { const made = document.createElement("div"); made.clas
 const switchOf = (tool) => (number) => {
   const made = document.createElement("button");
   made.type = "button"; made.className = "lamp"; made.textContent = number;
-  made.addEventListener("click", () => send({ask: "output", num: number, on: !made.classList.contains("on"), tool}));
+  made.addEventListener("click", () => send({ask: "output", num: number, on: !made.classList.contains("on"), tool, seen}));
   return made;
 };
 function light(box, bits, make) { lamps(box, bits.length, make); for (let i = 0; i < bits.length; i++) box.children[i].classList.toggle("on", bits[i] === "1"); }
@@ -234,7 +234,7 @@ $("take").addEventListener("click", () => question(
   () => { token = $("token").value; send({ask: "take", token}); }));
 $("give-back").addEventListener("click", () => send({ask: "give_back"}));
 document.querySelectorAll("[data-verb]").forEach((button) => button.addEventListener("click", () => {
-  const act = () => send({ask: "do", verb: button.dataset.verb});
+  const act = () => send({ask: "do", verb: button.dataset.verb, seen});
   if (button.dataset.asks) question(`${button.textContent}?`, button.dataset.asks, false, act); else act();
 }));
 document.querySelectorAll("[data-line]").forEach((button) => button.addEventListener("click", () => send({ask: "simulator", line: button.dataset.line})));
