@@ -647,7 +647,7 @@ class Panel(Uncopied):
             self._apply(self._lease.due(time.monotonic()))
             if self._jog is not None and self._jog.done:
                 self._button_released.set()  # it ended by itself
-            sample, now = self._sample, time.time()
+            sample, now = self._sample, time.monotonic()
             if sample is not None and sample is not shown:
                 shown = sample
                 self._told = page_sample(sample)

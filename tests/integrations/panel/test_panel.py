@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import logging
+import time
 from contextlib import asynccontextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -141,6 +142,18 @@ async def test_one_page_commands_and_the_others_watch(
             assert bench.received("movej2") == ()
             assert bench.received("set_standard_digital_out") == ()
         await eventually_async(lambda: "free" in repr(panel))
+
+
+async def test_the_plots_go_on_when_the_clock_is_set_back(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with Panel(bench.host, bench.port, **PATIENT) as panel:
+        await eventually_async(lambda: len(panel._history) > 1)
+        before, wall = len(panel._history), time.time
+        monkeypatch.setattr(time, "time", lambda: wall() - 3600.0)
+        await eventually_async(lambda: len(panel._history) > before + 2)
+        times = [point[0] for point in panel._history]
+        assert times == sorted(times)
 
 
 async def test_what_comes_late_as_after_an_outage_starts_nothing(bench: Bench) -> None:

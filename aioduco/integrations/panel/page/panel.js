@@ -14,7 +14,7 @@ let socket = null, hello = null, state = null, seldom = {}, heardAt = 0, lostAt 
 let held = null;           // the button that is held down
 let token = "";
 let aimed = false;         // whether the sliders were touched since they were set to the arm
-let history = [];          // [time by the server's clock, joint speeds × 6, tool speed, force, lag]
+let history = [];          // [time by a clock of the server, joint speeds × 6, tool speed, force, lag]
 
 if (location.hash.startsWith("#token=")) {
   token = decodeURIComponent(location.hash.slice(7));
