@@ -14,6 +14,7 @@ import enum
 import json
 import math
 import struct
+import time
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import foxglove
@@ -215,6 +216,9 @@ def _schema(topic: str, fields: dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "title": f"aioduco.{topic[1:]}", "properties": fields}
 
 
+#: the first time that no message can have: its seconds have 32 bits [ns since 1970]
+_LAST: Final = (1 << 32) * 1_000_000_000
+
 #: sets that are not in use
 _free: list[_ChannelSet] = []
 
@@ -230,9 +234,14 @@ class MessageChannels:
 
     Attributes:
         messages: number of messages that were logged.
+
+    Raises:
+        ValueError: the clock of this computer shows a time that no message can have.
     """
 
     def __init__(self, clock_offset: int) -> None:
+        if not 0 <= time.monotonic_ns() + clock_offset < _LAST:
+            raise ValueError("the clock of this computer is before 1970 or after 2106: set it")
         self.messages: int = 0
         self._set = _free.pop() if _free else _ChannelSet()
         self._offset = clock_offset

@@ -293,6 +293,19 @@ def test_a_file_that_cannot_be_begun_leaves_nothing(
     assert read(tmp_path / "run.mcap").complete
 
 
+@pytest.mark.parametrize("wall", [-(10**15), 1 << 62])
+def test_a_computer_whose_clock_is_not_set_says_so(
+    wall: int, bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with aioduco.sync.connect(bench.host, bench.port) as robot:
+        monkeypatch.setattr(time, "time_ns", lambda: wall)
+        with pytest.raises(aioduco.RecordingError, match="before 1970 or after 2106: set it"):
+            robot.record(tmp_path / "a.mcap").start()
+        with pytest.raises(aioduco.RecordingError, match="before 1970 or after 2106: set it"):
+            robot.publish(0).start()
+    assert not list(tmp_path.iterdir())
+
+
 def test_in_programs_that_wait(bench: Bench, tmp_path: Path) -> None:
     with aioduco.sync.connect(bench.host, bench.port, record=tmp_path / "a.mcap") as robot:
         with robot.record(tmp_path / "b.mcap", forces=False) as recording:
