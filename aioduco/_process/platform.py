@@ -18,6 +18,7 @@ import socket
 import struct
 import sys
 import time
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 _ioctl: Any = None
@@ -32,7 +33,7 @@ else:
     _UNSENT = termios.TIOCOUTQ
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
 __all__ = [
     "BINARY",
@@ -59,6 +60,7 @@ __all__ = [
     "realtime_priority",
     "set_affinity",
     "set_realtime_priority",
+    "single_keys",
     "unacknowledged",
 ]
 
@@ -161,6 +163,27 @@ def has_child() -> bool:
 def has_device_files() -> bool:
     """Whether terminals and input devices are files that can be read without blocking."""
     return hasattr(os, "O_NONBLOCK")
+
+
+@contextmanager
+def single_keys(terminal: int) -> Iterator[None]:
+    """Make a terminal deliver each key at once without echo; Ctrl-C still interrupts.
+
+    Args:
+        terminal: file descriptor of the terminal.
+    """
+    try:
+        import tty  # noqa: PLC0415 - where there is one
+    except ImportError:
+        yield  # a Windows console delivers each key at once by itself
+        return
+    before = termios.tcgetattr(terminal)
+    tty.setcbreak(terminal, termios.TCSANOW)
+    try:
+        yield
+    finally:
+        with suppress(termios.error):  # the terminal was closed
+            termios.tcsetattr(terminal, termios.TCSANOW, before)
 
 
 def missing_guard_features() -> str:

@@ -5,15 +5,11 @@ from __future__ import annotations
 import enum
 import os
 import re
-from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import anyio
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-__all__ = ["Key", "keys_of", "single_keys", "wait_for_keys"]
+__all__ = ["Key", "keys_of", "wait_for_keys"]
 
 #: seconds between two polls of a console that cannot be waited for
 _LOOK: Final = 0.05
@@ -37,28 +33,6 @@ def keys_of(data: bytes) -> list[Key]:
     """The commands in the bytes from a terminal. Other keys are ignored."""
     text = _SEQUENCE.sub("", data.decode(errors="replace"))
     return [_KEYS[letter] for letter in text.lower() if letter in _KEYS]
-
-
-@contextmanager
-def single_keys(terminal: int) -> Iterator[None]:
-    """Make a terminal deliver each key at once without echo; Ctrl-C still interrupts.
-
-    Args:
-        terminal: file descriptor of the terminal.
-    """
-    try:
-        import termios  # noqa: PLC0415 - where there is one
-        import tty  # noqa: PLC0415
-    except ImportError:
-        yield  # a Windows console delivers each key at once by itself
-        return
-    before = termios.tcgetattr(terminal)
-    tty.setcbreak(terminal, termios.TCSANOW)
-    try:
-        yield
-    finally:
-        with suppress(termios.error):  # the terminal was closed
-            termios.tcsetattr(terminal, termios.TCSANOW, before)
 
 
 async def wait_for_keys(terminal: int) -> list[Key] | None:

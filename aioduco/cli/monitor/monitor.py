@@ -45,7 +45,7 @@ def monitor(
     from rich.live import Live  # noqa: PLC0415
 
     import aioduco  # noqa: PLC0415
-    from aioduco.cli.monitor.keyboard import single_keys  # noqa: PLC0415
+    from aioduco._process.platform import single_keys  # noqa: PLC0415
     from aioduco.cli.monitor.onlooker import MonitorClient  # noqa: PLC0415
     from aioduco.cli.monitor.screen import screen  # noqa: PLC0415
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone

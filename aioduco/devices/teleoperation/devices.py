@@ -6,11 +6,12 @@ import errno
 import os
 import select
 import sys
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 from aioduco._process.copying import Uncopied
-from aioduco._process.platform import has_device_files
+from aioduco._process.platform import has_device_files, single_keys
 from aioduco.devices.teleoperation.gamepad import Gamepad
 from aioduco.devices.teleoperation.keyboard import Keyboard
 from aioduco.devices.teleoperation.reading import STANDING
@@ -145,7 +146,7 @@ class KeyboardDevice(InputDevice):
     """
 
     def __init__(self, descriptor: int | None = None, keys: Keyboard | None = None) -> None:
-        self._before: list[Any] | None = None
+        self._single_keys = ExitStack()
         super().__init__(keys or Keyboard(), descriptor=-1 if descriptor is None else descriptor)
 
     def __enter__(self) -> Self:
@@ -156,14 +157,10 @@ class KeyboardDevice(InputDevice):
                 read in this way.
         """
         _require_files("keyboard")
-        import termios  # noqa: PLC0415 - not on every system
-        import tty  # noqa: PLC0415
-
         if self._descriptor < 0:
             self._descriptor = _standard_input()
         if os.isatty(self._descriptor):
-            self._before = termios.tcgetattr(self._descriptor)
-            tty.setcbreak(self._descriptor, termios.TCSANOW)
+            self._single_keys.enter_context(single_keys(self._descriptor))
         return self
 
     def __exit__(
@@ -173,11 +170,7 @@ class KeyboardDevice(InputDevice):
         traceback: TracebackType | None,
     ) -> None:
         """Restore the terminal's settings."""
-        if self._before is not None:
-            import termios  # noqa: PLC0415
-
-            termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
-            self._before = None
+        self._single_keys.close()
 
 
 def _standard_input() -> int:

@@ -6,6 +6,7 @@ import fcntl
 import io
 import math
 import os
+import pty
 import resource
 import struct
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ from aioduco.devices.teleoperation.reading import STANDING
 from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
+from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -299,6 +301,18 @@ def test_a_keyboard_without_a_standard_input_is_refused(
     monkeypatch.setattr("sys.stdin", missing)
     with pytest.raises(ParameterError, match="no standard input"), KeyboardDevice():
         pass
+
+
+def test_a_terminal_that_is_closed_ends_the_keyboard_without_an_error() -> None:
+    ours, theirs = pty.openpty()
+    try:
+        with KeyboardDevice(theirs) as keys:
+            os.write(ours, b"w")
+            eventually(lambda: keys.read(0.0).held)
+            os.close(ours)
+            eventually(lambda: keys.read(0.0).done)
+    finally:
+        os.close(theirs)
 
 
 def test_a_device_is_read_in_a_program_with_thousands_of_descriptors() -> None:
