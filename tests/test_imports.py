@@ -156,7 +156,7 @@ TO_CONNECT = FOR_ALL | {
 }
 TO_STOP = FOR_ALL | {
     *("aioduco.cli.exit_codes", "aioduco.cli.output", "aioduco.cli.robots_file"),
-    *("aioduco.cli.stopping", "aioduco.supervision.concurrency"),
+    *("aioduco.cli.signals", "aioduco.cli.stopping", "aioduco.supervision.concurrency"),
     *("aioduco.supervision.operator_stop", "aioduco.supervision.stop_channel"),
     *("aioduco.supervision.rest", "aioduco.supervision.unanswered"),
     *("aioduco.models.enums", "aioduco.models.numpy_on_use", "aioduco.models.pose"),
