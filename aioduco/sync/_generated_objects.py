@@ -352,7 +352,7 @@ class GripperCalls(Block):
             ParameterError: an argument is out of range, or cannot be set; nothing was sent.
             GripperNotActivated: `activate` was not called since power on; nothing moved.
             GripperFault: the gripper has a fault.
-            GripperTimeout: the fingers did not come to rest; they were halted.
+            GripperTimeout: the fingers did not come to rest; the error says if they were halted.
             GripperError: its block has ended; nothing was sent.
             ModbusTimeout: the gripper does not answer: its motion is not known.
             ModbusGarbled: an answer has a wrong checksum, or is not valid.

@@ -338,7 +338,7 @@ class PolledGripper(Uncopied, ABC):
             ParameterError: an argument is out of range, or cannot be set; nothing was sent.
             GripperNotActivated: `activate` was not called since power on; nothing moved.
             GripperFault: the gripper has a fault.
-            GripperTimeout: the fingers did not come to rest; they were halted.
+            GripperTimeout: the fingers did not come to rest; the error says if they were halted.
             GripperError: its block has ended; nothing was sent.
             ModbusTimeout: the gripper does not answer: its motion is not known.
             ModbusGarbled: an answer has a wrong checksum, or is not valid.
@@ -377,9 +377,10 @@ class PolledGripper(Uncopied, ABC):
         except TimeoutError as error:
             if isinstance(error, DucoError):  # the gripper did not answer: nothing more is sent
                 raise
-            await self._halt_shielded()
+            halted = await self._halt_shielded()
+            done = "it was halted" if halted else "it could not be halted, and may still move"
             raise GripperTimeout(
-                f"{self} did not come to rest within {self._timeout:g} s; it was halted"
+                f"{self} did not come to rest within {self._timeout:g} s; {done}"
             ) from error
         except anyio.get_cancelled_exc_class():
             await self._halt_shielded()
@@ -395,12 +396,19 @@ class PolledGripper(Uncopied, ABC):
                 return state
         raise AssertionError("a schedule without end has ended")
 
-    async def _halt_shielded(self) -> None:
+    async def _halt_shielded(self) -> bool:
+        """Halt the gripper, also if the caller is cancelled; return whether that was answered."""
+        error: DucoError | None = None
         with anyio.move_on_after(_HALTING, shield=True):
             try:
                 await self._halt()
-            except DucoError as error:
-                _log.warning("%r may go on: it was not halted: %s", self, error)
+            except DucoError as raised:
+                error = raised
+            else:
+                return True
+        why = error or f"it did not answer within {_HALTING:g} s"
+        _log.warning("%r may go on: it was not halted: %s", self, why)
+        return False
 
     async def halt(self) -> None:
         """Stop the fingers where they are, also while another task moves them.

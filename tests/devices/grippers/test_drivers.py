@@ -220,6 +220,22 @@ async def test_dh_halts_where_it_is() -> None:
     assert peer.written[-1] == (0x0103, [777])
 
 
+async def test_a_gripper_that_could_not_be_halted_is_not_said_to_be(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def silent() -> None:
+        raise errors.ModbusTimeout("device 1 did not answer")
+
+    gripper, peer = dh()
+    async with gripper:
+        await gripper.activate()
+        gripper._timeout = 0.1
+        peer.before_read = lambda _: peer.registers.update({0x0201: 0, 0x0202: 777})
+        monkeypatch.setattr(gripper, "_halt", silent)
+        with pytest.raises(errors.GripperTimeout, match="could not be halted, and may still move"):
+            await gripper.close()
+
+
 async def test_an_object_that_is_lost_ends_what_is_awaited() -> None:
     gripper, peer = robotiq()
     async with gripper:
