@@ -97,14 +97,26 @@ def test_the_screen_shows_all_that_is_known() -> None:
     assert "event 30" not in text, "only the newest events that fit"
 
 
-@pytest.mark.parametrize(("width", "height"), [(80, 24), (100, 30), (200, 60), (60, 10)])
-@pytest.mark.cases(4)
+@pytest.mark.parametrize(
+    ("width", "height"), [(80, 24), (100, 30), (200, 60), (60, 20), (60, 10), (20, 5)]
+)
+@pytest.mark.cases(6)
 def test_the_screen_fits_its_terminal(width: int, height: int) -> None:
+    """Also in a low one it is said that the arm does not answer, and that a stop has failed."""
     events = tuple(EventLine("10:00:00", "x" * 300) for _ in range(100))
-    lines = drawn(MonitorState("a" * 40, sample=sample(), age=0.0, events=events), width, height)
+    failed = EventLine("10:00:00", "stop failed", "alarm")
+    lines = drawn(
+        MonitorState(
+            "a" * 40, sample=sample(), age=3.0, events=events, errors=("E",), notice=failed
+        ),
+        width,
+        height,
+    )
     assert all(len(line) <= width for line in lines)
-    assert len(lines) <= max(height, 20)
-    assert "quit" in lines[-1]
+    assert len(lines) <= height
+    assert "stop" in lines[-1]
+    assert "stop fail" in lines[-2]
+    assert any("NO ANSWER FOR" in line for line in lines)
 
 
 def test_nothing_is_cut_off_in_80_columns_and_24_lines() -> None:

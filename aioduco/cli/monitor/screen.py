@@ -28,6 +28,8 @@ _STYLES: Final = {"info": "", "good": "green", "warning": "yellow", "alarm": "bo
 #: columns from which a line holds all, and from which there are more columns of numbers
 _WHOLE: Final = 100
 _WIDE: Final = 150
+#: lines below which the motion and the controller's errors are left out
+_SHORT: Final = 8
 #: lines from which the last minute is drawn
 _TALL: Final = 36
 #: number of columns besides the bars, and with more columns of numbers
@@ -47,21 +49,30 @@ _ARM_LINES: Final = 7
 
 
 def screen(state: MonitorState, width: int, height: int) -> RenderableType:
-    """The whole screen, for a terminal of `width` columns and `height` lines."""
-    lines: list[RenderableType] = [_head(state, width), _states(state, width), _doing(state)]
-    if state.errors:
-        lines.append(Text(f"errors: {one_line('; '.join(state.errors))}", "red", **_ONE_LINE))
-    lines.append(Text(f" {state.alarm} ", style="bold white on red") if state.alarm else Text(""))
-    used = len(lines) + 4  # with two blank lines, the notice and the keys
+    """The whole screen, for a terminal of `width` columns and `height` lines.
+
+    What does not fit is left out, the alarm and how the last stop ended last of all.
+    """
+    lines: list[RenderableType] = [_head(state, width), _states(state, width)]
+    if height >= _SHORT:
+        lines.append(_doing(state))
+        if state.errors:
+            lines.append(Text(f"errors: {one_line('; '.join(state.errors))}", "red", **_ONE_LINE))
+    alarm = Text(f" {state.alarm} ", "bold white on red", **_ONE_LINE)
+    lines.append(alarm if state.alarm else Text(""))
+    room = height - len(lines) - 2  # the notice and the keys
     if state.sample is not None:
         signals = _signals(state.sample, width)
-        lines += [_arm(state, state.sample, width), Text(""), *signals]
-        used += _ARM_LINES + len(signals)
+        needed = _ARM_LINES + 1 + len(signals)
+        if room >= needed + 2:  # with a blank line and an event
+            lines += [_arm(state, state.sample, width), Text(""), *signals]
+            room -= needed
     if height >= _TALL:
         drawn = _last_minute(state, width)
         lines += drawn
-        used += len(drawn)
-    lines += [Text(""), *_events(state, max(1, height - used), width)]
+        room -= len(drawn)
+    if room >= 2:
+        lines += [Text(""), *_events(state, room - 1, width)]
     lines += [_notice(state), _keys()]
     return Group(*lines)
 
