@@ -164,7 +164,7 @@ class FleetClient(Uncopied):
         Each gateway gets the request as soon as it is discovered, also during the wait.
 
         Args:
-            arms: names of the arms; None for all.
+            arms: names of the arms, or the name of one; None for all.
             timeout: time after which gateways without an answer are missing [s]. A gateway answers
                 after 5 s if one of its controllers does not answer: with the default it still says
                 which arms stand.
@@ -173,7 +173,8 @@ class FleetClient(Uncopied):
             ParameterError: the time is not above 0; nothing was sent.
         """
         _require_time(timeout)
-        names = None if arms is None else frozenset(arms)
+        named = (arms,) if isinstance(arms, str) else arms  # its letters are no arms
+        names = None if named is None else frozenset(named)
         request = StopRequest(names).encode()
         riddle = challenge()
         answers: dict[str, StopReport] = {}

@@ -195,6 +195,24 @@ async def test_a_stop_waits_for_each_of_two_gateways_of_one_name(
         await eventually_async(lambda: "another gateway is named cell, too" in caplog.text)
 
 
+async def test_a_text_is_the_name_of_one_arm(tmp_path: Path) -> None:
+    pytest.importorskip("zenoh")
+    asked: list[Any] = []
+
+    def hear(query: Any) -> None:
+        asked.append(json.loads(query.payload.to_bytes())["arms"])
+        forged(query)
+
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    async with AsyncExitStack() as stack:
+        await told_by(stack, hear, listen=endpoint)
+        settings = FleetSettings("plant", listen=(endpoint,), expect=("cell",))
+        async with FleetClient(settings) as client:
+            await eventually_async(lambda: "cell" in client._present)
+            assert (await client.stop("left", timeout=30.0)).unknown == ()
+    assert asked == [["left"]]
+
+
 async def test_a_gateway_needs_its_own_key_alone(tmp_path: Path) -> None:
     keys = tmp_path / "keys.toml"
     keys.write_text(f'other = "{KEY.hex()}"')
