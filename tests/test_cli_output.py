@@ -13,6 +13,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+import typer
 from interpreter import python
 from rich.live import Live
 from rich.table import Table
@@ -20,8 +21,9 @@ from rich.text import Text
 
 import aioduco
 import aioduco.cli
-from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.exit_codes import NOT_CONFIRMED, ended_by_errors
 from aioduco.cli.output import ended_by_output, one_line, say, shown
+from aioduco.cli.questions import ask, typed_line
 from aioduco.cli.safe_console import SafeConsole
 
 #: what a terminal carries out, or shows otherwise than it is: title, clipboard, colours, C1, DEL,
@@ -181,3 +183,15 @@ def test_a_closed_terminal_does_not_change_how_a_command_ends(
         with pytest.raises(SystemExit, match=r"^4$"), ended_by_output(), ended_by_errors():
             raise aioduco.StopUnconfirmed("it is not known")
         assert told.getvalue() == "", "no message is taken for the result"
+
+
+def test_without_a_standard_input_no_question_is_confirmed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As under `<&-`."""
+    monkeypatch.setattr(sys, "stdin", None)
+    with pytest.raises(typer.Exit) as ended:
+        ask("The arm will move.", "Move the arm?", yes=False)
+    assert ended.value.exit_code == NOT_CONFIRMED
+    assert "not confirmed: nothing was sent" in capsys.readouterr().err
+    assert typed_line("touch 1: ") is None

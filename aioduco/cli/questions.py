@@ -30,7 +30,7 @@ def ask(what: str, question: str, *, yes: bool) -> None:
     say(what, error=True)
     try:
         agreed = typer.confirm(shown(question), default=False, err=True)
-    except typer.Abort:
+    except (typer.Abort, RuntimeError):  # the end of the input, or there is none (`<&-`)
         say(error=True)  # the question is still the last thing in its line
         agreed = False
     if not agreed:
@@ -38,10 +38,10 @@ def ask(what: str, question: str, *, yes: bool) -> None:
 
 
 def typed_line(question: str) -> str | None:
-    """Ask for a line, by the standard error, and return it; None at the end of the input."""
+    """Ask for a line, by the standard error, and return it; None without further input."""
     say(question, error=True, end="")
     try:
         return input().strip()
-    except EOFError:
+    except (EOFError, RuntimeError):
         say(error=True)
         return None
