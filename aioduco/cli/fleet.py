@@ -195,8 +195,8 @@ def _tell(done: FleetStop) -> None:
             said = "anyone may have answered: this computer has no key of it, see docs/fleet.md"
         say(f"{name:16} not proven: {said}", error=True)
     for name in done.missing:
-        which = "another gateway of this name is missing" if name in answered else "missing"
-        say(f"{name:16} {which}: it is not known whether its arms stand", error=True)
+        other = "another gateway of this name is " if name in answered else ""
+        say(f"{name:16} {other}missing: it is not known whether its arms stand", error=True)
     known = [arm.name for report in done.reports for arm in report.arms]
     for name in done.unknown:
         say(f"no gateway has an arm {name}{did_you_mean(name, known)}", error=True)
