@@ -173,7 +173,8 @@ def single_keys(terminal: int) -> Iterator[None]:
         terminal: file descriptor of the terminal.
     """
     try:
-        import tty  # noqa: PLC0415 - where there is one
+        import termios  # noqa: PLC0415 - where there is one
+        import tty  # noqa: PLC0415
     except ImportError:
         yield  # a Windows console delivers each key at once by itself
         return
