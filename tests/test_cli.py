@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import signal
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import anyio
 import pytest
 import typer
 from cli_runner import CliRunner
@@ -597,6 +599,26 @@ def test_a_file_error_ends_a_command_without_a_traceback(
     assert capsys.readouterr().err.endswith("'/no/such/folder/limits.json'\n")
 
 
+def test_sigterm_cancels_the_program_of_an_event_loop_and_no_other_task(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """So that its robot is left, which needs its own tasks for that."""
+    left = []
+
+    async def program() -> None:
+        needed = asyncio.create_task(asyncio.sleep(0.02, "needed"))
+        asyncio.get_running_loop().call_soon(os.kill, os.getpid(), signal.SIGTERM)
+        try:
+            await asyncio.sleep(60.0)
+        finally:
+            left.append(await needed)
+
+    with pytest.raises(SystemExit) as ended, ended_by_errors("interrupted: it stands"):
+        anyio.run(program)
+    assert (ended.value.code, left) == (128 + signal.SIGTERM, ["needed"])
+    assert capsys.readouterr().err == "interrupted: it stands\n"
+
+
 def test_a_figure_that_is_no_file_is_refused(tmp_path: Path) -> None:
     assert CliRunner().invoke(app, ["plot", "."]).exit_code == 2
     missing = CliRunner().invoke(app, ["plot", str(tmp_path / "x.json")])
@@ -660,19 +682,70 @@ def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
         assert "Traceback" not in answer.stderr
 
 
+NOBODY = "127.0.0.1:1"
+
+
+@pytest.mark.cases(8)
 @pytest.mark.parametrize(
-    "words",
+    ("words", "option"),
     [
-        ("sim", "--port", "0", "--robot", "left"),
-        ("preflight", __file__, "--robot", "left"),
-        ("teleop", "127.0.0.1:1", "--wobj", "table", "--yes"),
+        ("sim --port 0 --robot left", "--robot"),
+        ("preflight program.py --robot left", "--robot"),
+        ("preflight program.py --workers 2", "--workers"),
+        ("preflight program.py --vary start --runs 2 --html page.html", "--html"),
+        ("preflight program.py --seed 3", "--seed"),
+        (f"teleop {NOBODY} --wobj table --yes", "--wobj"),
+        (f"teleop {NOBODY} --joint-speed 0.2 --yes", "--joint-speed"),
+        (f"teleop {NOBODY} --joints --frame tool --yes", "--frame"),
+        (f"teleop {NOBODY} --path /dev/input/js0 --yes", "--path"),
+        ("teleop --port 7003", "--port"),
+        ("play points.toml --from 2", "--from"),
+        ("play points.toml --outputs", "--outputs"),
+        ("play points.toml --speed 2", "--speed"),
+        ("play run.mcap --port 7003", "--port"),
+        ("plot stream.json --over run.mcap", "--over"),
+        ("demo --port 7003", "--port"),
+        (f"demo --host {NOBODY} --speed 2 --yes", "--speed"),
+        ("demo --plan --plot plan.png", "--plot"),
+        ("demo --pictures .", "--pictures"),
+        (f"jog j1 + --frame tool --host {NOBODY}", "--frame"),
+        (f"jog z + --mm --host {NOBODY}", "--mm"),
+        (f"jog z + --step 0.01 --seconds 2 --host {NOBODY}", "--seconds"),
+        (f"move pose 0 0 0 0 0 0 --joints --speed 0.01 --host {NOBODY}", "--speed"),
+        (f"payload {NOBODY} --sensor force --set-load 1 0 0 0", "--set-load"),
+        (f"tool touch {NOBODY} --load 1 0 0 0", "--load"),
+        ("check points.toml --output report.md", "--output"),
+        ("check points.toml --move", "--move"),
+        (f"check {NOBODY} --model gcr10_1300", "--model"),
+        (f"check {NOBODY} --reach 0.2", "--reach"),
+        (f"check {NOBODY} --ids", "--ids"),
+        (f"check {NOBODY} --motions run.mcap --output report.md", "--output"),
+        (f"twin {NOBODY} --listen 9000", "--listen"),
+        (f"twin {NOBODY} --panel --rate 100", "--rate"),
+        (f"twin {NOBODY} --judge run.mcap", "HOST"),
+        ("twin --judge run.mcap --action stop", "--action"),
     ],
-    ids=" ".join,
 )
-def test_an_option_that_another_one_needs_is_not_passed_over(words: tuple[str, ...]) -> None:
-    answer = run(*words)
-    assert answer.exit_code == 2
-    assert "Invalid value for --" in answer.stderr
+def test_an_option_that_has_no_effect_with_the_others_is_refused(
+    words: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("program.py", "points.toml", "run.mcap", "stream.json"):
+        (tmp_path / name).touch()
+    answer = run(*words.split())
+    assert answer.exit_code == 2, answer.output
+    assert f"Invalid value for {option}: " in answer.stderr
+
+
+def test_what_a_cell_tells_and_what_takes_no_cell_is_not_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(f'arm = "gcr5_910"\n[robots.arm]\nhost = "{NOBODY}"\n')
+    cell = ("--cell", str(tmp_path / "cell.toml"))
+    answer = run("teach", *cell, "--output", "points.toml", "--yes")
+    assert (answer.exit_code, "--output: it is for waypoints" in answer.stderr) == (2, True)
+    answer = run("check", cell[1], "--model", "gcr10_1300")
+    assert (answer.exit_code, "--model: it is for points" in answer.stderr) == (2, True)
+    answer = run("teleop", *cell)
+    assert (answer.exit_code, "--cell: it is for HOST" in answer.stderr) == (2, True)
 
 
 def test_a_demo_takes_the_addresses_of_the_other_commands() -> None:

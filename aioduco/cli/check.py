@@ -12,6 +12,7 @@ from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail, write_file
 from aioduco.cli.number_lists import numbers
+from aioduco.cli.options import refuse_unused
 from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.status import look
@@ -25,6 +26,7 @@ __all__ = ["check"]
 
 
 def check(
+    context: typer.Context,
     target: Annotated[
         str,
         typer.Argument(
@@ -108,9 +110,15 @@ def check(
 
     aioduco check points.toml --model gcr10_1300
     """
+    with_motions = ("motions", "reach", "power", "lapse")
+    with_report = ("move", "output", "bundle", "ids")
     if target.endswith(".toml") or Path(target).is_file():
-        _points(Path(target), model, start, tool, wobj)
-    elif motions is not None:
+        refuse_unused(context, "a controller", "port", "cell", *with_report, *with_motions)
+        _points(context, Path(target), model, start, tool, wobj)
+        return
+    refuse_unused(context, "a file of points", "model", "start", "tool", "wobj")
+    if motions is not None:
+        refuse_unused(context, "a comparison, without --motions", *with_report)
         from aioduco.cli import extras  # noqa: PLC0415 - for this option alone
 
         extras.need("record")
@@ -119,6 +127,9 @@ def check(
         extent = Extent(reach=reach, changes=5 if power else 0, lapses=2 if lapse else 0)
         _motions(robot_at(target, port, cell), motions, extent, yes=yes)
     else:
+        refuse_unused(context, "--motions", *with_motions)
+        if bundle is None:
+            refuse_unused(context, "--bundle", "ids")
         address = robot_at(target, port, cell)
         _controller(address, move=move, yes=yes, output=output, bundle=bundle, ids=ids)
 
@@ -203,7 +214,14 @@ def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) ->
     say(f"recorded to {path}; `aioduco calibrate {path}` makes a profile of it")
 
 
-def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: str | None) -> None:
+def _points(
+    context: typer.Context,
+    file: Path,
+    model: str,
+    start: str | None,
+    tool: str | None,
+    wobj: str | None,
+) -> None:
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
     from aioduco.kinematics import check as look  # noqa: PLC0415
     from aioduco.models.points import TaughtPoints  # noqa: PLC0415
@@ -213,6 +231,8 @@ def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: s
     try:
         if is_cell(file):
             kept = load_cell(file)
+            if kept.robots or kept.arm:
+                refuse_unused(context, "points of which no cell tells the arm", "model")
             points = TaughtPoints(kept)
             tip = kept.tool.tcp if tip is None else tip
             model = kept.robot().model if kept.robots else kept.arm or model

@@ -11,6 +11,7 @@ from aioduco.cli.output import say
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+    from types import FrameType
 
 __all__ = [
     "FAILED",
@@ -77,10 +78,23 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         interrupted: message after Ctrl-C, SIGTERM or SIGHUP.
     """
     from aioduco.cli.signals import handled, termination_signals  # noqa: PLC0415 - quick help
-    from aioduco.errors import DucoError, PersonNeeded, StopUnconfirmed  # noqa: PLC0415 - quick help
+    from aioduco.errors import (  # noqa: PLC0415 - quick help
+        DucoError,
+        ParameterError,
+        PersonNeeded,
+        StopUnconfirmed,
+    )
 
-    def terminate(number: int, _frame: object) -> None:
-        raise Terminated(number)
+    told = signal.SIGINT.value
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        nonlocal told
+        on_interrupt = signal.getsignal(signal.SIGINT)
+        if on_interrupt is signal.default_int_handler or not callable(on_interrupt):
+            raise Terminated(number)
+        # An event loop runs here: as on Ctrl-C it cancels the program, which leaves its robot.
+        told = number
+        on_interrupt(signal.SIGINT, frame)
 
     with handled(termination_signals(), terminate):
         try:
@@ -91,12 +105,15 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         except PersonNeeded as error:
             say(error, error=True)
             code = PERSON_NEEDED
+        except ParameterError as error:  # of an option or argument; nothing was sent
+            say(error, error=True)
+            code = USAGE
         except (DucoError, OSError) as error:  # an OSError: of a file
             say(error, error=True)
             code = FAILED
         except KeyboardInterrupt as end:
             say(interrupted, error=True)
-            code = SIGNALLED + (end.number if isinstance(end, Terminated) else signal.SIGINT)
+            code = SIGNALLED + (end.number if isinstance(end, Terminated) else told)
         else:
             return
     raise SystemExit(code)

@@ -13,6 +13,7 @@ import typer
 
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option, numbers
+from aioduco.cli.options import refuse_unused
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ class Format(enum.StrEnum):
 
 
 def export(
+    context: typer.Context,
     kind: Annotated[Format, typer.Argument(help="What to write.")],
     model: Annotated[
         list[str] | None,
@@ -90,7 +92,8 @@ def export(
         ),
     ] = None,
     distro: Annotated[
-        str, typer.Option(help="Release of ROS: jazzy, humble, or noetic for MoveIt 1.")
+        str,
+        typer.Option(help="With moveit: release of ROS: jazzy, humble, or noetic for MoveIt 1."),
     ] = "jazzy",
     moveit: Annotated[
         bool, typer.Option("--moveit", help="With ros1: MoveIt 1's package beside the driver's.")
@@ -109,6 +112,7 @@ def export(
     from aioduco import descriptions  # noqa: PLC0415 - for this command alone
     from aioduco.errors import ParameterError  # noqa: PLC0415
 
+    _refuse_unused(context, kind, moveit=moveit)
     try:
         tool = _tool(tcp, tool_mass, tool_centre, tool_capsule or [])
         arms = _arms(model or ["gcr5_910"], prefix or [], mounting or [], tool)
@@ -171,6 +175,20 @@ def export(
         fail(str(error), 2)
 
 
+def _refuse_unused(context: typer.Context, kind: Format, *, moveit: bool) -> None:
+    """Refuse options that the format does not have. Those of arm and tool are for every format."""
+    if kind is Format.SRDF:
+        refuse_unused(context, "urdf, mjcf, moveit and ros1", "meshes")
+    if kind in {Format.SRDF, Format.MJCF}:
+        refuse_unused(context, "urdf, moveit and ros1", "mesh_uri")
+    if kind is not Format.MOVEIT:
+        refuse_unused(context, "moveit", "distro")
+    if kind is not Format.ROS1:
+        refuse_unused(context, "ros1", "moveit")
+    if kind is not Format.MOVEIT and not moveit:
+        refuse_unused(context, "moveit, and for ros1 with --moveit", "group", "tip")
+
+
 def _arms(
     models: Sequence[str],
     prefixes: Sequence[str],
@@ -201,6 +219,8 @@ def _tool(
     from aioduco.descriptions import Capsule, ToolDescription  # noqa: PLC0415
 
     middle = numbers("tool-centre", centre, 3)
+    if any(middle) and mass == 0.0:
+        raise typer.BadParameter("it is for --tool-mass", param_hint="--tool-centre")
     if tcp is None and mass == 0.0 and not capsules:
         return None
     parts = []

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.options import Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
@@ -103,6 +104,10 @@ def set_output(
 
     Exit codes: 0 set; 1 not set, or no controller; 2 wrong options; 3 not confirmed.
     """
+    from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
+
+    with ended_by_errors():
+        (ranges.TOOL_IO if tool else ranges.STANDARD_IO)("number", number)
     address, high = robot_at(host, port, cell), level is Level.ON
     which = f"{'tool output' if tool else 'output'} {number}"
     ask(f"{which} at {address} goes {level.value}.", "Switch it?", yes=yes)
@@ -131,8 +136,12 @@ def set_analog(
 
     Exit codes: as of `aioduco io set`.
     """
-    address = robot_at(host, port, cell)
+    from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
+
     voltage = quantity is OutputQuantity.VOLTAGE
+    with ended_by_errors():
+        (ranges.VOLTAGE if voltage else ranges.CURRENT)("value", value)
+    address = robot_at(host, port, cell)
     text = f"{quantity.value} output {number} at {address} goes to {value:g} "
     ask(text + ("V." if voltage else "mA."), "Set it?", yes=yes)
 

@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.move import carry_out, ready_arm
-from aioduco.cli.options import Json, Yes
+from aioduco.cli.options import Json, Yes, refuse_unused
 from aioduco.cli.questions import SAFE, ask
 
 if TYPE_CHECKING:
@@ -53,6 +53,7 @@ class Manual(enum.StrEnum):
 
 
 def jog(
+    context: typer.Context,
     axis: Annotated[str, typer.Argument(help="Joint or axis: j1 to j6, or x, y, z, rx, ry, rz.")],
     direction: Annotated[Direction, typer.Argument(help="Direction: `+` or `-`.")],
     step: Annotated[
@@ -95,6 +96,12 @@ def jog(
     joint = _JOINT.fullmatch(axis)
     if joint is None and axis not in _DIRECTIONS:
         raise typer.BadParameter(f"{axis!r} is none of j1 to j6, {', '.join(_DIRECTIONS)}")
+    if joint is not None:
+        refuse_unused(context, "x, y, z, rx, ry, rz", "frame")
+    if step is None:
+        refuse_unused(context, "--step", "deg", "mm")
+    else:
+        refuse_unused(context, "a jog without --step", "seconds")
     along = axis in {"x", "y", "z"}
     if (mm and not along) or (deg and along):
         raise typer.BadParameter(f"{axis} goes in {'metres' if along else 'radians'}, or with "

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
-from aioduco.cli.exit_codes import fail
-from aioduco.cli.options import Json, Yes
+from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.options import Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -58,11 +58,18 @@ def joints(
     Exit codes: 0 the arm is there; 1 it is not; 2 wrong options; 3 not confirmed; 4 it is not known
     that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
     """
+    from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
+
+    with ended_by_errors():
+        ranges.JOINT_SPEED("speed", speed)
+        ranges.JOINT_ACCELERATION("acceleration", acceleration)
     address = robot_at(host, port, cell)
     found = ready_arm(address)
     given = [math.radians(angle) for angle in angles] if deg else [*angles]
     now = found["joints"]
     target = [a + b for a, b in zip(now, given, strict=True)] if by else given
+    with ended_by_errors():
+        ranges.JOINTS("joints", target)
     turns = [abs(a - b) for a, b in zip(target, now, strict=True)]
     far = max(turns)
     text = f"""\
@@ -78,6 +85,7 @@ The joints turn at up to {math.degrees(speed):.0f} °/s. Joint {turns.index(far)
 
 @move.command(context_settings={"ignore_unknown_options": True})
 def pose(
+    context: typer.Context,
     numbers: Annotated[
         Six, typer.Argument(metavar="X Y Z RX RY RZ", help="Position [m] and rotation [rad].")
     ],
@@ -107,14 +115,23 @@ def pose(
 
     Exit codes: as of `aioduco move joints`.
     """
-    from aioduco.models.pose import Pose  # noqa: PLC0415 - for commands with a robot alone
+    from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
+    from aioduco.models.pose import Pose  # noqa: PLC0415
 
+    if curved:
+        refuse_unused(context, "a motion on a line", "speed", "acceleration")
+    scale, turn = (1e-3 if mm else 1.0), (math.pi / 180 if deg else 1.0)
+    with ended_by_errors():
+        ranges.LINE_SPEED("speed", speed)
+        ranges.LINE_ACCELERATION("acceleration", acceleration)
+        position, rotation = numbers[:3], numbers[3:]
+        given = Pose(*(part * scale for part in position), *(part * turn for part in rotation))
     address = robot_at(host, port, cell)
     found = ready_arm(address, in_work_object=True)
-    scale, turn = (1e-3 if mm else 1.0), (math.pi / 180 if deg else 1.0)
-    given = Pose(*(part * scale for part in numbers[:3]), *(part * turn for part in numbers[3:]))
     here = Pose(*found["pose_in_work_object"])
     target = here @ given if by else given
+    with ended_by_errors():
+        ranges.POSE("pose", target)
     distance = math.dist([*here][:3], [*target][:3])
     way = (
         "All joints move together, at up to 17 °/s: not on a line."

@@ -16,6 +16,7 @@ __all__ = [
     "SceneFile",
     "ToolFile",
     "Yes",
+    "refuse_unused",
 ]
 
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
@@ -41,3 +42,23 @@ MountingOption: TypeAlias = Annotated[
 Pedestal: TypeAlias = Annotated[
     float, typer.Option(help="Height of a column under an arm on the floor [m].")
 ]
+
+
+def refuse_unused(context: typer.Context, use: str, *names: str) -> None:
+    """Refuse options and arguments that are given, and would have no effect.
+
+    Args:
+        context: the command with what was given to it.
+        use: what they are for, for the message: "is for …".
+        names: the names of their parameters.
+
+    Raises:
+        BadParameter: one of them is given.
+    """
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if name in names and source is not None and source.name == "COMMANDLINE":
+            options = (each for each in parameter.opts if each.startswith("--"))
+            hint = next(options, name.upper())
+            raise typer.BadParameter(f"it is for {use}", param_hint=hint)

@@ -113,7 +113,7 @@ def payload(
     address = robot_at(host, port, cell)
     known_arm = None if model is None else arm_named(model)
     if set_load is not None:
-        _check_load(set_load)
+        _check_load(set_load, sensor)
     kept, file = (None, None) if poses is None else _file(poses)
     if cell is not None:
         kept = load_cell(cell)
@@ -159,8 +159,10 @@ def payload(
             say("nothing was written to the controller: --tool and --held do that", error=True)
 
 
-def _check_load(load: _Numbers) -> None:
-    """Refuse the value of --set-load if it is no load."""
+def _check_load(load: _Numbers, sensor: Sensor) -> None:
+    """Refuse --set-load if its value is no load, or if it has no effect."""
+    if sensor is Sensor.FORCE:
+        raise typer.BadParameter("it is for --sensor torque", param_hint="--set-load")
     from aioduco.errors import ParameterError  # noqa: PLC0415 - quick help
     from aioduco.models.ranges import LOAD  # noqa: PLC0415
 

@@ -11,7 +11,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors
-from aioduco.cli.options import SceneFile
+from aioduco.cli.options import SceneFile, refuse_unused
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ __all__ = ["play"]
 
 
 def play(
+    context: typer.Context,
     file: Annotated[Path, typer.Argument(help="A recording, .mcap, or waypoints, .toml.")],
     host: HostOrSimulator = None,
     port: Port = None,
@@ -79,6 +80,7 @@ def play(
     Exit codes: 0 it was played; 1 it was not, or not to its end; 2 wrong options; 3 not confirmed;
     4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was brought to rest.
     """
+    _refuse_unused(context, file, host, speed)
     simulates = not check and (host is None or rehearse)
     extras.need("record", *(("sim",) if simulates else ()))
     if model is not None:
@@ -124,6 +126,15 @@ def play(
             task.simulate(around, keep=host is None)
         if host is not None:
             task.on_arm(robot_at(host, port, cell), only_check=check, yes=yes)
+
+
+def _refuse_unused(context: typer.Context, file: Path, host: str | None, speed: float) -> None:
+    if host is None:
+        refuse_unused(context, "HOST: without it, a simulated arm plays the file", "port")
+    if file.suffix == ".toml":
+        refuse_unused(context, "a recording", "begin", "end", "bridge", "outputs")
+        if speed > 1.0:
+            raise typer.BadParameter("waypoints are played at up to 1", param_hint="--speed")
 
 
 def _model_of(what: RecordedPath | WaypointFile) -> str | None:

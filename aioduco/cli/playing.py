@@ -134,8 +134,7 @@ class PlayedFile:
             worst = max(result.path_error.max(), abs(result.goal_error).max())
             say(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
             return
-        speed = min(self.speed, 1.0)
-        count = aioduco.sync.run_waypoints(robot, self.content, arm=self.model, speed=speed)
+        count = aioduco.sync.run_waypoints(robot, self.content, arm=self.model, speed=self.speed)
         say(f"{count} waypoints were reached")
 
 

@@ -10,6 +10,7 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import USAGE, fail
+from aioduco.cli.options import refuse_unused
 from aioduco.cli.output import say
 from aioduco.models.toml_files import read_text
 
@@ -19,6 +20,7 @@ _NOTHING_TO_DRAW = "it is neither a recording, .mcap, nor a file of StreamStatis
 
 
 def plot(
+    context: typer.Context,
     figures: Annotated[
         Path, typer.Argument(help="A recording, or a file of `StreamStatistics.save`.")
     ],
@@ -39,6 +41,7 @@ def plot(
     if figures.suffix == ".mcap":
         _recording(figures, picture or figures.with_suffix(".png"), over)
         return
+    refuse_unused(context, "a recording", "over")
     extras.need("plot")
     from aioduco.cli.stream_figure import plot as draw  # noqa: PLC0415 - needs matplotlib
 

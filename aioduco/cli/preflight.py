@@ -13,7 +13,7 @@ from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import fail, write_file
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile
+from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, refuse_unused
 
 if TYPE_CHECKING:
     from aioduco.cli.safe_console import SafeConsole
@@ -25,6 +25,7 @@ FOUND, NOT_RUN = 1, 2
 
 
 def preflight(
+    context: typer.Context,
     program: Annotated[str, typer.Argument(help="File of the program, or its module with -m.")],
     arguments: Annotated[
         list[str] | None,
@@ -78,6 +79,12 @@ def preflight(
 
     Exit status 0: nothing was found; 1: something was; 2: the program could not be tried.
     """
+    if runs is None:
+        refuse_unused(context, "--runs", "workers", "scheduler")
+    else:
+        refuse_unused(context, "one run, without --runs", "html", "quiet")
+    if not vary:
+        refuse_unused(context, "--vary", "seed")
     extras.need("sim", *(("plot",) if html else ()), *(("sweep",) if runs else ()))
     extras.arm(model)
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone

@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import load_cell
-from aioduco.cli.options import Guide
+from aioduco.cli.options import Guide, refuse_unused
 from aioduco.cli.output import say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import control_session, observing_session
@@ -26,6 +26,7 @@ _END = "q"
 
 
 def teach(
+    context: typer.Context,
     host: Host = None,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="File; new waypoints are appended to it.")
@@ -52,6 +53,8 @@ def teach(
     Exit codes: 0 it ended; 1 it failed; 2 wrong options; 3 not confirmed; 4 it is not known that
     the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm stands.
     """
+    if cell is not None:
+        refuse_unused(context, "waypoints: with --cell, points are stored there", "output")
     address = robot_at(host, port, cell)
     # No heartbeat: another program may lead the arm.
     with observing_session(address) as robot:

@@ -13,7 +13,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
-from aioduco.cli.options import Yes
+from aioduco.cli.options import Yes, refuse_unused
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -50,6 +50,7 @@ _HELP = {
 
 
 def teleop(
+    context: typer.Context,
     host: HostOrSimulator = None,
     port: Port = None,
     cell: CellFile = None,
@@ -91,12 +92,20 @@ def teleop(
     Exit codes: 0 it was ended; 1 something went wrong; 2 wrong options; 3 not confirmed; 4 it is
     not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
     """
+    if host is None:
+        refuse_unused(context, "HOST: without it, a simulated arm is led", "port", "cell")
+    if device is DeviceName.KEYBOARD:
+        refuse_unused(context, "a gamepad or a SpaceMouse", "path")
+    if joints:
+        refuse_unused(context, "the tool", "frame", "wobj", "speed", "turn_speed")
+    else:
+        refuse_unused(context, "--joints", "joint_speed")
+    if frame is not TeleopFrame.WOBJ:
+        refuse_unused(context, "--frame wobj", "wobj")
     extras.need(*(() if record is None else ("record",)), *(("sim",) if host is None else ()))
     from aioduco.devices.teleoperation import TeleopScale, open_device  # noqa: PLC0415
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
 
-    if wobj and frame is not TeleopFrame.WOBJ:
-        raise typer.BadParameter("is for --frame wobj alone", param_hint="--wobj")
     scale = TeleopScale(speed=speed, turn_speed=turn_speed, joint_speed=joint_speed)
     try:
         opened = open_device(device.value, path)

@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
-from aioduco.cli.options import Guide, Json, Yes
+from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
 from aioduco.cli.sessions import control_session, observing_session
@@ -36,6 +36,7 @@ in between."""
 
 @tool.command()
 def touch(
+    context: typer.Context,
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
@@ -72,6 +73,8 @@ def touch(
     Exit codes: 0 it was found; 1 it was not, or no controller; 2 wrong options; 3 not confirmed:
     nothing was written; 4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM.
     """
+    if name is None:
+        refuse_unused(context, "--name", "load")
     address = robot_at(host, port, cell)
     say(_HOW.format(count=touches), error=True)
     if guide:

@@ -16,7 +16,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import Duration, MountingOption
+from aioduco.cli.options import Duration, MountingOption, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 from aioduco.cli.signals import receive_signals
@@ -39,6 +39,7 @@ _LOOK = 0.1
 
 
 def twin(
+    context: typer.Context,
     host: Host = None,
     port: Port = None,
     learn: Annotated[
@@ -90,6 +91,14 @@ def twin(
     Exit codes: 0 nothing parted; 1 no controller, or it ended early; 2 wrong options; 6 they
     parted.
     """
+    without_page = ("action", "output", "rate")
+    if judge is not None or (learn is not None and host is None):
+        live = ("host", "port", "seconds", "panel", *without_page)
+        refuse_unused(context, "an arm that is watched", *live)
+    if panel:
+        refuse_unused(context, "a twin without --panel, which only shows", *without_page)
+    else:
+        refuse_unused(context, "--panel", "listen")
     extras.need("sim", "record")
     if action not in ("report", "pause", "stop"):
         raise typer.BadParameter("report, pause or stop", param_hint="--action")
@@ -101,10 +110,6 @@ def twin(
         if learn is not None and host is None:
             return
     if panel:
-        if action != "report" or output is not None:
-            raise typer.BadParameter(
-                "it only shows: without --action and --output", param_hint="--panel"
-            )
         _show_page(robot_at(host, port), known, arm, base, listen, seconds, as_json=json)
     with observing_session(robot_at(host, port), state_rate=rate) as robot, ExitStack() as stack:
         if output is not None:

@@ -11,6 +11,7 @@ from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models.named_int import NamedInt
 from aioduco.models.rules import Choice, Integer, Number
+from aioduco.models.rules.scalars import LONGEST_ARM
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ JOG_SPEED = Number(0.0, 100.0, "%", open_low=True, source=_SOURCE)
 JOG_DIRECTION = Choice({-1: "negative", 1: "positive"}, source=_SOURCE)
 _JOINT = Integer(1, 6, source=_SOURCE)
 _STEP_ANGLE = Number(0.0, 2 * math.pi, "rad", open_low=True, source=_SOURCE)
-_STEP_LENGTH = Number(0.0, unit="m", open_low=True, source=_SOURCE)
+_STEP_LENGTH = Number(0.0, unit="m", open_low=True, plausible=LONGEST_ARM, source=_SOURCE)
 
 _CARTESIAN, _JOINTS = 1, 2
 

@@ -201,6 +201,29 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
     assert "file" in done.stderr
 
 
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [
+        ("srdf --meshes .", "--meshes"),
+        ("srdf --mesh-uri package://mine", "--mesh-uri"),
+        ("mjcf --mesh-uri package://mine", "--mesh-uri"),
+        ("urdf --distro noetic", "--distro"),
+        ("ros1 --distro noetic", "--distro"),
+        ("moveit --moveit", "--moveit"),
+        ("srdf --group arm", "--group"),
+        ("ros1 --tip link_6", "--tip"),
+        ("urdf --tool-centre 0,0,0.1", "--tool-centre"),
+    ],
+)
+def test_an_option_that_the_format_does_not_have_is_refused(
+    words: str, option: str, tmp_path: Path
+) -> None:
+    answer = run(*words.split(), "-o", str(tmp_path))
+    assert (answer.exit_code, list(tmp_path.iterdir())) == (2, [])
+    assert f"Invalid value for {option}: it is for " in answer.stderr
+
+
 def test_a_centre_of_two_numbers_is_refused_without_a_mass_too(tmp_path: Path) -> None:
     answer = CliRunner().invoke(
         app, ["export", "urdf", "-o", str(tmp_path), "--tool-centre", "0,0"]

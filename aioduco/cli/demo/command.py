@@ -8,11 +8,13 @@ from typing import Annotated
 import typer
 
 from aioduco.cli.addresses import Port, robot_at
+from aioduco.cli.options import refuse_unused
 
 __all__ = ["demo"]
 
 
 def demo(
+    context: typer.Context,
     host: Annotated[
         str | None,
         typer.Option(help="A controller's address, or its name. Without it: a simulated arm."),
@@ -44,6 +46,14 @@ def demo(
     """Make a small pick and place, show it, and say how well it went."""
     from aioduco.cli.demo import run  # noqa: PLC0415 - NumPy and the rest are for this command alone
 
+    if host is None:
+        refuse_unused(context, "--host: without it, a simulated arm moves", "port")
+    else:
+        refuse_unused(context, "a simulated arm", "speed")
+    if planned:
+        refuse_unused(context, "the pick and place, without --plan", "speed", "plot", "no_plot")
+    else:
+        refuse_unused(context, "--plan", "pictures")
     address = None if host is None else robot_at(host, port)
     if planned:
         run.run_planned(address, model, result, pictures)

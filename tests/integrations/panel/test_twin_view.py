@@ -137,4 +137,4 @@ def test_the_command_shows_both_arms_and_commands_nothing() -> None:
         assert not sim.tasks
     refused = CliRunner().invoke(app, ["twin", where, "--panel", "--action", "stop"])
     assert refused.exit_code == 2
-    assert "it only shows" in refused.output
+    assert "for a twin without" in refused.output
