@@ -8,7 +8,7 @@ The same lines work in a notebook, cell by cell, with robot.open() and robot.clo
 
 from __future__ import annotations
 
-import sys
+import argparse
 
 import aioduco.sync
 from aioduco import Joints, mm
@@ -41,8 +41,12 @@ def main(host: str, port: int) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        main(given.host, given.port)
     else:
         from aioduco.sim import Simulator
 

@@ -10,7 +10,7 @@ when a person says so at the terminal; without one the program ends. Needs py-tr
 
 from __future__ import annotations
 
-import sys
+import argparse
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -105,8 +105,12 @@ async def main(host: str, port: int, *, simulated: bool = False, parts: int = 3)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        anyio.run(main, given.host, given.port)
     else:
         import threading
 

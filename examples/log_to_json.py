@@ -10,6 +10,7 @@ call and no stop.
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import json
 import logging
@@ -69,8 +70,12 @@ async def main(host: str, port: int) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        anyio.run(main, given.host, given.port)
     else:
         from aioduco.sim import Simulator
 

@@ -11,6 +11,7 @@ ended, and it goes on with the next step; without the file it begins anew.
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from functools import partial
@@ -63,9 +64,13 @@ async def main(file: Path, host: str, port: int, *, simulated: bool = False) -> 
 
 
 if __name__ == "__main__":
-    job = Path(sys.argv[1] if len(sys.argv) > 1 else "job.json")
-    if len(sys.argv) > 2:
-        anyio.run(main, job, sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("job", nargs="?", type=Path, default="job.json")
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        anyio.run(main, given.job, given.host, given.port)
     else:
         import threading
 
@@ -80,5 +85,5 @@ if __name__ == "__main__":
 
             pusher = threading.Thread(target=push, name="somebody in the way")
             pusher.start()
-            anyio.run(partial(main, job, sim.host, sim.port, simulated=True))
+            anyio.run(partial(main, given.job, sim.host, sim.port, simulated=True))
             pusher.join()

@@ -13,7 +13,7 @@ decided by a proxy before this, not here: it listens on loopback. Needs fastapi 
 
 from __future__ import annotations
 
-import sys
+import argparse
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -89,8 +89,12 @@ def service(host: str, port: int = 7003) -> FastAPI:
 if __name__ == "__main__":
     import uvicorn
 
-    if len(sys.argv) > 1:
-        uvicorn.run(service(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        uvicorn.run(service(given.host, given.port))
     else:
         from aioduco.sim import Simulator
 

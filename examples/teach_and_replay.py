@@ -10,7 +10,7 @@ a TOML file that you may edit. Nothing here sees what stands in the way.
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -86,8 +86,12 @@ async def main(host: str, port: int, folder: Path, sim: Simulator | None = None)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        anyio.run(main, sys.argv[1], 7003, Path.cwd())
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        anyio.run(main, given.host, given.port, Path.cwd())
     else:
         from aioduco.sim import Simulator
 

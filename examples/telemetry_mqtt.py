@@ -10,8 +10,8 @@ the arm does not wait for it. It is no emergency stop. Needs aiomqtt.
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 
 import aiomqtt
 import anyio
@@ -71,11 +71,15 @@ async def main(broker: str, host: str, port: int) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        port = int(sys.argv[3]) if len(sys.argv) > 3 else 7003
-        anyio.run(main, sys.argv[1], sys.argv[2], port)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("broker")
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        anyio.run(main, given.broker, given.host, given.port)
     else:
         from aioduco.sim import Simulator
 
         with Simulator() as sim:
-            anyio.run(main, sys.argv[1], sim.host, sim.port)
+            anyio.run(main, given.broker, sim.host, sim.port)

@@ -12,7 +12,7 @@ a second, and when the part is out of sight no target comes, so that the arm sta
 
 from __future__ import annotations
 
-import sys
+import argparse
 from typing import TYPE_CHECKING
 
 import anyio
@@ -70,10 +70,14 @@ async def main(host: str, port: int, camera: CameraDevice) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
         lens = Intrinsics(width=640, height=480, fx=600.0, fy=600.0, cx=319.5, cy=239.5)
         with OpenCvCamera(0, lens) as real:
-            anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003, real)
+            anyio.run(main, given.host, given.port, real)
     else:
         from aioduco.sim import Simulator
         from aioduco.sim.scene import Cylinder

@@ -8,7 +8,7 @@ The simulated one has at its RS-485 ports and its Modbus what the examples read 
 
 from __future__ import annotations
 
-import sys
+import argparse
 from typing import TYPE_CHECKING
 
 from aioduco.sim import Simulator
@@ -86,8 +86,12 @@ def simulated(speed: float = 1.0) -> Simulator:
 
 def run(main: Callable[[str, int], dict[str, object]]) -> None:
     """Run a file's examples, and print what each gave."""
-    if len(sys.argv) > 1:
-        results = main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("host", nargs="?")
+    parser.add_argument("port", nargs="?", type=int, default=7003)
+    given = parser.parse_args()
+    if given.host:
+        results = main(given.host, given.port)
     else:
         with simulated() as sim:
             results = main(sim.host, sim.port)

@@ -149,6 +149,16 @@ def test_pressing_on_a_table() -> None:
     assert re.fullmatch(f"pressing: {about}moved by 50 mm: {about}let go: 0 N\n", said)
 
 
+def test_a_port_that_is_no_number_is_a_wrong_argument() -> None:
+    """By argparse, and not by a traceback, which says nothing of a port."""
+    files = [*EXAMPLES.glob("*.py"), EXAMPLES / "manual" / "cabinet.py"]
+    assert not [file.name for file in files if "int(sys.argv" in file.read_text("utf-8")]
+    command = [sys.executable, str(EXAMPLES / "01_connect_and_move.py"), "127.0.0.1", "70O3"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=50)
+    assert done.returncode == 2
+    assert done.stderr.endswith("argument port: invalid int value: '70O3'\n")
+
+
 def test_each_is_in_the_table_of_the_page() -> None:
     page = (EXAMPLES.parent / "docs" / "index.md").read_text(encoding="utf-8")
     for path in EXAMPLES.glob("*.py"):
