@@ -74,6 +74,8 @@ FILE = FileName(source="this package")
 FROM_0 = Number(0.0, source="this package")
 #: TCP port of a server
 PORT = Integer(1, 65535, source="this package")
+#: port to listen on; 0 for a free one
+LISTEN_PORT = Integer(0, 65535, source="this package")
 #: samples of the state per second
 STATE_RATE = Number(0.0, 1000.0, "Hz", open_low=True, source="this package")
 

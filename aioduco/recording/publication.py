@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.models.host_port import host_port
-from aioduco.models.ranges import LISTEN_HOST
-from aioduco.models.rules import Integer
+from aioduco.models.ranges import LISTEN_HOST, LISTEN_PORT
 from aioduco.recording.recorder import RobotObserver
 from aioduco.recording.writer import PublicationWriter
 
@@ -40,7 +39,7 @@ class Publication(RobotObserver):
     _MADE_BY = "publish"
 
     def __init__(self, supervisor: Supervisor, port: int, host: str, forces: bool) -> None:
-        port = Integer(0, 65535, source="this package")("port", port)
+        port = LISTEN_PORT("port", port)
         LISTEN_HOST("host", host)
         self._server = PublicationWriter(host, port)
         super().__init__(supervisor, self._server, forces)

@@ -19,7 +19,7 @@ from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics.mjcf_elements import numbers, placed
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose
-from aioduco.models.rules import Number, Vector, stored
+from aioduco.models.rules import Number, Text, Vector, stored
 from aioduco.models.rules.lists import ordered
 
 if TYPE_CHECKING:
@@ -56,6 +56,13 @@ _LOWEST_PEDESTAL = 0.05  # [m]
 _PEDESTAL = Number(0.0, 20.0, "m", source="this package")
 _MASS = Number(0.0, unit="kg", source="this package")
 _SIZE = Number(0.0, unit="m", open_low=True, source="this package")
+#: the fields above 0 that are no lengths
+_OTHERS = {
+    "stiffness": Number(0.0, unit="N/m", open_low=True, source="this package"),
+    "damping": Number(0.0, open_low=True, source="this package"),
+}
+_COLOUR = Vector(Number(0.0, 1.0, source="this package"), length=3)
+_NAME = Text(source="this package")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +89,8 @@ class Thing(ABC):
     def __post_init__(self) -> None:
         _pose(self.at)
         stored(self, mass=_MASS)
+        _NAME("name", self.name)
+        object.__setattr__(self, "colour", tuple(_COLOUR("colour", self.colour)))
         defaults = {field.name: field.default for field in fields(self)}
         for name in self._sizes:
             default = defaults[name]
@@ -91,7 +100,7 @@ class Thing(ABC):
                 rule = Vector(_SIZE, length=len(default))
                 object.__setattr__(self, name, tuple(rule(name, getattr(self, name))))
             else:
-                stored(self, **{name: _SIZE})
+                stored(self, **{name: _OTHERS.get(name, _SIZE)})
 
     @abstractmethod
     def _shapes(self, body: ET.Element) -> None:

@@ -14,12 +14,13 @@ import numpy as np
 
 from aioduco._process.closing import Startable
 from aioduco.errors import ParameterError
+from aioduco.kinematics import Arm
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.host_port import host_port
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.ranges import LISTEN_HOST, WAIT
-from aioduco.models.rules import Number
+from aioduco.models.ranges import JOINTS, LISTEN_HOST, LISTEN_PORT, WAIT
+from aioduco.models.rules import Integer, Number
 from aioduco.models.words import one_of
 from aioduco.sim import trial
 from aioduco.sim.arm_pictures import ArmPictures
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.kinematics import Arm
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
@@ -65,6 +65,7 @@ CYCLE = 0.001
 HEARTBEAT_SLACK = 0.5
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
+_SEED = Integer(0, 2**31 - 1, source="this package")
 
 
 class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
@@ -129,8 +130,9 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
         on_shutdown: called when a client has shut the controller down, on one of its threads.
 
     Raises:
-        ParameterError: There is no such model or generation, or `joints` are not six angles; or the
-            profile is not valid, or of another model.
+        ParameterError: There is no such model or generation, or `joints` are not six angles within
+            two turns; a port or the seed is out of range; or the profile is not valid, or of
+            another model.
         ValueError: `external_axes` are not valid.
         SceneError: `mounting` or `pedestal` is not valid, or `scene` or `tool` holds an object that
             is not a `Thing`.
@@ -170,9 +172,14 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
     ) -> None:
         one_of("generation", generation, GENERATIONS)
         LISTEN_HOST("host", host)
+        port = LISTEN_PORT("port", port)
+        for name, number in {"status_port": status_port, "force_port": force_port}.items():
+            if number is not None:
+                LISTEN_PORT(name, number)
+        seed = _SEED("seed", seed)
         known = None if profile is None else ArmProfile.of(profile)
         if known is not None:
-            named = model if isinstance(model, str) or model is None else model.name
+            named = model.name if isinstance(model, Arm) else model
             if named is not None and arm_of(named).name != known.model:
                 raise ParameterError("model", named, f"that of the profile, {known.model}")
             real_readings = real_readings or bool(known.single_precision)
@@ -186,9 +193,9 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             WAIT(name, time)
         if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
-        if model is None or isinstance(model, str):
+        if not isinstance(model, Arm):
             model = known.arm if known is not None else arm_of(model or "gcr5_910")
-        joints = READY if joints is None else joints
+        joints = READY if joints is None else JOINTS("joints", joints)
         if trial.current is not None:
             joints, cycle, speed = trial.current.made(
                 model, joints, scene=scene, tool=tool, mounting=mounting, pedestal=pedestal

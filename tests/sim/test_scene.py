@@ -142,6 +142,13 @@ def test_a_scene_that_is_none(scene: Any, says: str) -> None:
         Simulator(scene=scene).start()
 
 
+def test_a_stiffness_that_cannot_be_has_its_unit() -> None:
+    with pytest.raises(ParameterError, match="stiffness is -1, but must be a number above 0 N/m;"):
+        Table(stiffness=-1)
+    with pytest.raises(ParameterError, match="damping is -1, but must be a number above 0;"):
+        Pad(damping=-1)
+
+
 def test_what_is_no_observer_is_refused_while_it_runs() -> None:
     with Simulator() as sim, pytest.raises(ParameterError, match="observer is 3"):
         sim.observe(3)  # type: ignore[arg-type]  # it is refused
@@ -169,6 +176,9 @@ def test_what_is_no_scene_is_refused_before_the_start() -> None:
         lambda: Sphere(mass=-1.0),
         lambda: Pad(stiffness=0.0),
         lambda: Table(stiffness=math.nan),
+        lambda: Box(name=3),  # type: ignore[arg-type]  # on purpose
+        lambda: Box(colour="red"),  # type: ignore[arg-type]  # on purpose
+        lambda: Box(colour=(255, 0, 0)),
     ],
 )
 def test_things_that_cannot_be(wrong: Callable[[], Thing]) -> None:

@@ -479,12 +479,26 @@ def test_a_simulator_is_entered_before_it_is_used_and_once() -> None:
         assert sim.time >= 0.0
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize(
-    "options", [{"model": "ur5"}, {"joints": [0.0] * 5}, {"joints": [math.nan] * 6}]
+    ("options", "said"),
+    [
+        ({"model": "ur5"}, "model is 'ur5'"),
+        ({"model": 5}, "model is 5"),
+        ({"joints": [0.0] * 5}, "joints is"),
+        ({"joints": [math.nan] * 6}, "is nan"),
+        ({"joints": [30, -15, 105, 0, -90, 0]}, "(radians, not degrees)"),
+        ({"port": 99999}, "port is 99999, but must be a whole number from 0 to 65535"),
+        ({"port": "7003"}, "port is '7003'"),
+        ({"status_port": -1}, "status_port is -1"),
+        ({"force_port": 2**16}, "force_port is 65536"),
+        ({"seed": -1}, "seed is -1"),
+    ],
 )
-def test_wrong_options_are_named(options: dict[str, object]) -> None:
-    with pytest.raises(ParameterError):
+def test_wrong_options_are_named(options: dict[str, object], said: str) -> None:
+    with pytest.raises(ParameterError) as refused:
         Simulator(**options)  # type: ignore[arg-type]  # that is the test
+    assert said in str(refused.value)
 
 
 @pytest.mark.slow

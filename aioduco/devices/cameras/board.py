@@ -9,6 +9,7 @@ import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError
 from aioduco.models.rules import Number, stored
+from aioduco.models.rules.scalars import LONGEST_ARM
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BoardSize", "find_board"]
 
-_SQUARE = Number(0.0, unit="m", open_low=True, source="this package")
+_SQUARE = Number(0.0, unit="m", open_low=True, plausible=LONGEST_ARM, source="this package")
 _LEAST_CORNERS = 3  # inner corners along a side that OpenCV looks for, at least
 
 

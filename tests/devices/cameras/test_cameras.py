@@ -286,6 +286,7 @@ def test_intrinsics_that_are_none_are_refused(name: str, value: Any) -> None:
         (6, 5, 0),
         (6, 5, np.nan),
         (6, 5, "a"),
+        (6, 5, 30),
     ],
 )
 def test_boards_that_are_none_are_refused(size: Any) -> None:
