@@ -21,7 +21,8 @@ from anyio.from_thread import BlockingPortal
 
 from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import DucoError, RobotStateError
+from aioduco._wire.forks import fork_hooks
+from aioduco.errors import DucoError, RobotStateError, WrongProcess
 from aioduco.models.ranges import TIMEOUT
 from aioduco.supervision.concurrency import every
 from aioduco.sync._presence import CallTimes
@@ -119,6 +120,8 @@ class Runner:
         #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
         self._portal: BlockingPortal | None = None
+        self._in_forked_child = False
+        fork_hooks.add(self)
         self._ready = threading.Event()
         self._asked_to_end = False
         self._thread = threading.Thread(
@@ -177,6 +180,7 @@ class Runner:
         Raises:
             RobotStateError: the robot is not open.
             RuntimeError: this is the loop's own thread.
+            WrongProcess: this is a forked child.
         """
         thread = self._call_times.here
         call = StartedCall(work)
@@ -230,6 +234,12 @@ class Runner:
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
         portal = self._portal
+        if self._in_forked_child:
+            work.close()
+            raise WrongProcess(
+                "refused, since the robot belongs to the process that forked this one; nothing was "
+                "sent. Open another one in this process"
+            )
         if portal is None or not self.running:
             work.close()
             raise RobotStateError("the robot is not open: nothing was sent")
@@ -266,6 +276,11 @@ class Runner:
             portal.start_task_soon(undoing.run)
             _uninterrupted(undoing.wait)
             call.error = undoing.error
+
+    def forked(self) -> None:
+        """In a forked child, where the loop's thread does not run: refuse all calls."""
+        self._in_forked_child = True
+        self._portal = None
 
     # The methods below run on the loop.
 

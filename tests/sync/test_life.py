@@ -9,6 +9,7 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
+from interpreter import python
 
 import aioduco.sync
 from aioduco import ConnectError, Joints, Outcome, RobotStateError
@@ -41,6 +42,34 @@ def test_nobody_there(desk: Desk) -> None:
     with pytest.raises(ConnectError), aioduco.sync.connect(desk.host, desk.port):
         pass
     assert threads() == []
+
+
+FORKING = """
+import os, sys
+import aioduco, aioduco.sync
+
+with aioduco.sync.connect(sys.argv[1], int(sys.argv[2])) as robot:
+    task = robot.motion.movej2.start([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
+    child = os.fork()
+    if child == 0:
+        for use in (robot.stop, robot.stop_now, task.wait, robot.state.get_tcp_pose, robot.sleep):
+            try:
+                use(*([0.1] if use == robot.sleep else []))
+            except aioduco.WrongProcess:
+                continue
+            os._exit(9)
+        sys.exit(7)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    print(task.wait().value)
+"""
+
+
+@pytest.mark.linux("os.fork")
+def test_a_forked_child_is_refused_and_leaves_its_parents_robot_alone(desk: Desk) -> None:
+    desk.motion_time = 0.5
+    done = python("-W", "ignore", "-c", FORKING, desk.host, str(desk.port), timeout=30.0)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "finished\n", "")
+    assert desk.commands == ["movej2"]
 
 
 def test_closing_stops_what_moves(desk: Desk) -> None:
