@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.enums import RobotState
+from aioduco.models.rules import condition_holds
 from aioduco.sim.batches import Batches
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
 from aioduco.sim.cycle import DriveCommand, SensedState
@@ -284,7 +285,7 @@ class SimulationRuntime(PlantChanges):
             self._watchers += 1
         try:
             # Called without the lock: a predicate may call the controller, which needs the loop.
-            while not predicate():
+            while not condition_holds("predicate", predicate()):
                 snapshot = self.snapshot
                 if snapshot.time >= end or self._closing:
                     return False

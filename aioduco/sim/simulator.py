@@ -453,7 +453,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             timeout: the longest wait, in simulated time [s]; `math.inf` for no limit.
 
         Raises:
-            ValueError: The time is negative.
+            ParameterError: The time is negative, or the predicate must be awaited.
             TimeoutError: The condition did not hold in time.
         """
         if timeout != math.inf:

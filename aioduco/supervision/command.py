@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -65,9 +66,10 @@ class MotionCommand(Uncopied):
         if trial.current is not None and hasattr(self, "command"):
             trial.current.forgotten(self, shown(self.command), used=used)
         if not used:
+            # the names of the arguments are not there any more when the interpreter ends
+            what = self.command.name if sys.is_finalizing() else shown(self.command)
             warnings.warn(
-                f"the motion <{shown(self.command)}> was never awaited or started: "
-                "the arm did not move",
+                f"the motion <{what}> was never awaited or started: the arm did not move",
                 RuntimeWarning,
                 source=self,
                 stacklevel=2,

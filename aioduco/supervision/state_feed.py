@@ -28,7 +28,7 @@ from aioduco.errors import (
 )
 from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
-from aioduco.models.rules import Integer
+from aioduco.models.rules import Integer, condition_holds
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.models.words import one_of
 from aioduco.supervision.concurrency import Alarm, every, on_grid
@@ -359,7 +359,8 @@ class StateFeed(Uncopied):
             timeout: seconds for which to wait; None for no limit.
 
         Raises:
-            ParameterError: the time is not above 0, or the predicate is no function.
+            ParameterError: the time is not above 0, the predicate is no function, or it must be
+                awaited.
             TimeoutError: no such sample came in time.
         """
         if timeout is not None:
@@ -371,7 +372,7 @@ class StateFeed(Uncopied):
             async for snapshot in subscription:
                 if not self._complete(snapshot):
                     continue
-                if predicate(snapshot):
+                if condition_holds("predicate", predicate(snapshot)):
                     return snapshot
                 seen, newest = seen + 1, snapshot
         raise TimeoutError(self._timeout_message(predicate, timeout, seen, newest))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco.models.ranges import WAIT
+from aioduco.models.rules import condition_holds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -32,6 +33,7 @@ def eventually(
         what: what is waited for, for the error message; a callable is called only then.
 
     Raises:
+        ParameterError: the condition must be awaited.
         AssertionError: the condition does not hold after the time-out.
     """
     for pause in _pauses(condition, timeout, what):
@@ -50,6 +52,7 @@ async def eventually_async(
         what: what is waited for, for the error message; a callable is called only then.
 
     Raises:
+        ParameterError: the condition must be awaited.
         AssertionError: the condition does not hold after the time-out.
     """
     for pause in _pauses(condition, timeout, what):
@@ -63,7 +66,7 @@ def _pauses(
     timeout = WAIT("timeout", timeout)
     deadline = time.monotonic() + timeout
     pause = _FIRST
-    while not condition():
+    while not condition_holds("condition", condition()):
         left = deadline - time.monotonic()
         if not left > 0:
             said = what if isinstance(what, str) else what()

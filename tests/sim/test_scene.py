@@ -149,6 +149,14 @@ def test_a_stiffness_that_cannot_be_has_its_unit() -> None:
         Pad(damping=-1)
 
 
+def test_a_condition_that_must_be_awaited_does_not_count_as_true() -> None:
+    async def asked() -> bool:
+        return False
+
+    with Simulator() as sim, pytest.raises(ParameterError, match="must be awaited"):
+        sim.wait_until(asked)  # type: ignore[arg-type]  # on purpose
+
+
 def test_what_is_no_observer_is_refused_while_it_runs() -> None:
     with Simulator() as sim, pytest.raises(ParameterError, match="observer is 3"):
         sim.observe(3)  # type: ignore[arg-type]  # it is refused

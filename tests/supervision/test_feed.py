@@ -178,6 +178,20 @@ async def test_subscribers_do_not_hold_each_other_up(robot: aioduco.Robot) -> No
     assert robot.feed.statistics().subscribers == 0
 
 
+async def test_a_predicate_that_must_be_awaited_does_not_count_as_true(
+    robot: aioduco.Robot,
+) -> None:
+    async def asked(_: object) -> bool:
+        return False
+
+    def reading(_: object) -> Any:
+        return robot.io.get_standard_digital_in(3)
+
+    for wrong in (asked, reading):
+        with pytest.raises(aioduco.ParameterError, match="a function that returns at once"):
+            await robot.wait_for(wrong, timeout=5.0)  # type: ignore[arg-type]  # on purpose
+
+
 @pytest.mark.parametrize("wrong", [3, None, "moving", [True]])
 async def test_what_is_no_predicate_is_refused(robot: aioduco.Robot, wrong: Any) -> None:
     with pytest.raises(aioduco.ParameterError, match="predicate"):

@@ -11,6 +11,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 from client.bench import HOME, POSE
+from interpreter import python
 
 import aioduco
 from aioduco import Outcome, TaskState
@@ -94,6 +95,22 @@ async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench:
     with pytest.raises(aioduco.Refused, match=r"refused movel \(answer -1\)"):
         await robot.motion.movel(POSE, v=0.1, a=0.1)
     assert not robot.tasks
+
+
+def test_a_motion_that_is_forgotten_until_the_interpreter_ends_warns() -> None:
+    program = """
+import aioduco
+kept = type("Kept", (), {})()
+kept.itself = kept
+kept.motion = aioduco.connect("127.0.0.1", 1).motion.movej2([0.0] * 6, v=1.0, a=1.0)
+def keep(): return kept
+keep.itself = keep
+"""
+    done = python("-c", program)
+    assert done.stderr == (
+        "sys:1: RuntimeWarning: the motion <movej2> was never awaited or started: the arm did not "
+        "move\n"
+    )
 
 
 async def test_a_motion_may_be_used_again(robot: aioduco.Robot, bench: Bench) -> None:

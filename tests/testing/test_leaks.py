@@ -9,8 +9,10 @@ import sys
 import threading
 from pathlib import Path
 
+import anyio
 import pytest
 
+from aioduco import ParameterError
 from aioduco.testing import Resources, eventually, eventually_async, no_leaks
 
 
@@ -102,3 +104,5 @@ async def test_a_condition_is_waited_for_on_the_loop() -> None:
     await eventually_async(lambda: next(looks))
     with pytest.raises(AssertionError, match=r"still moving"):
         await eventually_async(lambda: False, 0.01, what=lambda: "still moving")
+    with pytest.raises(ParameterError, match="condition is a function whose result must be"):
+        await eventually_async(lambda: anyio.sleep(0.0))

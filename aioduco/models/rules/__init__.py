@@ -37,6 +37,7 @@ from aioduco.models.rules.scalars import (
     Rule,
     Text,
     Whole,
+    condition_holds,
     stored,
 )
 
@@ -64,5 +65,6 @@ __all__ = [
     "VectorLike",
     "Whole",
     "WholesLike",
+    "condition_holds",
     "stored",
 ]

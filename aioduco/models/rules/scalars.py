@@ -6,10 +6,11 @@ import math
 import numbers
 import os
 import sys
+from collections.abc import Awaitable, Coroutine
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.numpy_on_use import is_scalar
 
@@ -48,6 +49,26 @@ def stored(settings: object, **rules: Number) -> None:
     """
     for name, rule in rules.items():
         object.__setattr__(settings, name, rule(name, getattr(settings, name)))
+
+
+def condition_holds(name: str, answer: object) -> bool:
+    """Whether a condition holds, by what the program's function for it returned.
+
+    A coroutine is refused: it would count as true, whatever it would have come to.
+
+    Args:
+        name: the name of the parameter that is the function.
+        answer: what the function returned.
+
+    Raises:
+        ParameterError: it must be awaited.
+    """
+    if isinstance(answer, Awaitable):
+        if isinstance(answer, Coroutine):
+            answer.close()
+        returns = Described("a function whose result must be awaited")
+        raise ParameterError(name, returns, "a function that returns at once whether it holds")
+    return bool(answer)
 
 
 def _plain(value: object) -> object:
