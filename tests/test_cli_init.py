@@ -53,6 +53,17 @@ def test_every_arm_reaches_its_points(model: str, tmp_path: Path) -> None:
     assert len((tmp_path / "demo" / "README.md").read_text().splitlines()) <= 10
 
 
+@pytest.mark.slow
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("model", models())
+def test_no_arm_collides_in_its_cell(model: str, tmp_path: Path) -> None:
+    project = tmp_path / "demo"
+    assert run("init", str(project), "--model", model).exit_code == 0
+    program, cell = str(project / "main.py"), str(project / "cell.toml")
+    tried = run("preflight", program, "--cell", cell)
+    assert tried.exit_code == 0, tried.output
+
+
 def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
     answer = run("init", str(tmp_path))
     assert (answer.exit_code, list(tmp_path.iterdir())) == (1, [])

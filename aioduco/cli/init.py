@@ -36,7 +36,7 @@ pose_mm_deg = [{x}, -{y}, {z}, 180, 0, {turn}]
 kind = "box"
 name = "table"
 at = [{table_x}, 0, {table_z}]
-size = [{table_x}, 0.6, 0.02]
+size = [{table_length}, 0.6, 0.02]
 
 # Motions beyond these limits are refused, and the arm is stopped if it leaves them.
 [[limit]]
@@ -162,7 +162,8 @@ def init(
 ) -> None:
     """Write a project: a cell, a supervised program, tests on the simulator, a workflow.
 
-    It runs as it is: pytest, then aioduco preflight main.py. Nothing is sent to an arm.
+    It runs as it is: pytest, then aioduco preflight main.py --cell cell.toml. Nothing is sent to an
+    arm.
 
     aioduco init demo
 
@@ -177,16 +178,18 @@ def init(
         parse_address(host, name="--host")
     except ParameterError as error:
         raise typer.BadParameter(str(error)) from None
-    # Points that every arm reaches: below where its flange is in the first configuration.
+    # Points that every arm reaches: below where its flange is in the first configuration, and
+    # farther out, as the table is, so that the arm is not folded over it.
     ready = Pose.from_matrix(arm.fkine(Joints.deg(20, -10, 100, 0, -90, 0).array))
     height = round(ready.z - 0.08, 2)
     numbers = {
-        "x": round(ready.x * 1e3),
-        "y": 120,
+        "x": round(1.2 * ready.x * 1e3),
+        "y": round(130 * arm.reach),
         "z": round(height * 1e3),
         "turn": round(math.degrees(ready.rz)),
         "plane_z": round(height - 0.05, 3),
-        "table_x": round(ready.x, 3),
+        "table_x": round(1.4 * ready.x, 3),
+        "table_length": round(ready.x, 3),
         "table_z": round(height - 0.11, 3),
     }
     files = {
@@ -208,4 +211,5 @@ def init(
     except OSError as error:
         fail(f"{folder} cannot be written: {error}")
     say(f"written to {folder}: {', '.join(files)}")
-    say(f"try it: cd {shlex.quote(str(folder))} && pytest && aioduco preflight main.py")
+    inside = f"cd {shlex.quote(str(folder))}"
+    say(f"try it: {inside} && pytest && aioduco preflight main.py --cell cell.toml")

@@ -170,11 +170,20 @@ class Op:
         start: set some time or distance after the start.
         end: set some time or distance before the end, or after it.
         stop: set when the motion is paused or stopped.
+
+    Raises:
+        ParameterError: one of them is no trigger.
     """
 
     start: Trigger | None = None
     end: Trigger | None = None
     stop: Trigger | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end", "stop"):
+            if not isinstance(given := getattr(self, name), Trigger | None):
+                made = "one that Op.at_start, Op.near_end or Op.on_stop has made, or None"
+                raise ParameterError(name, given, made)
 
     @classmethod
     def at_start(

@@ -49,8 +49,7 @@ if TYPE_CHECKING:
     from aioduco.api.system import System as AioSystem
     from aioduco.api.track import Track as AioTrack
     from aioduco.api.version import RobotType, Version as AioVersion
-    from aioduco.devices.teleoperation.devices import InputDevice
-    from aioduco.devices.teleoperation.reading import Reading
+    from aioduco.devices.teleoperation.reading import Reading, ReadingSource
     from aioduco.devices.teleoperation.scale import TeleopScale
     from aioduco.devices.teleoperation.teleop_loop import TeleopReport
     from aioduco.envelope import Envelope
@@ -6728,7 +6727,7 @@ def run_waypoints(
 
 def teleoperate(
     robot: Robot,
-    device: InputDevice,
+    device: ReadingSource,
     scale: TeleopScale | None = None,
     *,
     frame: MotionFrame = 'base',

@@ -156,6 +156,8 @@ def test_what_makes_no_sense_is_refused() -> None:
         lambda: Op.near_end(output(1), distance=math.inf),
         lambda: Op.near_end(output(1), 1),  # type: ignore[arg-type]  # what is tested
         lambda: Op.at_start(3),  # type: ignore[arg-type]  # what is tested
+        lambda: Op(output(3)),  # type: ignore[arg-type]  # what is tested
+        lambda: Op(stop=True),  # type: ignore[arg-type]  # what is tested
         lambda: event(""),
         lambda: Op.at_start(output(1)) | Op.at_start(output(2)),
         lambda: wire_op("op", rpc.Op()),  # type: ignore[arg-type]  # what is tested

@@ -20,7 +20,7 @@ from aioduco.devices.teleoperation.devices import (
     open_device,
 )
 from aioduco.devices.teleoperation.joint_target import JointTarget
-from aioduco.devices.teleoperation.reading import Reading
+from aioduco.devices.teleoperation.reading import Reading, ReadingSource
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.devices.teleoperation.teleop_loop import TeleopReport, teleoperate
 
@@ -30,6 +30,7 @@ __all__ = [
     "JointTarget",
     "KeyboardDevice",
     "Reading",
+    "ReadingSource",
     "SpaceMouseDevice",
     "TeleopReport",
     "TeleopScale",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from aioduco.models.rules import Number
 
-__all__ = ["HELD", "STANDING", "WIDTH", "Axes", "Reading", "deadband"]
+__all__ = ["HELD", "STANDING", "WIDTH", "Axes", "Reading", "ReadingSource", "deadband"]
 
 #: times without a sign of the device for which it counts as held
 HELD = Number(0.0, 60.0, "s", open_low=True, source="this package")
@@ -35,6 +35,17 @@ class Reading(NamedTuple):
     held: bool = False
     done: bool = False
     pressed: frozenset[int | str] = frozenset()
+
+
+class ReadingSource(Protocol):
+    """What may move an arm: an `InputDevice`, or any object of the program with this function."""
+
+    def read(self, now: float) -> Reading:
+        """Return the state at the moment; it must not block.
+
+        Args:
+            now: time of a clock that does not go back [s].
+        """
 
 
 def deadband(value: float, width: float) -> float:

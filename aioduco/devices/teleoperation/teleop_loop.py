@@ -14,7 +14,7 @@ from aioduco.models.ranges import JOINT_SPEED
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from aioduco.devices.teleoperation.devices import InputDevice
+    from aioduco.devices.teleoperation.reading import ReadingSource
     from aioduco.robot import Robot
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.options import WorkerOptions
@@ -42,7 +42,7 @@ class TeleopReport(NamedTuple):
 
 async def teleoperate(
     robot: Robot,
-    device: InputDevice,
+    device: ReadingSource,
     scale: TeleopScale | None = None,
     *,
     frame: MotionFrame = "base",

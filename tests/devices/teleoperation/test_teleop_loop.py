@@ -11,7 +11,6 @@ import pytest
 
 import aioduco
 from aioduco.devices.teleoperation import (
-    InputDevice,
     KeyboardDevice,
     Reading,
     TeleopScale,
@@ -136,7 +135,7 @@ async def test_joints_are_turned_and_a_wrong_scale_is_refused(pipe: tuple[int, i
                 await teleoperate(robot, device, 0.5)  # type: ignore[arg-type]  # what is refused
 
 
-class Held(InputDevice):
+class Held:
     """A device whose dead-man switch is held until its person ends it."""
 
     def __init__(self, seconds: float) -> None:
@@ -172,7 +171,7 @@ async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
     assert report.stream.reason is Reason.CLOSED
 
 
-class Wrong(InputDevice):
+class Wrong:
     """A device of somebody's own that gives no reading."""
 
     def __init__(self, given: Any) -> None:
