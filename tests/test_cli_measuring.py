@@ -196,6 +196,14 @@ def test_a_load_is_not_made_up(arm: Simulator, typed: Any) -> None:
     assert ended.exit_code == 2
 
 
+@pytest.mark.slow
+def test_too_few_poses_by_hand_find_nothing(arm: Simulator, typed: Any) -> None:
+    typed([*[lambda: ""] * 4, lambda: "q"])
+    ended = invoke("payload", at(arm), "--yes")
+    assert ended.exit_code == 1
+    assert "2 poses were read, but 6 or more are needed" in ended.stderr
+
+
 def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:
     file = tmp_path / "cell.toml"
     file.write_text(

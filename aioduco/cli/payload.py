@@ -276,15 +276,19 @@ def _found(
     set_load: _Numbers | None,
     mounting: Mounting,
 ) -> MeasuredLoad:
-    """The load of tool and held things."""
+    """The load of tool and held things; too few poses end the command."""
     from aioduco.kinematics import (  # noqa: PLC0415 - quick help
         gravity,
         identify_load_by_forces,
         identify_load_by_torques,
     )
     from aioduco.kinematics.mounting import base_in_world  # noqa: PLC0415
+    from aioduco.kinematics.payload import MIN_POSES  # noqa: PLC0415
     from aioduco.models.load import Load  # noqa: PLC0415
 
+    if len(joints) < MIN_POSES:
+        needed = f"{MIN_POSES} or more are needed, and eight are good"
+        fail(f"{len(joints)} poses were read, but {needed}: nothing was written")
     down = gravity(base_in_world(mounting.value, arm))
     if sensor is Sensor.FORCE:
         flanges = [arm.fkine(q) for q in joints]

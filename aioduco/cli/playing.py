@@ -135,7 +135,7 @@ class PlayedFile:
             say(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
             return
         count = aioduco.sync.run_waypoints(robot, self.content, arm=self.model, speed=self.speed)
-        say(f"{count} waypoints were reached")
+        say("1 waypoint was reached" if count == 1 else f"{count} waypoints were reached")
 
 
 def _report(found: Iterable[object]) -> None:
