@@ -737,6 +737,33 @@ def test_an_option_that_has_no_effect_with_the_others_is_refused(
     assert f"Invalid value for {option}: " in answer.stderr
 
 
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [
+        ("sim --port 0 --render no/arm.png", "--render"),
+        (f"demo --host {NOBODY} --plot no/demo.png --yes", "--plot"),
+        ("demo --json no/demo.json", "--json"),
+        (f"check {NOBODY} --move --yes --output no/report.md", "--output"),
+        (f"check {NOBODY} --motions no/run.mcap --yes", "--motions"),
+        ("preflight program.py --html no/page.html", "--html"),
+        (f"doctor {NOBODY} --json no/figures.json", "--json"),
+        ("calibrate run.mcap --output no/arm.toml", "--output"),
+        (f"teach {NOBODY} --output no/points.toml --yes", "--output"),
+        ("twin --learn run.mcap --limits no/left.json", "--limits"),
+    ],
+)
+def test_a_folder_that_is_not_there_is_said_before_anything_is_done(
+    words: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("program.py", "run.mcap"):
+        (tmp_path / name).touch()
+    answer = run(*words.split())
+    assert answer.exit_code == 2, answer.output
+    assert f"Invalid value for {option}: there is no folder no" in answer.stderr
+
+
 def test_what_a_cell_tells_and_what_takes_no_cell_is_not_passed_over(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(f'arm = "gcr5_910"\n[robots.arm]\nhost = "{NOBODY}"\n')
     cell = ("--cell", str(tmp_path / "cell.toml"))

@@ -9,6 +9,7 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.options import require_folder
 from aioduco.cli.output import say
 
 __all__ = ["calibrate"]
@@ -39,6 +40,7 @@ def calibrate(
 
     Exit codes: 0 written; 1 the recordings do not fit the arm, or show nothing; 2 wrong options.
     """
+    require_folder("--output", output)
     extras.need("record", "calibrate")
     if model is not None:
         extras.arm(model)

@@ -12,7 +12,7 @@ from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail, write_file
 from aioduco.cli.number_lists import numbers
-from aioduco.cli.options import refuse_unused
+from aioduco.cli.options import refuse_unused, require_folder
 from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.status import look
@@ -117,6 +117,8 @@ def check(
         _points(context, Path(target), model, start, tool, wobj)
         return
     refuse_unused(context, "a file of points", "model", "start", "tool", "wobj")
+    for option, path in {"--output": output, "--bundle": bundle, "--motions": motions}.items():
+        require_folder(option, path)
     if motions is not None:
         refuse_unused(context, "a comparison, without --motions", *with_report)
         from aioduco.cli import extras  # noqa: PLC0415 - for this option alone

@@ -10,6 +10,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.options import require_folder
 
 __all__ = ["doctor"]
 
@@ -34,6 +35,7 @@ def doctor(
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.cli.stream_rate import examine  # noqa: PLC0415
 
+    require_folder("--json", json)
     address = robot_at(host, port, cell)
 
     async def run() -> None:

@@ -17,6 +17,7 @@ __all__ = [
     "ToolFile",
     "Yes",
     "refuse_unused",
+    "require_folder",
 ]
 
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
@@ -42,6 +43,20 @@ MountingOption: TypeAlias = Annotated[
 Pedestal: TypeAlias = Annotated[
     float, typer.Option(help="Height of a column under an arm on the floor [m].")
 ]
+
+
+def require_folder(option: str, path: Path | None) -> None:
+    """Require that a file can be made, before what is to be written into it is done.
+
+    Args:
+        option: the option that names the file.
+        path: the file; None for none.
+
+    Raises:
+        BadParameter: its folder does not exist.
+    """
+    if path is not None and not path.parent.is_dir():
+        raise typer.BadParameter(f"there is no folder {path.parent}", param_hint=option)
 
 
 def refuse_unused(context: typer.Context, use: str, *names: str) -> None:

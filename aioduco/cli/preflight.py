@@ -13,7 +13,14 @@ from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import fail, write_file
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, refuse_unused
+from aioduco.cli.options import (
+    MountingOption,
+    Pedestal,
+    SceneFile,
+    ToolFile,
+    refuse_unused,
+    require_folder,
+)
 
 if TYPE_CHECKING:
     from aioduco.cli.safe_console import SafeConsole
@@ -85,6 +92,8 @@ def preflight(
         refuse_unused(context, "one run, without --runs", "html", "quiet")
     if not vary:
         refuse_unused(context, "--vary", "seed")
+    require_folder("--json", result)
+    require_folder("--html", html)
     extras.need("sim", *(("plot",) if html else ()), *(("sweep",) if runs else ()))
     extras.arm(model)
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone

@@ -14,7 +14,7 @@ from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile
+from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, require_folder
 from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
@@ -117,8 +117,7 @@ def sim(
     )
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
-    if render is not None and not render.parent.is_dir():
-        raise typer.BadParameter(f"there is no folder {render.parent}", param_hint="--render")
+    require_folder("--render", render)
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
     from aioduco.sim.console import Console  # noqa: PLC0415 - as above
     from aioduco.sim.server.line_server import LineServer  # noqa: PLC0415 - as above

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli.addresses import Port, robot_at
-from aioduco.cli.options import refuse_unused
+from aioduco.cli.options import refuse_unused, require_folder
 
 __all__ = ["demo"]
 
@@ -54,6 +54,8 @@ def demo(
         refuse_unused(context, "the pick and place, without --plan", "speed", "plot", "no_plot")
     else:
         refuse_unused(context, "--plan", "pictures")
+    require_folder("--plot", None if no_plot or planned else plot)
+    require_folder("--json", result)
     address = None if host is None else robot_at(host, port)
     if planned:
         run.run_planned(address, model, result, pictures)
