@@ -332,7 +332,9 @@ class Section(Uncopied, ManualNames):
         before = await self._rpc.get_last_error()
         answer = await self._rpc.send(call)
         if nothing(answer):
-            why = new_errors(before, await self._rpc.get_last_error(), call.name, name)
+            after = await self._rpc.get_last_error()
+            self._supervisor.stop_coordinator.follower.have_told(after)
+            why = new_errors(before, after, call.name, name)
             if why:
                 raise Refused(call.name, answer, "; ".join(why))
         return answer

@@ -187,8 +187,12 @@ class TaskFollower:
         found = await self._read("get_last_error")
         if found is None:
             return ()
-        self._error_list = tuple(found)
+        self.have_told(found)
         return added_entries(before, found)
+
+    def have_told(self, errors: Sequence[str]) -> None:
+        """Note the controller's error list: what it has is not what a later command adds."""
+        self._error_list = tuple(errors)
 
     async def _read_error_list(self) -> None:
         self._list_due = False

@@ -159,6 +159,26 @@ async def test_a_setting_that_fails_says_why(robot: aioduco.Robot, desk: Desk) -
         await robot.registers.set_system_value_bool("busy", True)
 
 
+async def test_what_a_read_was_refused_for_is_no_error_of_the_next_command(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    desk.begins("fc_start", end=aioduco.TaskState.ERROR, error="no force sensor")
+    with pytest.raises(aioduco.TaskFailed):
+        await robot.force.fc_start()
+
+    def refused(*_: object) -> float:
+        desk.errors.append("get_system_value_double: there is no 'count'")
+        return 0.0
+
+    desk.answer("get_system_value_double", refused)
+    with pytest.raises(aioduco.Refused, match="there is no 'count'"):
+        await robot.registers.get_system_value_double("count")
+    desk.begins("fc_start", end=aioduco.TaskState.ERROR, error="it is not calibrated")
+    with pytest.raises(aioduco.TaskFailed) as failed:
+        await robot.force.fc_start()
+    assert failed.value.errors == ("it is not calibrated",)
+
+
 async def test_a_recording_that_does_not_begin(robot: aioduco.Robot, desk: Desk) -> None:
     desk.begins("start_record_track", end=aioduco.TaskState.ILLEGAL, lasting=0.0)
     with pytest.raises(aioduco.TaskIllegal, match="start_record_track"):
