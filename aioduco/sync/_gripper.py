@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Concatenate, ParamSpec
 
+from aioduco.errors import ParameterError
 from aioduco.sync._generated_objects import GripperCalls
 
 if TYPE_CHECKING:
@@ -33,6 +34,9 @@ class Gripper(GripperCalls):
         make: the driver's class, or a function that makes the driver, such as `Robotiq.at_tool`.
         *args: further arguments of `make`.
         **kwargs: further keyword arguments of `make`.
+
+    Raises:
+        ParameterError: `make` makes nothing.
     """
 
     def __init__(
@@ -42,6 +46,9 @@ class Gripper(GripperCalls):
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> None:
+        if not callable(make):
+            made = "a driver's class, or what makes the driver of a robot, such as Robotiq.at_tool"
+            raise ParameterError("make", make, made)
         super().__init__(robot._runner, make(robot._made, *args, **kwargs))
 
     def start(self) -> Self:

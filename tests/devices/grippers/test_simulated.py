@@ -199,6 +199,13 @@ async def test_a_cup_that_finds_nothing() -> None:
         assert not sim.signals.standard_out[1]
 
 
+@pytest.mark.parametrize("wrong", ["robotiq_2f85", None])
+def test_what_makes_no_driver_is_refused(wrong: Any) -> None:
+    robot = aioduco.sync.connect("127.0.0.1", 1)
+    with pytest.raises(errors.ParameterError, match="what makes the driver of a robot"):
+        aioduco.sync.Gripper(robot, wrong)
+
+
 @pytest.mark.slow
 def test_for_programs_that_wait() -> None:
     with (
