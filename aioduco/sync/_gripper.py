@@ -46,9 +46,10 @@ class Gripper(GripperCalls):
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> None:
-        if not callable(make):
+        given: object = make
+        if not callable(given):
             made = "a driver's class, or what makes the driver of a robot, such as Robotiq.at_tool"
-            raise ParameterError("make", make, made)
+            raise ParameterError("make", given, made)
         super().__init__(robot._runner, make(robot._made, *args, **kwargs))
 
     def start(self) -> Self:
