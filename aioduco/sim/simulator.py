@@ -425,8 +425,13 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             self._assembly.runtime.observer = observer
 
     def get_digital_output(self, num: int) -> bool:
-        """State of a general output of the cabinet, 1 to 16."""
-        return self._running().controller.signals.standard_out.level(num, self.time)
+        """State of a general output of the cabinet, 1 to 16.
+
+        Raises:
+            IndexError: There is no such output.
+        """
+        outputs = self.signals.standard_out
+        return outputs[num] and outputs.level(num, self.time)
 
     @property
     def forgiven(self) -> dict[str, int]:

@@ -157,6 +157,18 @@ def test_a_condition_that_must_be_awaited_does_not_count_as_true() -> None:
         sim.wait_until(asked)  # type: ignore[arg-type]  # on purpose
 
 
+def test_a_signal_that_is_not_there_raises_for_a_test_and_reads_as_zero_for_a_client() -> None:
+    with Simulator() as sim:
+        for num in (0, 17):
+            with pytest.raises(IndexError, match="there are 1 to 16"):
+                _ = sim.signals.standard_in[num]
+            with pytest.raises(IndexError, match="there are 1 to 16"):
+                sim.get_digital_output(num)
+        sim.set_digital_input(2, True)
+        assert [*sim.signals.standard_in] == [False, True, *[False] * 14]
+        assert sim.signals.standard_in.read(17) is False
+
+
 def test_what_is_no_observer_is_refused_while_it_runs() -> None:
     with Simulator() as sim, pytest.raises(ParameterError, match="observer is 3"):
         sim.observe(3)  # type: ignore[arg-type]  # it is refused

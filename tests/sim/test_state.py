@@ -318,7 +318,10 @@ def test_a_bank_is_numbered_from_one() -> None:
     bank = Bank(2, 0.0)
     bank[2] = 1.5
     assert bank.all() == [0.0, 1.5]
-    assert [bank[num] for num in (0, 1, 2, 3)] == [0.0, 0.0, 1.5, 0.0]
+    assert [bank.read(num) for num in (0, 1, 2, 3)] == [0.0, 0.0, 1.5, 0.0]
+    assert [bank[num] for num in (1, 2)] == [*bank] == [0.0, 1.5]
+    with pytest.raises(IndexError, match="1 to 2"):
+        _ = bank[0]
     with pytest.raises(IndexError, match="1 to 2"):
         bank[3] = 1.0
     assert len(Signals().standard_in) == 16

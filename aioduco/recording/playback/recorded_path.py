@@ -125,6 +125,9 @@ class RecordedPath:
             RecordingError: the recording has no joints, the arm did not move in that time, or a
                 gap is too wide to be bridged: the message says where, and what helps.
         """
+        if not hasattr(run, "arrays"):
+            made = "a recording, as aioduco.recording.read returns it"
+            raise ParameterError("run", run, made)
         speed, bridge = SPEED_FACTOR("speed", speed), _BRIDGE("bridge", bridge)
         one_of("of", of, ("setpoints", "states"))
         first = 0.0 if begin is None else WAIT("begin", begin)

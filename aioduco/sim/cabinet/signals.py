@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
 
 __all__ = ["LEVEL", "Bank", "Outputs", "Pulses", "Signals"]
@@ -35,13 +35,23 @@ class Bank(Generic[T]):
         """Whether there is a signal of this number."""
         return 1 <= num <= len(self._values)
 
+    def __iter__(self) -> Iterator[T]:
+        return iter(self._values.copy())
+
     def __getitem__(self, num: int) -> T:
-        """One signal; zero for a number that does not exist, as the manual says (1.3.7)."""
+        self._require(num)
+        return self._values[num - 1]
+
+    def read(self, num: int) -> T:
+        """What a client reads: zero for a number that does not exist (manual 1.3.7)."""
         return self._values[num - 1] if num in self else self._zero
 
-    def __setitem__(self, num: int, value: T) -> None:
+    def _require(self, num: int) -> None:
         if num not in self:
             raise IndexError(f"there is no signal {num}; there are 1 to {len(self._values)}")
+
+    def __setitem__(self, num: int, value: T) -> None:
+        self._require(num)
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"signal {num} would be {value}, but must be a finite number")
         self._values[num - 1] = value
@@ -102,7 +112,7 @@ class Outputs(Bank[bool]):
 
     def level(self, num: int, time: float) -> bool:
         """Whether an output is high at a time [s]; False for one that does not exist."""
-        return self[num] and self._used[num - 1].level(time)
+        return self.read(num) and self._used[num - 1].level(time)
 
     def levels(self, time: float) -> list[bool]:
         """Every output at a time [s]."""

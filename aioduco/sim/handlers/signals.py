@@ -47,27 +47,27 @@ class SignalHandlers(HandlerSection):
 
     def get_standard_digital_in(self, num: int) -> bool:
         """通用 IO 输入."""
-        return self._signals.standard_in[num]
+        return self._signals.standard_in.read(num)
 
     def get_tool_digital_out(self, num: int) -> bool:
         """末端 IO 输出."""
-        return self._signals.tool_out[num]
+        return self._signals.tool_out.read(num)
 
     def get_tool_digital_in(self, num: int) -> bool:
         """末端 IO 输入."""
-        return self._signals.tool_in[num]
+        return self._signals.tool_in.read(num)
 
     def get_function_digital_in(self, num: int) -> bool:
         """功能 IO 输入."""
-        return self._signals.function_in[num]
+        return self._signals.function_in.read(num)
 
     def get_function_digital_out(self, num: int) -> bool:
         """功能 IO 输出."""
-        return self._signals.function_out[num]
+        return self._signals.function_out.read(num)
 
     def get_config_digital_in(self, num: int) -> bool:
         """Configurable input; on the wire, not in the manual."""
-        return self._signals.config_in[num]
+        return self._signals.config_in.read(num)
 
     def getRobotIOStatus(self) -> IOStatus:  # noqa: N802 - the name on the wire
         """All signals and registers."""
@@ -113,15 +113,15 @@ class SignalHandlers(HandlerSection):
 
     def get_standard_analog_voltage_in(self, num: int) -> float:
         """控制柜上的模拟电压输入 [V]."""
-        return self._signals.voltage_in[num]
+        return self._signals.voltage_in.read(num)
 
     def get_standard_analog_current_in(self, num: int) -> float:
         """控制柜上的模拟电流输入 [mA]."""
-        return self._signals.current_in[num]
+        return self._signals.current_in.read(num)
 
     def get_tool_analog_voltage_in(self, num: int) -> float:
         """机械臂末端的模拟电压输入 [V]."""
-        return self._signals.tool_voltage_in[num]
+        return self._signals.tool_voltage_in.read(num)
 
     def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
         """控制柜上的模拟电压输出, 0 to 10 V."""
@@ -189,23 +189,23 @@ class SignalHandlers(HandlerSection):
 
     def read_bool_reg(self, num: int) -> bool:
         """内部 bool 寄存器, 1 to 64."""
-        return self._signals.bool_out[num]
+        return self._signals.bool_out.read(num)
 
     def read_word_reg(self, num: int) -> int:
         """内部 word 寄存器, 1 to 32."""
-        return self._signals.word_out[num]
+        return self._signals.word_out.read(num)
 
     def read_float_reg(self, num: int) -> float:
         """内部 float 寄存器, 1 to 32."""
-        return self._signals.float_out[num]
+        return self._signals.float_out.read(num)
 
     def get_function_reg_in(self, num: int) -> bool:
         """功能输入寄存器, 1 to 16."""
-        return self._signals.function_reg_in[num]
+        return self._signals.function_reg_in.read(num)
 
     def get_function_reg_out(self, num: int) -> bool:
         """功能输出寄存器, 1 to 16."""
-        return self._signals.function_reg_out[num]
+        return self._signals.function_reg_out.read(num)
 
     # -- system values -------------------------------------------------------------------------
 

@@ -195,6 +195,9 @@ def test_what_makes_no_path_is_refused(options: dict[str, Any], says: str, tmp_p
     run = read(write(tmp_path / "run.mcap"))
     with pytest.raises((aioduco.ParameterError, aioduco.RecordingError), match=says):
         RecordedPath.of(run, **options)
+    name: Any = "run.mcap"
+    with pytest.raises(aioduco.ParameterError, match="run is 'run.mcap', but must be a recording"):
+        RecordedPath.of(name)
 
 
 def test_outputs_are_taken_with_their_times(tmp_path: Path) -> None:
