@@ -196,7 +196,7 @@ def test_what_makes_no_path_is_refused(options: dict[str, Any], says: str, tmp_p
     with pytest.raises((aioduco.ParameterError, aioduco.RecordingError), match=says):
         RecordedPath.of(run, **options)
     name: Any = "run.mcap"
-    with pytest.raises(aioduco.ParameterError, match="run is 'run.mcap', but must be a recording"):
+    with pytest.raises(aioduco.ParameterError, match=r"run is 'run\.mcap', but must be"):
         RecordedPath.of(name)
 
 
