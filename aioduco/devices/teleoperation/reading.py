@@ -46,6 +46,7 @@ class ReadingSource(Protocol):
         Args:
             now: time of a clock that does not go back [s].
         """
+        ...
 
 
 def deadband(value: float, width: float) -> float:
