@@ -359,8 +359,8 @@ class StateFeed(Uncopied):
             timeout: seconds for which to wait; None for no limit.
 
         Raises:
-            ParameterError: the time is not above 0, the predicate is no function, or it must be
-                awaited.
+            ParameterError: the time is not above 0, or the predicate is no function, or none that
+                returns at once whether it holds.
             TimeoutError: no such sample came in time.
         """
         if timeout is not None:

@@ -124,8 +124,8 @@ class Feed(Blocking):
             timeout: seconds for which to wait; None for no limit.
 
         Raises:
-            ParameterError: the time is not above 0, the predicate is no function, or it must be
-                awaited.
+            ParameterError: the time is not above 0, or the predicate is no function, or none that
+                returns at once whether it holds.
             TimeoutError: no such sample came in time.
         """
         return self._call(self._made.wait_for(predicate, timeout=timeout))

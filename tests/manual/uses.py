@@ -178,6 +178,7 @@ BEYOND = {
     "FROM_0": "the same, or none",
     "PORT": "where this package's servers listen",
     "LISTEN_HOST": "likewise",
+    "LISTEN_PORT": "likewise",
     "FILE": "files of this computer",
     "STATE_RATE": "how often this program reads the state",
     "INT_32": "service functions, which are only on the wire",
