@@ -109,6 +109,18 @@ def test_points_of_a_cell_are_taught_in_their_file(tmp_path: Path) -> None:
     assert file.read_text().splitlines()[:7] == before.splitlines()[:7]
 
 
+def test_a_pose_that_another_tool_than_the_cells_is_taught_by_is_said(tmp_path: Path) -> None:
+    with ready_arm() as sim:
+        file = written(tmp_path, sim)
+        words = ("teach", "--cell", str(file), "--no-guide")
+        assert "tip" not in run(*words, typed="pick\nq\n").stderr
+        file.write_text(f"{file.read_text()}\n[tool]\ntcp_mm_deg = [0, 0, 140, 0, 0, 0]\n")
+        assert "tip" not in run(*words, typed="ready\nq\n").stderr
+        said = run(*words, typed="pick\nq\n").stderr
+    assert "the controller's tool has its tip at x 0.0  y 0.0  z 0.0 mm" in said
+    assert "the cell's at x 0.0  y 0.0  z 140.0 mm" in said
+
+
 def test_points_and_waypoints_of_a_cell_are_checked(tmp_path: Path) -> None:
     file = written(tmp_path)
     found = run("check", str(file))

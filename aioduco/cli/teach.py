@@ -113,6 +113,7 @@ class _CellPoints:
         from aioduco.models.pose import Pose  # noqa: PLC0415
 
         if isinstance(self._cell.get(name), Pose):
+            self._compare_tools(robot)
             pose = robot.state.get_tcp_pose()
             self._cell.teach(name, pose)
             self._cell.save()
@@ -121,6 +122,13 @@ class _CellPoints:
         self._cell.teach(name, joints)
         self._cell.save()
         return ", ".join(degrees(joints))
+
+    def _compare_tools(self, robot: Robot) -> None:
+        """Say if the controller's tool, whose pose is stored, is another than the cell's."""
+        tip, known = robot.frames.get_tcp_offset(), self._cell.tool.tcp
+        if not tip.almost_equal(known, position=1e-3, rotation=0.01):
+            text = f"the controller's tool has its tip at {pose_line([*tip])}, the cell's at "
+            say(f"{text}{pose_line([*known])}: the pose is that of the controller's", error=True)
 
 
 def _file(robot: Robot, path: Path) -> _Waypoints:
