@@ -12,10 +12,11 @@ import os
 import signal
 import sys
 from collections import Counter
+from collections.abc import Generator, Iterator, Sequence
 from importlib import import_module
 from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import quick
@@ -34,9 +35,6 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
     resource_tracker.ensure_running()
 
 from ports import give_each_once  # noqa: E402 - see above
-
-if TYPE_CHECKING:
-    from collections.abc import Generator, Iterator, Sequence
 
 # The tests start hundreds of programs. Where Python is told to keep no bytecode, each of them would
 # compile all that it imports.

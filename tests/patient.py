@@ -10,8 +10,8 @@ from __future__ import annotations
 import contextlib
 import runpy
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import aioduco
 import aioduco.sync
@@ -20,9 +20,6 @@ from aioduco.streaming.shared.options import Feeding
 from aioduco.supervision import task_follower
 from aioduco.supervision.operator_stop import stop_arm
 from aioduco.supervision.state_feed import StateFeed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: the command line, run by this file
 COMMAND_LINE = (

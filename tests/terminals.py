@@ -10,14 +10,10 @@ import signal
 import struct
 import subprocess
 import termios
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 #: what asks a command to end: Ctrl-C, a service that is stopped, a terminal that is closed
 ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

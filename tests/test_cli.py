@@ -9,9 +9,10 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
@@ -22,6 +23,7 @@ from moments import complaints
 from patient import COMMAND_LINE
 from PIL import Image
 from terminals import ENDS, terminal
+from typer.testing import Result
 
 import aioduco
 import aioduco.sync
@@ -29,6 +31,7 @@ from aioduco._wire import idl
 from aioduco.cli.app import app
 from aioduco.cli.call import function_of
 from aioduco.cli.demo.run import LEFT
+from aioduco.cli.demo.script import Choreography
 from aioduco.cli.exit_codes import ended_by_errors, write_file
 from aioduco.cli.sim_do import control_port_of
 from aioduco.compat import DucoCobot
@@ -37,13 +40,6 @@ from aioduco.models.enums import RobotState
 from aioduco.models.force_sample import FORCE_REQUEST
 from aioduco.models.names import SPELLINGS, place
 from aioduco.sim import Simulator
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from typer.testing import Result
-
-    from aioduco.cli.demo.script import Choreography
 
 COMMAND = (sys.executable, "-W", "error", "-m", "aioduco.cli")
 PNG = b"\x89PNG\r\n\x1a\n"

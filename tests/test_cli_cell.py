@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from test_cli import run
 from test_cli_robot import ready_arm
+from typer.testing import Result
 
 from aioduco import Cell
 from aioduco.cli.cell_file import is_cell, simulated_parts
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from typer.testing import Result
-
-    from aioduco.sim import Simulator
+from aioduco.sim import Simulator
 
 TEXT = """\
 arm = "gcr5_910"

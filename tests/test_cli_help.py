@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from cli_runner import CliRunner
 from typer.main import get_command
 
 from aioduco.cli.app import app
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 def commands(command: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:

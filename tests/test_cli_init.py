@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from patient import COMMAND_LINE
@@ -13,9 +13,6 @@ from test_cli import run
 
 from aioduco import Cell
 from aioduco.kinematics import check, models
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.mark.slow

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,13 +19,8 @@ from aioduco import Load, Pose
 from aioduco.cli.app import app
 from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.recording.playback import WaypointFile
+from aioduco.sim import Simulator
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from aioduco.sim import Simulator
 
 TIP = np.array([0.01, -0.02, 0.15])
 TOOL = matrix_from_rotvec(np.array([0.3, 0.2, 0.5]))

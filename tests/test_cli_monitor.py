@@ -8,7 +8,8 @@ import math
 import os
 import signal
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import anyio
 import pytest
@@ -28,14 +29,10 @@ from aioduco.cli.monitor.view_state import EventLine, MonitorState
 from aioduco.cli.output import OutputFailed
 from aioduco.models.enums import Outcome, SafetyState
 from aioduco.models.samples import Samples
+from aioduco.sim import Simulator
 from aioduco.supervision.heartbeat import HeartbeatState
 from aioduco.supervision.state_feed import Snapshot
 from aioduco.testing import eventually, eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.sim import Simulator
 
 
 def sample(states: tuple[int, ...] = (6, 5, 5, 1), **status: Any) -> Snapshot:

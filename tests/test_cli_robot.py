@@ -8,9 +8,10 @@ import os
 import re
 import signal
 import subprocess
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import typer
@@ -26,9 +27,6 @@ from aioduco.cli.status import readiness
 from aioduco.models.enums import ProgramState, RobotState
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 HOME = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 

@@ -6,22 +6,17 @@ import signal
 import subprocess
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from cli_runner import CliRunner
 from interpreter import python
 from patient import COMMAND_LINE
-from wire.servers import ScriptedServer
+from wire.servers import Peer, ScriptedServer
 
 from aioduco.cli import stopping
 from aioduco.cli.app import app
+from aioduco.cli.robots_file import RobotAddress
 from aioduco.cli.stopping import PlainStop, plain_stop
-
-if TYPE_CHECKING:
-    from wire.servers import Peer
-
-    from aioduco.cli.robots_file import RobotAddress
 
 STATES = [6, 0, 5, 1]
 

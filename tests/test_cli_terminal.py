@@ -8,7 +8,9 @@ from __future__ import annotations
 import os
 import re
 import signal
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from patient import COMMAND_LINE
@@ -22,12 +24,7 @@ import aioduco
 import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.models.enums import ProgramState
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from aioduco.sim import Simulator
+from aioduco.sim import Simulator
 
 pytestmark = pytest.mark.slow
 

@@ -6,20 +6,16 @@ import ast
 import sys
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
 from interpreter import python
-from wire.servers import ScriptedServer
+from wire.servers import Peer, ScriptedServer
 
 import aioduco.recording
 import aioduco.testing
 from aioduco.robot import _NEEDED_OPEN
-
-if TYPE_CHECKING:
-    from types import ModuleType
-
-    from wire.servers import Peer
 
 
 def run(code: str) -> str:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import pytest
 from quick import CASES, divided, in_share, part, share, slow_first, spread, spread_cases
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 def items(

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from interpreter import python
-
-if TYPE_CHECKING:
-    import subprocess
 
 ROOT = Path(__file__).parents[1]
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import aioduco.sync
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: tasks that move nothing, and end by themselves
 _STANDING = frozenset({"power_on", "power_off", "enable", "disable"})

@@ -8,24 +8,21 @@ and a command that arrived twice by its number in the server's log.
 from __future__ import annotations
 
 import itertools
+import random
 import threading
 import time
 from collections import Counter
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from types import TracebackType
+from typing import Any, Self
 
 import anyio
 
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco.errors import ConnectError, ControllerError, NotSent, OutcomeUnknown
 from aioduco.errors import ConnectionLost as Lost
-
-if TYPE_CHECKING:
-    import random
-    from collections.abc import Awaitable, Callable
-    from types import TracebackType
-
-    from aioduco.testing import RecordingServer
+from aioduco.testing import RecordingServer
 
 #: what the proxy says in its application errors: no other may be seen by a caller
 NO = "not today"

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco._process.platform import missing_guard_features
 from aioduco.supervision.guard.client import shared
 from aioduco.supervision.guard.messages import Release
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: a test that is run without the guard, and with it
 BOTH = pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])

@@ -12,14 +12,11 @@ from __future__ import annotations
 import os
 import sys
 import time
-from typing import TYPE_CHECKING
 
 import anyio
 
 import aioduco
-
-if TYPE_CHECKING:
-    from aioduco.supervision.settings import GuardKind
+from aioduco.supervision.settings import GuardKind
 
 #: joints between which the arm moves; far from every singularity and limit [rad]
 LEFT = (0.4, 0.0, 1.57, 0.0, -1.57, 0.0)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 import thriftpy2
@@ -16,10 +17,6 @@ from aioduco.errors import ConnectionLost
 from aioduco.testing import Delay, DropReply, FaultProxy, HoldReply, RecordingServer, eventually
 
 from .calls import ANSWERS, Book, Call, make
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _protocol: Any = binary.TBinaryProtocolFactory
 

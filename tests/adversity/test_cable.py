@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
@@ -19,17 +19,13 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome
+from aioduco.sim import Simulator
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
 
 from .arm import idle, ready, see_it_stand, unrest
 from .guards import BOTH, one_guard
 from .program import LEFT, RIGHT
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
-
-    from aioduco.sim import Simulator
-    from aioduco.supervision.settings import GuardKind
 
 #: s
 HEARTBEAT = 1.0

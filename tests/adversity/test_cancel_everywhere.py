@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 import pytest
 
 import aioduco
 from aioduco.errors import TaskStopped
 from aioduco.sim import Simulator
-from aioduco.testing import Resources, cancel_at_every_await, eventually_async
+from aioduco.supervision.settings import GuardKind
+from aioduco.supervision.task import OnCancel
+from aioduco.testing import Cancelled, Resources, cancel_at_every_await, eventually_async
+from aioduco.testing.cancel import How
 
 from .arm import see_it_stand, unrest
 from .guards import one_guard
 from .program import LEFT, RIGHT
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
-
-    from aioduco.supervision.settings import GuardKind
-    from aioduco.supervision.task import OnCancel
-    from aioduco.testing import Cancelled
-    from aioduco.testing.cancel import How
-
-    Script = Callable[[aioduco.Robot], Awaitable[None]]
+Script = Callable[[aioduco.Robot], Awaitable[None]]
 
 
 @pytest.fixture(scope="module")

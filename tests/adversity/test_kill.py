@@ -7,23 +7,20 @@ import random
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO
 
 import pytest
 
+from aioduco.sim import Simulator
 from aioduco.testing import eventually, no_leaks
 
 from . import program
 from .arm import idle, ready, unrest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.sim import Simulator
 
 #: s; long enough for a busy machine to beat in time
 HEARTBEAT = 1.0

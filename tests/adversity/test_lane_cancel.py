@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco._wire.lane import WireLane
 from aioduco.testing import (
+    Cancelled,
     Delay,
     FaultProxy,
     RecordingServer,
@@ -17,14 +18,9 @@ from aioduco.testing import (
     eventually_async,
     no_leaks,
 )
+from aioduco.testing.cancel import How
 
 from .calls import ANSWERS, METHODS, Book, make
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from aioduco.testing import Cancelled
-    from aioduco.testing.cancel import How
 
 
 @asynccontextmanager

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import random
 import threading
+from collections import Counter
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from functools import partial
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
@@ -17,10 +18,6 @@ from aioduco.testing import Chaos, Ending, FaultProxy, RecordingServer, eventual
 from .calls import ANSWERS, METHODS, Book, Call, Lag, make
 from .conftest import PARTS
 from .menu import MENU
-
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import AsyncIterator, Iterator
 
 CALLERS = 12
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import random
+from concurrent.futures import Future
 from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING
 
 from anyio.from_thread import start_blocking_portal
 from hypothesis import HealthCheck, settings
@@ -45,9 +45,6 @@ from aioduco.testing import (
 
 from .calls import ANSWERS, METHODS, Book, make
 from .menu import MENU
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future
 
 #: s; long enough that a call that is not held back is never late, even on a busy machine
 AMPLE = 5.0

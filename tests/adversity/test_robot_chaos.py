@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -31,9 +31,6 @@ from aioduco.testing import (
 from .arm import idle, see_it_stand, unrest
 from .guards import one_guard
 from .menu import MENU
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: a controller that says that it refused what it does is not to be helped
 TRUTHFUL: tuple[Fault, ...] = tuple(

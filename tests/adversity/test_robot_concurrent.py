@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any
 
 import anyio
 import numpy as np
@@ -14,15 +15,11 @@ import aioduco
 from aioduco.errors import TaskError
 from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import no_leaks
 
 from .arm import see_it_stand
 from .guards import one_guard
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
-
-    from aioduco.supervision.settings import GuardKind
 
 MOTIONS = 25
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import random
 import signal
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from types import FrameType
 
 import anyio
 import pytest
@@ -14,17 +15,12 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco._wire.lane import WireLane
 from aioduco.errors import TaskStopped
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import FaultProxy, RecordingServer, no_leaks
 
 from .calls import ANSWERS, METHODS, Book, Call, Lag, make
 from .guards import BOTH
 from .test_lane_chaos import opened
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from types import FrameType
-
-    from aioduco.supervision.settings import GuardKind
 
 STOPS = 400
 #: s in which a stop is answered, also by a busy machine

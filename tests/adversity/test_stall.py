@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
 import aioduco
 from aioduco.errors import HeartbeatLost, TaskStopped
 from aioduco.models.enums import Outcome
+from aioduco.sim import Simulator
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .arm import idle, ready, unrest
 from .guards import BOTH, one_guard
 from .program import LEFT
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.sim import Simulator
-    from aioduco.supervision.settings import GuardKind
 
 #: s for which the loop is blocked, well below the limit, which is one second if nothing is said
 SHORT = 0.3

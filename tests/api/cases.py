@@ -5,18 +5,16 @@ from __future__ import annotations
 import inspect
 import json
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import aioduco
 from aioduco._wire import idl
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.supervision.command import MotionCommand
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: never connected to: for what is refused, or made, before anything is sent
 NOBODY = aioduco.connect("192.0.2.1")

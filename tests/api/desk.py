@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from client.bench import Bench, BenchTask
 
 from aioduco import TaskState
 from aioduco._wire import idl
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: where the time in ms stands among the arguments of what goes on; None if it has none
 HELD: dict[str, int | None] = {

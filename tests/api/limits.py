@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import hypothesis.strategies as st
 import pytest
+from hypothesis.strategies import SearchStrategy
 
 from aioduco.models import rules
 from api.cases import Case, refusal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from hypothesis.strategies import SearchStrategy
 
 #: the longest list that is tried out at the edge of its length
 LONGEST = 2000

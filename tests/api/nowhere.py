@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Awaitable, Callable
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import aioduco
 from aioduco import TaskState
 from aioduco._process.platform import boot_time
 from aioduco.supervision.gate import Gate
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
-    #: given the function of the wire and its arguments, it returns the answer
-    Answer = Callable[[str, tuple[Any, ...]], Awaitable[Any]]
+#: given the function of the wire and its arguments, it returns the answer
+Answer = Callable[[str, tuple[Any, ...]], Awaitable[Any]]
 
 
 class _Launcher:

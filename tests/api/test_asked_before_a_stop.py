@@ -6,8 +6,10 @@ read before it is sent. Then each of these reads hangs while the arm is stopped.
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
@@ -16,16 +18,11 @@ from client.bench import FLANGE, HOME, POSE
 import aioduco
 from aioduco import Joints, RealtimeMode, RealtimePoint, WorkerOptions
 from aioduco.envelope import Envelope, Zone
+from aioduco.streaming.stream import Stream
 from aioduco.supervision.command import MotionCommand
 from aioduco.testing import eventually_async
 from api.cases import Case, blocking_cases, cases
 from api.desk import HELD, Desk
-
-if TYPE_CHECKING:
-    import threading
-    from collections.abc import Awaitable, Callable
-
-    from aioduco.streaming.stream import Stream
 
 #: what the robot asks for by itself, all the time
 _BY_ITSELF = {

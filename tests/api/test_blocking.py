@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import inspect
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any
 
 import anyio
 import pytest
@@ -21,12 +22,7 @@ from aioduco.sim import Simulator
 from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import eventually_async
 from api.cases import NOBODY, Case, blocking_cases, cases
-from api.desk import HELD
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
-
-    from api.desk import Desk
+from api.desk import HELD, Desk
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
 #: functions with `block` that are not motions, and motions that only a command ends

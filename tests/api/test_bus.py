@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 import aioduco
 from api.bus_cases import BUSES, DATA
-from api.cases import NOBODY
-
-if TYPE_CHECKING:
-    from api.cases import Case
-    from api.desk import Desk
+from api.cases import NOBODY, Case
+from api.desk import Desk
 
 
 @pytest.mark.parametrize("case", [case for case in BUSES if case.answer is True], ids=str)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +10,7 @@ import pytest
 import aioduco
 from aioduco.supervision.command import MotionCommand
 from api.cases import MANUAL, NOBODY, Case, cases, refusal
-from api.desk import HELD
-
-if TYPE_CHECKING:
-    from api.desk import Desk
+from api.desk import HELD, Desk
 
 #: parameters of the manual that ours do not have, and why
 WITHOUT = {

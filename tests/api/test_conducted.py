@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Awaitable, Callable
+from typing import Any, NamedTuple
 
 import anyio
 import pytest
@@ -12,11 +13,7 @@ from moments import cancelled_once
 import aioduco
 from aioduco import HeartbeatState, RealtimeMode, RealtimePoint, TaskState
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
-    from api.desk import Desk
+from api.desk import Desk
 
 
 class AnsweredAtItsEnd(NamedTuple):

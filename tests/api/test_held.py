@@ -7,22 +7,18 @@ has finished the task as soon as the motion has begun. The manual allows both.
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import anyio
 import pytest
 from moments import cancelled_once
 
 import aioduco
-from aioduco import Jog, Outcome
+from aioduco import HeldMotion, Jog, Outcome, Task
 from aioduco.supervision import task_state
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco import HeldMotion, Task
-    from api.desk import Desk
+from api.desk import Desk
 
 DOWN = [0.0, 0.0, -0.02, 0.0, 0.0, 0.0]
 TURN = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]

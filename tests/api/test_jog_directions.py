@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 import aioduco
 from aioduco import Jog, JogDirections, ParameterError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from api.desk import Desk
+from api.desk import Desk
 
 UP, DOWN = Jog.joint(1, 1, 50, step=0.05), Jog.joint(1, -1, 50, step=0.05)
 WAYS: dict[str, Callable[[aioduco.Robot, Jog], Any]] = {

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 import aioduco
 from aioduco._wire import codec, idl, newer, rpc
 from aioduco._wire.framing import TType
-
-if TYPE_CHECKING:
-    from api.desk import Desk
+from api.desk import Desk
 
 HOME = [0.0, 0.0, 1.5, 0.0, -1.5, 0.0]
 POSE, WOBJ, TOOL = [0.5, 0.1, 0.6, 3.1, 0.0, -1.5], [0.1] * 6, [0.2] * 6

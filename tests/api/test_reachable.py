@@ -5,8 +5,9 @@ from __future__ import annotations
 import inspect
 import re
 import sys
+from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -15,9 +16,6 @@ from aioduco._wire import idl
 from aioduco.api import arguments
 from aioduco.api.section import Section
 from api.cases import DATA, MANUAL, NOBODY
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: what is on the robot itself, since it is for all of it
 ON_THE_ROBOT = {"stop", "pause", "resume", "abort"}

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis.strategies import SearchStrategy
 from quick import examples
 
 import aioduco
 from aioduco import Jog, JogDirections, Joints, Op, ParameterError, Pose
 from aioduco._wire import idl
 from api.cases import Case, cases, refusal
+from api.desk import Desk
 from api.limits import NEVER, NOT_FINITE, edges, rules_of, wrong
 from api.test_reachable import EXCEPTIONS, reachable
-
-if TYPE_CHECKING:
-    from hypothesis.strategies import SearchStrategy
-
-    from api.desk import Desk
 
 CASES = {case.name: case for case in cases()}
 PARAMETERS = [(case, name) for case in cases() for name in case.parameters]

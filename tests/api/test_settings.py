@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 import aioduco
 from aioduco import Joints, Load, Pose
 from aioduco._wire import rpc
+from aioduco.api.kinematics import Reachability
+from api.cases import Case
+from api.desk import Desk
 from api.motion_cases import HOME, NEAR, OTHER, POSE
 from api.setting_cases import CAPS, DAMP, FORCE, ON, PRESS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.api.kinematics import Reachability
-    from api.cases import Case
-    from api.desk import Desk
 
 STARTED = [case for case in FORCE if case.answer == 4 and not case.moves]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import anyio
 import numpy as np
 import pytest
@@ -12,10 +10,8 @@ import aioduco
 from aioduco import Joints, PointOp, Pose
 from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
+from api.desk import Desk
 from api.motion_cases import HOME, POSE
-
-if TYPE_CHECKING:
-    from api.desk import Desk
 
 
 @pytest.fixture

@@ -9,15 +9,13 @@ from __future__ import annotations
 import itertools
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from aioduco._wire import rpc
 from aioduco.models.enums import TaskState
 from aioduco.testing import RecordingServer
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: index of the blend radius among the arguments of each motion
 RADIUS = {"movej2": 3, "movel": 3, "movej_pose2": 3, "movec": 4, "tcp_move": 3}

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import socket
 import threading
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from types import TracebackType
+from typing import Any, NamedTuple, Self
 
 import thriftpy2
 from thriftpy2.protocol import TBinaryProtocol
@@ -15,11 +17,6 @@ from thriftpy2.thrift import TProcessor
 from thriftpy2.transport import TBufferedTransport, TSocket
 
 from aioduco.sim.server import generations
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from types import TracebackType
-    from typing import Self
 
 DATA = Path(__file__).parents[1] / "data"
 WIRE: dict[str, Any] = json.loads((DATA / "wire.json").read_text("utf-8"))

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import inspect
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 import aioduco
 from aioduco import Joints, Op, ParameterError, Pose, output
-from client.bench import HOME, POSE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from client.bench import Bench
+from client.bench import HOME, POSE, Bench
 
 #: the robot is Any here: wrong types are a part of what is tried
 BAD: dict[str, tuple[Callable[[Any], Any], str]] = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
@@ -12,10 +11,7 @@ from moments import cancelled_once
 import aioduco
 from aioduco import Outcome, TaskState
 from aioduco.testing import eventually_async
-from client.bench import HOME, POSE
-
-if TYPE_CHECKING:
-    from client.bench import Bench
+from client.bench import HOME, POSE, Bench
 
 
 def motions(robot: aioduco.Robot, radii: list[float]) -> list[aioduco.MotionCommand]:

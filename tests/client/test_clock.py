@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
@@ -13,11 +13,7 @@ from aioduco import Jog, Outcome
 from aioduco.models.controller_clock import Clock, ScaledClock, WallClock
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from client.bench import Bench
+from client.bench import Bench
 
 ASIDE = [0.4, 0.1, 1.4, 0.0, -1.5, 0.2]
 TURN = [0.2, 0.0, 0.0, 0.0, 0.0, 0.0]

@@ -6,7 +6,7 @@ import contextlib
 import socket
 import socketserver
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import anyio
 import pytest
@@ -15,12 +15,7 @@ from wire.servers import black_hole
 import aioduco
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco.testing import RecordingServer, eventually_async
-from client.bench import HOME
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from client.bench import Bench
+from client.bench import HOME, Bench
 
 
 @contextlib.contextmanager

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import AsyncIterator, Iterator
 
 import pytest
 from moments import cancelled_once
@@ -15,9 +15,6 @@ from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Table
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
 
 Z = (False, False, True, False, False, False)
 DAMPING = (1000.0,) * 3 + (57.0,) * 3

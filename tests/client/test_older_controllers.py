@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from api.cases import Case, cases
@@ -12,9 +13,6 @@ from aioduco import Joints
 from aioduco._wire.connection import Connection
 from client.bench import HOME
 from client.older import NAMES, OLDER, WIRE, Field, OlderController
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CASES = {case.name: case for case in cases()}
 

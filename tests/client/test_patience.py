@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
@@ -14,9 +13,7 @@ from hypothesis import strategies as st
 import aioduco
 from aioduco.supervision.retry import FIRST, LONGEST, pauses
 from aioduco.testing import Cut, FaultProxy, Place
-
-if TYPE_CHECKING:
-    from client.bench import Bench
+from client.bench import Bench
 
 
 @given(seed=st.integers(), count=st.integers(1, 20))

@@ -7,7 +7,8 @@ import contextlib
 import inspect
 import io
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -18,9 +19,6 @@ from aioduco.kinematics import arm, models
 from aioduco.models.rules.scalars import FARTHEST, LONGEST_ARM
 from aioduco.testing import eventually_async
 from client.bench import HOME, POSE, Bench
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.fixture

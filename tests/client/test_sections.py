@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +12,7 @@ import aioduco
 from aioduco import Joints, Op, Pose, TaskState, output
 from aioduco._wire import rpc
 from aioduco.api.section import check_finished
-from client.bench import HOME, POSE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from client.bench import Bench
+from client.bench import HOME, POSE, Bench
 
 NONE = rpc.Op()
 

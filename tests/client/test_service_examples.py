@@ -8,8 +8,9 @@ import shutil
 import socket
 import subprocess
 import sys
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from example_modules import example
@@ -18,9 +19,6 @@ from ports import free_port
 import aioduco
 from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
 
 FAR = [1.5, -0.2, 1.4, 0.0, -1.5, 0.0]
 

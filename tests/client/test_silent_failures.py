@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import AsyncIterator, Iterator
+from typing import Any
 
 import pytest
 
@@ -13,12 +14,7 @@ from aioduco.api.section import new_errors
 from aioduco.sim import Simulator
 from aioduco.sim.cabinet import ModbusSlave
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
-    from aioduco.sim.cabinet.values import Value
-
-VALUES: dict[str, Value] = {"zero": 0.0, "off": False, "text": "", "none": [], "cell.x": 1.5}
+VALUES: dict[str, Any] = {"zero": 0.0, "off": False, "text": "", "none": [], "cell.x": 1.5}
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import anyio
 import pytest
@@ -25,12 +26,7 @@ from aioduco.streaming.ticks import Ticks
 from aioduco.supervision.settings import ClosingSteps
 from aioduco.testing import HalfOpen, Throttle
 from aioduco.testing.preflight import PreflightSettings
-from client.bench import HOME
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from client.bench import Bench
+from client.bench import HOME, Bench
 
 #: values that are no rate and no time
 NEVER = (-1.0, math.nan, -math.inf)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import functools
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator, Callable
+from typing import Any
 
 import anyio
 import numpy as np
@@ -16,9 +17,6 @@ import aioduco
 from aioduco import Jog, Outcome
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
 
 HOME = [0.0, 0.0, 1.5708, 0.0, -1.5708, 0.0]
 #: simulated time after which a call counts as one that goes on, and is cancelled [s]

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 import aioduco
 import aioduco.sync
 from aioduco.testing import Cut, FaultProxy, Place
-
-if TYPE_CHECKING:
-    from client.bench import Bench
+from client.bench import Bench
 
 
 async def test_the_version_is_known_from_connecting_on(bench: Bench) -> None:

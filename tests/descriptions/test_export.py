@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import pytest
 import yaml
 from cli_runner import CliRunner
+from typer.testing import Result
 
 from aioduco.cli.app import app
 from aioduco.descriptions import (
@@ -29,11 +30,6 @@ from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.ros1.launch_package import launch_package
 from aioduco.kinematics import arm
 from aioduco.kinematics.looks import looks, merged
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from typer.testing import Result
 
 PAGE = Path(__file__).parents[2] / "docs" / "descriptions.md"
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import mujoco
@@ -16,9 +17,6 @@ from aioduco.kinematics.bodies import ROTOR, bodies
 from aioduco.kinematics.looks import COLOURS, looks, merged
 
 from .test_urdf import GRIPPER, LEFT, RIGHT, agrees, configurations
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @cache

@@ -5,7 +5,8 @@ from __future__ import annotations
 import shutil
 import subprocess
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import mujoco
@@ -14,15 +15,10 @@ import pytest
 
 from aioduco import Joints, ParameterError, Pose
 from aioduco.descriptions import ArmDescription, Capsule, ToolDescription, srdf, urdf
-from aioduco.kinematics import arm, models
+from aioduco.descriptions.texts import ArmLike
+from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.bodies import bodies
 from aioduco.sim import Simulator
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from aioduco.descriptions.texts import ArmLike
-    from aioduco.kinematics import Arm
 
 GRIPPER = ToolDescription(
     mass=0.9,

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import AsyncIterator, Iterator
 
 import numpy as np
 import pytest
 
 import aioduco
 from aioduco import Joints, WorkerOptions
-from aioduco.envelope import Zone
+from aioduco.envelope import Action, Zone
 from aioduco.sim import Simulator
 
 from .trials import ARM, CYCLE, Seen, watched
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
-    from aioduco.envelope import Action
 
 START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 #: the tool at START

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import AsyncIterator
 from contextlib import suppress
 from itertools import cycle
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
 
 import anyio
 import numpy as np
@@ -19,6 +19,7 @@ from aioduco import (
     JogFrame,
     Pose,
     RealtimePoint,
+    Snapshot,
     StreamError,
     StreamLeavesEnvelope,
     TaskStopped,
@@ -31,19 +32,13 @@ from aioduco.envelope import (
     ToolSpeed,
     Zone,
 )
-from aioduco.models.trace import CallFinished
+from aioduco.models.trace import CallFinished, TraceEvent
+from aioduco.sim import Simulator
+from aioduco.supervision.command import MotionCommand
 from aioduco.testing import eventually_async
 
 from .conftest import AT, FLAT, START, THREAD, fastest, stand, turned, wall
 from .trials import ARM, LAG, Seen, least
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from aioduco import Snapshot
-    from aioduco.models.trace import TraceEvent
-    from aioduco.sim import Simulator
-    from aioduco.supervision.command import MotionCommand
 
 #: how far beyond a limit the arm may ever be, however often a program commands [m]
 BEYOND = 0.02

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import AsyncIterator
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
 
 import anyio
 import numpy as np
@@ -23,21 +23,16 @@ from aioduco import (
 from aioduco.envelope import Crossing, Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.realtime import RealtimePoint
+from aioduco.sim import Simulator
 from aioduco.streaming.shared.words import Reason
+from aioduco.streaming.stream import Stream
 from aioduco.supervision.envelope_watch import EnvelopeWatch
-from aioduco.supervision.events import EnvelopeLeft
+from aioduco.supervision.events import EnvelopeLeft, Event
+from aioduco.supervision.state_feed import Subscription
 from aioduco.testing import eventually_async
 
 from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, turned, wall
 from .trials import LAG, Seen, least
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from aioduco.sim import Simulator
-    from aioduco.streaming.stream import Stream
-    from aioduco.supervision.events import Event
-    from aioduco.supervision.state_feed import Subscription
 
 TOOL = Pose(0, 0, 0, 0, 0, 0)
 

@@ -4,27 +4,22 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
-from aioduco.envelope import Envelope, JointMargin, SingularityMargin, ToolSpeed, Zone
+from aioduco.envelope import Crossing, Envelope, JointMargin, SingularityMargin, ToolSpeed, Zone
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.kinematics.forward import frames
-from aioduco.streaming.shared.space import JOINT_SPACE, Limits
+from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
 from aioduco.streaming.worker.checked import EnvelopeCheck
 from aioduco.streaming.worker.setpoints import PositionGenerator
 
 from .trials import ARM, ROUNDING, START, TOOL, least, places, random_zones
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from aioduco.envelope import Crossing
-    from aioduco.streaming.shared.space import Config
 
 PERIOD = 0.004
 LIMITS = Limits((2.0,) * 6, (10.0,) * 6, (100.0,) * 6)

@@ -30,7 +30,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,6 +38,8 @@ import ruckig
 
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from collections.abc import Iterable, Iterator
 
 import aioduco
 from aioduco import Jog, JogFrame
@@ -51,11 +53,7 @@ from aioduco.sim.handlers.system import SystemHandlers
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from aioduco.streaming.shared.options import Upsampling
+from aioduco.streaming.shared.options import Upsampling
 
 ARM = arm_of("gcr5_910")
 START = np.array([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0])

@@ -13,16 +13,14 @@ No void command moves the arm.
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable, Iterator
+from typing import Final
 
 from aioduco.errors import StopUnconfirmed
 from aioduco.models.enums import TaskState
 from aioduco.supervision.unanswered import MAX_WATCH, MIN_WATCH
 
 from .world import Action, Named, Violation, World
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 #: kinds of commands whose answer is the id of a task
 MOTION, RESUME, MODE, POINTS = "motion", "resume", "mode", "points"

@@ -12,23 +12,20 @@ later, once, and nothing that a dead program has sent arrives later than that.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable
+from typing import Final
 
 from aioduco.errors import StopUnconfirmed
 from aioduco.streaming.shared.words import ControlWord, Reason
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.streaming.worker.task_numbers import TaskNumbers
+from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
 from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
 from .arm import POINTS, ArmWorld, Command
 from .program import HEARTBEAT, STALL, Program
 from .world import TICK, Action, Process, Steps, canonical
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from aioduco.supervision.gate import PermitEnding
 
 #: seconds that a controller waits beyond the heartbeat time, and for which a worker may be away
 SLACK: Final = 0.5

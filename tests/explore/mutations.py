@@ -13,30 +13,23 @@ The numbers are those of what was once wrong:
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from unittest.mock import patch
 
 from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.streaming.worker.task_numbers import TaskNumbers
-from aioduco.supervision.gate import Gate, PermitEnding
+from aioduco.supervision.gate import Gate, Permit, PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import UnansweredMotion
 
 from . import scenarios
-from .program import Program, Task
-from .world import World
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from aioduco.supervision.gate import Permit
-
-    from .arm import Command
-    from .program import Pending
-    from .world import Steps
+from .arm import Command
+from .program import Pending, Program, Task
+from .world import Steps, World
 
 
 @dataclass(frozen=True)

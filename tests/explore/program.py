@@ -8,7 +8,8 @@ awaits: each `yield` is one of their awaits. The decisions are those of the pack
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, TypeVar
+from collections.abc import Callable
+from typing import Final, TypeVar
 
 from aioduco.errors import (
     DucoError,
@@ -20,20 +21,12 @@ from aioduco.errors import (
     TaskStopped,
 )
 from aioduco.models.enums import Outcome
-from aioduco.supervision.gate import Gate, PermitEnding
+from aioduco.supervision.gate import Gate, Permit, PermitEnding
 from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
-from .arm import MODE, Call, Command
-from .world import TICK, Cancelled, Named, Steps, Violation, canonical
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.supervision.gate import Permit
-
-    from .arm import ArmWorld
-    from .world import World
+from .arm import MODE, ArmWorld, Call, Command
+from .world import TICK, Cancelled, Named, Steps, Violation, World, canonical
 
 T = TypeVar("T")
 

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from .arm import MODE, RESUME, Command
-from .shells import Run, Tried, depart, virtual_time
-
-if TYPE_CHECKING:
-    from .shells import Choices, Robot
+from .shells import Choices, Robot, Run, Tried, depart, virtual_time
 
 
 class Program:

@@ -6,17 +6,12 @@ Attributes of each:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 from .arm import MODE, POINTS, RESUME, ArmWorld, Command
 from .lives import LivingWorld
 from .program import Program
-from .world import Violation
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from .world import Steps
+from .world import Steps, Violation
 
 
 class Scenario(ArmWorld):

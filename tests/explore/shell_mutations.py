@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from unittest.mock import patch
 
 from aioduco.supervision.dispatcher import Dispatcher
@@ -16,9 +17,6 @@ from aioduco.supervision.unanswered import UnansweredMotion
 
 from . import programs
 from .mutations import _ends_permits_alone, _same_epoch, _without_watch
-
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
 
 __all__ = ["SHELL_MUTATIONS", "ShellMutation"]
 

@@ -20,14 +20,16 @@ import selectors
 import sys
 import time
 from collections import deque
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import Any, Final, cast
 from unittest.mock import patch
 
 import aioduco
-from aioduco._wire.channel import LaneCall
+from aioduco._wire.channel import Carrier, LaneCall
 from aioduco._wire.idl import functions
+from aioduco._wire.lane import WireLane
 from aioduco.errors import (
     CallTimeout,
     DucoError,
@@ -39,7 +41,7 @@ from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import BackgroundTasks
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
-from aioduco.supervision.gate import Gate
+from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.stop_channel import StopChannel
@@ -48,13 +50,6 @@ from aioduco.supervision.task_command import Command as WireCommand
 
 from .arm import ArmWorld, Call, Command
 from .world import Violation
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
-
-    from aioduco._wire.channel import Carrier
-    from aioduco._wire.lane import WireLane
-    from aioduco.supervision.gate import PermitEnding
 
 #: seconds after which a run must have ended, and turns of the loop that it may take
 _LIMIT: Final = 200.0

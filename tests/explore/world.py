@@ -13,10 +13,11 @@ is one of an operating system's process that is frozen.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from types import GeneratorType
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
+from typing import Any, Final, TypeAlias, TypeVar
 
 from aioduco.errors import DucoError
 from aioduco.streaming.worker.permit import StreamPermit
@@ -25,9 +26,6 @@ from aioduco.supervision.gate import Gate, Permit
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import UnansweredMotion
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterable, Iterator
 
 T = TypeVar("T")
 

@@ -16,15 +16,13 @@ import json
 import multiprocessing
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import anyio
 import uvloop
 
 import aioduco
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 HOME = (0.0, 0.0, 1.5, 0.0, -1.5, 0.0)
 #: a starved machine is not what is tested

@@ -13,12 +13,10 @@ import asyncio
 import faulthandler
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from types import FrameType
+from typing import Any
 
 import aioduco
-
-if TYPE_CHECKING:
-    from types import FrameType
 
 PACKAGE = os.path.dirname(aioduco.__file__) + os.sep  # noqa: PTH120  # compared with file names
 

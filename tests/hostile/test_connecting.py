@@ -8,7 +8,8 @@ import socket
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from client.bench import HOME, Bench
@@ -19,9 +20,6 @@ from aioduco.compat import DucoCobot
 from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, ParameterError, WorkerFailed
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually_async, no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 LACKS = {
     errno.EMFILE: "no file descriptor left .EMFILE",

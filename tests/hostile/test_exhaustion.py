@@ -11,8 +11,9 @@ import os
 import socket
 import sys
 import threading
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import anyio
 import pytest
@@ -32,9 +33,6 @@ from aioduco.supervision import dispatcher, stop_coordinator
 from aioduco.supervision.guard.messages import Watch
 from aioduco.supervision.task_follower import TaskFollower
 from aioduco.testing import eventually_async, no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 
 GUARDS = pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
 

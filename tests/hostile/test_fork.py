@@ -7,18 +7,16 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from client.bench import Bench
 
 from aioduco.testing import eventually, no_leaks
 from hostile import forking
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: s after which a program counts as hung
 HUNG = 60.0

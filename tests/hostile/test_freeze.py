@@ -11,7 +11,7 @@ import os
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,15 +19,11 @@ import pytest
 from aioduco.testing import eventually
 
 from .freeze import clock, processes
+from .freeze.arm import Seen
 from .freeze.cells import HOME, Cell, Draw, cells
 from .freeze.judge import BREAKS, ERROR, GOES_ON, HOLDS, Line, Way, goes_on_by_design, judge
 from .freeze.matrix import chosen, table, trials
 from .freeze.trial import PATIENT, Result
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from .freeze.arm import Seen
 
 pytestmark = pytest.mark.linux("signals that stop processes, and a clock that goes on meanwhile")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from client.bench import HOME, Bench
@@ -17,9 +17,6 @@ from aioduco._process import frozen
 from aioduco._process.spawn import MARK
 
 from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM, TAP
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 PREFLIGHT = """
     from aioduco.testing.preflight import preflight

@@ -7,8 +7,8 @@ send by themselves, and the tap.
 from __future__ import annotations
 
 import socket
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
@@ -27,9 +27,6 @@ from aioduco.errors import ConnectError, ConnectionLost
 from aioduco.models.status_frame import FRAME_SIZE
 from aioduco.recording.tap import Tap
 from aioduco.testing import no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 #: shorter than what the silent side keeps silent, and not waited for where a test passes
 SHORT = 0.3

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from client.bench import HOME, Bench
@@ -17,9 +17,6 @@ from aioduco.sim.simulator import Simulator
 from aioduco.testing.preflight import PreflightError, preflight
 
 from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 PREFLIGHT = """
     from aioduco.testing.preflight import preflight

@@ -5,17 +5,14 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from client.bench import Bench
 
 from aioduco.testing import eventually, no_leaks
 from hostile import interrupted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: s after which a program counts as hung
 HUNG = 60.0

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import gc
 import threading
+from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import anyio.lowlevel
@@ -19,10 +21,6 @@ import aioduco
 from aioduco import WrongLoop
 from aioduco._wire.lane import WireLane
 from aioduco.testing import eventually, eventually_async, no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Iterator
-    from concurrent.futures import Future
 
 #: s after which a call that hangs has failed the test
 PATIENCE = 30.0

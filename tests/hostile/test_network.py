@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
@@ -12,9 +12,6 @@ from aioduco.testing import eventually
 
 from .cable.network import CONTROLLER, KINDS, Network, network, why_not
 from .cable.proxy import GAP, Outage, delayed, held, late
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _SERVER = f"""
 import socket, sys

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from client.bench import HOME, Bench
@@ -14,14 +14,10 @@ import aioduco
 from aioduco import HeartbeatState
 from aioduco.supervision.heartbeat import HeartbeatMachine
 from aioduco.supervision.loop_watchdog import Liveness
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually, eventually_async
 
 from .programs import frozen, running, started
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.supervision.settings import GuardKind
 
 MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
 #: a motion that has ended, and of which nothing is left

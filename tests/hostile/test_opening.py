@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import HeartbeatState
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.supervision.settings import GuardKind
+from aioduco.supervision.settings import GuardKind
 
 
 @pytest.fixture

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, cast
+from collections.abc import Callable
+from typing import Any, cast
 
 import anyio
 import pytest
 
+from aioduco._wire.lane import WireLane
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import ConnectionLost, StopUnconfirmed
 from aioduco.supervision import concurrency, rest
 from aioduco.supervision import stop_channel as control
 from aioduco.supervision.stop_channel import StopChannel
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco._wire.lane import WireLane
 
 
 class Clock:

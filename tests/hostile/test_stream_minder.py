@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import anyio
 import pytest
@@ -10,14 +11,10 @@ from adversity.arm import idle, ready, unrest
 
 import aioduco
 from aioduco.errors import WorkerFailed
+from aioduco.sim import Simulator
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually_async, no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.sim import Simulator
 
 RATE = 200
 

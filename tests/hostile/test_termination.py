@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 from client.bench import HOME, Bench
@@ -15,9 +15,6 @@ import aioduco
 from aioduco.testing import eventually, eventually_async
 
 from .programs import PROGRAM, frozen, running, started
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
 

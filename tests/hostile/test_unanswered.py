@@ -3,7 +3,8 @@ so."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import anyio
 import pytest
@@ -11,12 +12,7 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco.models.enums import Outcome
-from aioduco.testing import ApplicationError, FaultProxy, Garbage, eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.testing import Fault
+from aioduco.testing import ApplicationError, Fault, FaultProxy, Garbage, eventually_async
 
 
 @pytest.fixture

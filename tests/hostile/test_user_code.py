@@ -10,8 +10,9 @@ import sys
 import threading
 import time
 import warnings
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
@@ -22,12 +23,8 @@ from aioduco import HeartbeatState
 from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco.supervision.concurrency import BackgroundTasks
 from aioduco.supervision.loop_watchdog import Liveness, LoopWatchdog
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually, eventually_async, no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.supervision.settings import GuardKind
 
 LEVELS = [logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL]
 ERRORS = [ValueError, KeyboardInterrupt, SystemExit]

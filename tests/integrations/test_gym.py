@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from numpy.typing import NDArray
 
 from aioduco.errors import ParameterError
 from aioduco.integrations.gym import TASKS
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from numpy.typing import NDArray
-
-    Vector = NDArray[np.float64]
-    Policy = Callable[[dict[str, Vector]], Vector]
+Vector = NDArray[np.float64]
+Policy = Callable[[dict[str, Vector]], Vector]
 
 TIP = slice(12, 15)
 

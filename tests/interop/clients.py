@@ -7,11 +7,9 @@ import json
 import math
 import subprocess
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, Self
-
-if TYPE_CHECKING:
-    from pathlib import Path
-    from types import ModuleType
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Protocol, Self
 
 _STRUCT, _MAP, _LIST, _STRING = 12, 13, 15, 11
 #: the module of each service

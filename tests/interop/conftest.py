@@ -9,16 +9,14 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from aioduco.sim import Simulator
 
 from . import build
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: what the compiler writes into
 _PACKAGES = ("duco", "clients")

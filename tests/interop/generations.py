@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import re
 import subprocess
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from client.older import OLDER, layout
 
 from aioduco._wire import idl
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 NAMES = ("3.8", "4.3", *OLDER)
 _TORQUES = ("AuxiliaryPosition", "DynamicTorque", "GravityTorque", "ActualTorque", "ExtraTorque")

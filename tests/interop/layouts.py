@@ -10,16 +10,14 @@ Four services with the wire's own names of functions:
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl
 from aioduco.sim.server import generations
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 OLDER: dict[str, Any] = json.loads(
     Path(generations.__file__).with_name("older_wires.json").read_text(encoding="utf-8")

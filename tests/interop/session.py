@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from aioduco.testing import eventually
 
-from .clients import Lost
-
-if TYPE_CHECKING:
-    from .clients import Client
+from .clients import Client, Lost
 
 HOME = [0.0, 0.0, 1.5708, 0.0, -1.5708, 0.0]
 FINISHED, AUTO = 4, 1

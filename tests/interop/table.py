@@ -21,16 +21,14 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from aioduco._wire import idl
 
 from . import layouts
 from .clients import Lost, Refused
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 TABLE: dict[str, Any] = json.loads(Path(__file__).with_name("calls.json").read_text("utf-8"))
 FUNCTIONS: dict[str, dict[str, Any]] = TABLE["functions"]

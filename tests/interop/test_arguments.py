@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable
+from typing import Any
 
 import pytest
 from api.cases import Case, blocking_cases, cases
@@ -14,10 +15,7 @@ import aioduco
 from aioduco._wire import codec, idl
 from aioduco.supervision.command import MotionCommand
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
-    from .conftest import Generated
+from .conftest import Generated
 
 pytestmark = [pytest.mark.interop, pytest.mark.slow]
 

@@ -7,7 +7,9 @@ without power, and arguments that make no sense (see `table`).
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,15 +19,10 @@ from aioduco.testing import eventually
 
 from . import layouts, table
 from .clients import Client, CppClient, Lost, PythonClient, Refused
+from .conftest import Generated
 from .session import Session
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from pathlib import Path
-
-    from .conftest import Generated
-
-    Start = Callable[[Simulator], Client]
+Start = Callable[[Simulator], Client]
 
 #: the first test waits for a compiler
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(900)]

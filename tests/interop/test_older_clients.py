@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
+from aioduco.sim import Simulator
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 from aioduco.testing import eventually
 
 from . import layouts
 from .frames import EXCEPTION, REPLY, Fields, RawClient
-
-if TYPE_CHECKING:
-    from aioduco.sim import Simulator
 
 pytestmark = pytest.mark.interop
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import subprocess
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from aioduco._wire.lane import WireLane
 from aioduco.errors import ControllerError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 #: the first test waits for a compiler
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(900)]

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco.recording.tap import Tap, TapNote, TappedCall
+from aioduco.sim import Simulator
 
-from .conftest import connected
+from .conftest import Generated, connected
 from .test_vendor_client import BENT, FINISHED, TURNED, bring_up, movej2
-
-if TYPE_CHECKING:
-    from aioduco.sim import Simulator
-
-    from .conftest import Generated
 
 pytestmark = [pytest.mark.interop, pytest.mark.slow]
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from aioduco.testing import eventually
 
-if TYPE_CHECKING:
-    from .conftest import Connect, Generated
+from .conftest import Connect, Generated
 
 pytestmark = pytest.mark.interop
 

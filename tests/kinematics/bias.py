@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from aioduco.kinematics.forward import frames
-
-if TYPE_CHECKING:
-    from aioduco.kinematics.geometry import Geometry
-    from aioduco.models.rotation import Array
+from aioduco.kinematics.geometry import Geometry
+from aioduco.models.rotation import Array
 
 
 def bias_acceleration(geometry: Geometry, q: Array, qd: Array) -> Array:

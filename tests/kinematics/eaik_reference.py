@@ -11,17 +11,14 @@ import importlib.metadata
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from aioduco.kinematics import arm, inverse, models
+from aioduco.kinematics import Arm, arm, inverse, models
 from aioduco.kinematics.forward import singular_values
-
-if TYPE_CHECKING:
-    from aioduco.kinematics import Arm
-    from aioduco.kinematics.geometry import Geometry
-    from aioduco.models.rotation import Array
+from aioduco.kinematics.geometry import Geometry
+from aioduco.models.rotation import Array
 
 REFERENCE = Path(__file__).with_name("eaik.json")
 POSES = 12  # of each arm, in the reference

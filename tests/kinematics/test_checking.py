@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +14,6 @@ from aioduco import Joints, Pose, TaughtPoints
 from aioduco.cli.app import app
 from aioduco.errors import ParameterError
 from aioduco.kinematics import Problem, arm, check
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 ARM = arm("gcr5_910")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,11 +16,9 @@ from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.rates import ArmRates
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.rotation import Array
 from aioduco.sim.physics.model import mjcf
 from kinematics.bias import bias_acceleration
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi).map(lambda angle: round(angle, 12))

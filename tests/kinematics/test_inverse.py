@@ -9,7 +9,7 @@ import dataclasses
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,9 +30,7 @@ from aioduco.kinematics.inverse import (
 )
 from aioduco.kinematics.single import nearest_turns, pose_error, solutions
 from aioduco.models.pose import Pose
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
+from aioduco.models.rotation import Array
 
 FULL_TURNS = st.lists(st.floats(-2 * math.pi, 2 * math.pi), min_size=6, max_size=6).map(np.array)
 MODELS = st.sampled_from(models())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -13,9 +12,7 @@ import aioduco.kinematics
 from aioduco.kinematics import arm, models
 from aioduco.kinematics.bodies import Capsule, bodies
 from aioduco.kinematics.looks import COLOURS, Look, looks, merged
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
+from aioduco.models.rotation import Array
 
 WHERE = Path(aioduco.kinematics.__file__).parent
 

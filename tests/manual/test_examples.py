@@ -6,17 +6,15 @@ import importlib
 import math
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import anyio
 import pytest
 
 from aioduco.compat import DucoCobot
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from types import ModuleType
 
 ROOT = Path(__file__).parents[2]
 DIALECTS = ("async", "sync", "compat")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 import pytest
 from interop import table
@@ -14,6 +15,7 @@ import aioduco
 import aioduco.sync
 from aioduco import Outcome, compat
 from aioduco._wire import rpc
+from aioduco.sim import Simulator
 from aioduco.sim.cabinet.modbus import ModbusSlave
 from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.testing import eventually
@@ -29,11 +31,6 @@ from .prototypes import (
     ours,
     whole,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from aioduco.sim import Simulator
 
 CALLED = sorted(ON_WIRE)
 #: each ends what it is called on, now or later: it has a controller of its own

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -27,9 +28,6 @@ from aioduco.models.rules import (
 )
 
 from .uses import AMOUNTS, BEYOND, BUILT, COMMON, NAMES, OTHER_UNITS, STRUCTS, USES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 DATA = json.loads((Path(__file__).parents[1] / "data" / "manual-3.8.json").read_text("utf-8"))
 MANUAL: dict[str, dict[str, Any]] = {function["name"]: function for function in DATA["functions"]}

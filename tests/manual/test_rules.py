@@ -5,8 +5,9 @@ from __future__ import annotations
 import enum
 import inspect
 import math
+from collections.abc import Callable
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,9 +35,6 @@ from aioduco.models.rules import (
     Text,
     Vector,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SPEED = Number(0.5, 2.0, "m/s", source="test")
 OPEN = Number(0.0, 5.0, "m/s", open_low=True, source="test")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
@@ -17,9 +17,6 @@ from aioduco.api.status_port import StatusPort
 from aioduco.models.address import host_alone, is_host, parse_address
 from aioduco.models.host_port import host_port
 from aioduco.recording.tap import Tap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ROOT = Path(__file__).parents[2] / "aioduco"
 

@@ -15,7 +15,9 @@ import pickle
 import sys
 import threading
 import types
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import made as making
 import numpy as np
@@ -29,10 +31,6 @@ from aioduco.compat._foreign import as_thrift
 from aioduco.errors import DucoError, NotCopyable, ParameterError
 from aioduco.planning import Scene
 from aioduco.sim.scene import Box
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 WAYS: dict[str, Callable[[Any], Any]] = {
     "pickle": lambda thing: pickle.loads(pickle.dumps(thing)),

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,9 +22,6 @@ from aioduco.recording import read
 from aioduco.recording.tap import Tap
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, mounting_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ARM = kinematics.arm("gcr5_910")
 HUGE = 10**400

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, get_args
+from collections.abc import Callable
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -14,9 +15,6 @@ from aioduco.models.jog import Axis, Jog, JogDirections, JogFrame, directions_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.models.version import ControllerVersion
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SIX = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6]
 

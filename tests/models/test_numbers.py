@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import numpy as np
@@ -32,9 +33,6 @@ from aioduco.sim.cabinet import SystemValues
 from aioduco.sim.view.camera import Camera
 from aioduco.streaming.sampling import instants, sampled
 from aioduco.streaming.shared.space import JOINT_SPACE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 SCALARS: list[Any] = [
     *(np.float32(0.25), np.float16(0.25), np.float64(0.25), np.longdouble(0.25), np.array(0.25)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -11,9 +11,6 @@ from hypothesis import strategies as st
 
 from aioduco import Joints, Pose, TaughtPoints
 from aioduco.errors import ParameterError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 ABOVE = Pose(0.4, 0.1, 0.3, math.pi, 0.0, 1e-17)

@@ -7,7 +7,9 @@ import json
 import math
 import os
 import tomllib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,10 +19,6 @@ from aioduco.integrations.fleet import FleetFileError, FleetSettings
 from aioduco.models.toml_files import parse_toml, read_text, rewrite
 from aioduco.recording.playback import WaypointFile, read_envelope
 from aioduco.sim import ArmProfile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
 
 #: keys of 20,000 parts, each on the second line
 DEEP = {

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,9 +25,6 @@ from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.shared.options import Feeding
 from aioduco.supervision.state_feed import Subscription
 from aioduco.testing.preflight.variation import Variation
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 HOST = "192.0.2.1"
 NOWHERE = StreamEndpoint(HOST, 1)

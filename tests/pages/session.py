@@ -11,11 +11,9 @@ import shlex
 import signal
 import subprocess
 import threading
-from typing import TYPE_CHECKING, Self
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Self
 
 __all__ = ["CommandFailed", "Session", "commands"]
 

@@ -18,7 +18,9 @@ import socket
 import sys
 import sysconfig
 import types
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from interpreter import python
@@ -32,10 +34,6 @@ from aioduco.testing import eventually
 from pages.blocks import PYTHON, ROOT, SHELL, Block, Page, pages
 from pages.session import ENDLESS, INSTALLS, SHOWN, Session, commands
 from pages.tutorial import carry_out
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 #: addresses that the pages use for an arm, and for a simulated one
 ARM, SIMULATED = "192.168.1.10", "127.0.0.1"

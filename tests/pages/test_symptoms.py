@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from importlib.machinery import SourceFileLoader
 from types import CodeType
-from typing import TYPE_CHECKING
 
 import pytest
 
 import aioduco.errors
 from pages.blocks import ROOT
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 PAGE = (ROOT / "docs" / "symptoms.md").read_text("utf-8")
 ROWS = [line.split(" | ") for line in PAGE.splitlines() if line.startswith("| ")]

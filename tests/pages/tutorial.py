@@ -14,13 +14,9 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from pages.blocks import FILES, PYTHON, pages
+from pages.blocks import FILES, PYTHON, Page, pages
 from pages.session import INSTALLS, CommandFailed, Session, commands
-
-if TYPE_CHECKING:
-    from pages.blocks import Page
 
 __all__ = ["carry_out"]
 

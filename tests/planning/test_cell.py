@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -18,9 +18,6 @@ from aioduco.models.load import Load
 from aioduco.recording.playback import WaypointFile
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Rod
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TEXT = """\
 # a cell of two arms

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import numpy as np
@@ -22,17 +23,17 @@ from aioduco.models.ranges import JOINT_SPEED
 from aioduco.planning import Plan, Planner, Scene
 from aioduco.planning.execution import execute
 from aioduco.planning.motion_limits import MotionLimits
+from aioduco.planning.plan import PlanCheck
+from aioduco.robot import Robot
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Sphere
-from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, Tolerances
+from aioduco.streaming.joint_trajectory import (
+    Feedback,
+    JointTrajectory,
+    Tolerances,
+    TrajectoryResult,
+)
 from aioduco.streaming.shared.options import WorkerOptions
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
-    from aioduco.planning.plan import PlanCheck
-    from aioduco.robot import Robot
-    from aioduco.streaming.joint_trajectory import TrajectoryResult
 
 LEFT = Joints.deg(50, 0, 90, 0, -90, 0)
 RIGHT = Joints.deg(-50, 0, 90, 0, -90, 0)

@@ -6,7 +6,8 @@ import itertools
 import math
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,9 +29,6 @@ from aioduco.planning import Plan, Planner, Region, Scene
 from aioduco.planning.problem import goals_of
 from aioduco.planning.spaces import UprightPathSpace
 from aioduco.sim.scene import Box, Rod
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 LEFT = Joints.deg(35, -15, 105, 0, -90, 0)
 RIGHT = Joints.deg(-50, -15, 105, 0, -90, 0)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import anyio
 import anyio.to_thread
@@ -13,9 +14,6 @@ from aioduco import Joints, NoPathFound, PlanningError
 from aioduco.planning import Planner, Scene, planner
 from aioduco.planning.problem import PlanningProblem, WorkerScene
 from aioduco.sim.scene import Box
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 HERE = Joints.deg(0, 0, 90, 0, -90, 0)
 BOX = Box(at=(0.5, 0.0, 0.2), size=(0.1, 0.1, 0.1), name="box")

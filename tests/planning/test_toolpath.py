@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from aioduco.errors import ParameterError
 from aioduco.planning.toolpath import poses_along
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 def at(x: float, z: float) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from interop import build
@@ -13,9 +14,6 @@ from interop.conftest import _need, generated  # noqa: F401 - a fixture
 from aioduco import compat
 
 from .vendor import Generated
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import subprocess
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -26,14 +28,9 @@ from . import (
     wafer_cell,
     wrapper,
 )
+from .conftest import Make
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from .conftest import Make
-
-    Start = Callable[..., Simulator]
+Start = Callable[..., Simulator]
 
 #: the quick run takes the first make, for which nothing has to be generated
 pytestmark = pytest.mark.cases(1)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import importlib
 import inspect
 from functools import partial
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from types import ModuleType
+from types import ModuleType
+from typing import Any
 
 
 class Generated:

@@ -10,8 +10,9 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -25,9 +26,6 @@ from aioduco.recording.channels import ANGLE
 from aioduco.recording.container import DATA_END, MAGIC
 from aioduco.recording.figures import draw_page, draw_png, drawn, panels
 from aioduco.sim import Simulator
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 

@@ -9,7 +9,9 @@ import stat
 import struct
 import sys
 import tracemalloc
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,10 +21,6 @@ from aioduco.recording.container import MAGIC
 from aioduco.recording.figures import draw_page
 from aioduco.recording.playback import RecordedPath
 from recording.mcap_records import HEAD, channel, message, record, text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 zstandard = pytest.importorskip("zstandard")
 

@@ -12,8 +12,10 @@ import socket
 import struct
 import threading
 import time
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from client.bench import HOME, Bench
@@ -22,15 +24,9 @@ from websockets.typing import Subprotocol
 
 import aioduco
 import aioduco.sync
-from aioduco.recording import read
+from aioduco.recording import Publication, read
 from aioduco.testing import eventually_async
 from recording.mcap_records import decoded
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
-
-    from aioduco.recording import Publication
 
 _DATA = struct.Struct("<BIQ")
 

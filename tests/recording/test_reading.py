@@ -7,7 +7,8 @@ import csv
 import json
 import logging
 import struct
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,9 +31,6 @@ from aioduco.recording.container import (
 )
 from aioduco.sim import Simulator
 from recording.mcap_records import channel, decoded, message, record, text
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture(scope="module")

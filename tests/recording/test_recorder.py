@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import foxglove
@@ -22,12 +22,9 @@ import aioduco
 import aioduco.sync
 from aioduco.errors import TaskStopped
 from aioduco.models.enums import TaskState
-from aioduco.recording import channels, read, writer
+from aioduco.recording import RecordedRun, channels, read, writer
 from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async
-
-if TYPE_CHECKING:
-    from aioduco.recording import RecordedRun
 
 
 def data(run: RecordedRun, topic: str) -> list[dict[str, Any]]:

@@ -15,19 +15,16 @@ import subprocess
 import sys
 import textwrap
 import threading
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from adversity.arm import ready
 
+from aioduco.sim import Simulator
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.sim import Simulator
 
 #: a program: `told` says that it was told something, or that a call has returned
 PROGRAM = """

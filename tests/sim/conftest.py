@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import contextlib
 import math
-from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
 
 import pytest
 from cycle_time import USUAL, set_cycle, set_power_times
@@ -17,14 +18,10 @@ from aioduco.sim.simulator import CYCLE, Simulator
 from .cycles import Cycles
 from .raw import RawClient
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from concurrent.futures import Future
-
-    #: types of the fixtures that are functions
-    Aside = Callable[..., Future[Any]]
-    Connect = Callable[[Any], "Program"]
-    Started = Callable[..., tuple[Simulator, "Program"]]
+#: types of the fixtures that are functions
+Aside = Callable[..., Future[Any]]
+Connect = Callable[[Any], "Program"]
+Started = Callable[..., tuple[Simulator, "Program"]]
 
 #: what a function of 1.3.7 answers to an argument out of its range (manual 1.3.7)
 OUT_OF_RANGE = 0

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import pytest
 
+from aioduco.models.rotation import Array
 from aioduco.sim.physics.world import World
-
-if TYPE_CHECKING:
-    import pytest
-
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.planner.path import JointSetPoint
 
 
 class Cycles:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,6 @@ from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.force.control import ForceControl
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.slices import yield_now
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 Vector = NDArray[np.float64]
 HOME = np.zeros(6)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import example, given
@@ -14,8 +13,7 @@ from aioduco.sim.cabinet.modbus import Gripper, ModbusSlave, RtuSlave, crc16
 from aioduco.sim.cabinet.ports import CanPort, SerialPort
 from aioduco.sim.simulator import Simulator
 
-if TYPE_CHECKING:
-    from .conftest import Connect, Program
+from .conftest import Connect, Program
 
 
 @pytest.fixture

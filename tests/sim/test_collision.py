@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -21,10 +21,7 @@ from aioduco.sim.planner.segments import joint_move
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import READY, Simulator
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from .conftest import Connect, Program, Started
+from .conftest import Connect, Program, Started
 
 HOME = np.array(READY)
 FIVE = arm("gcr5_910")

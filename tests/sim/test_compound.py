@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +15,8 @@ from aioduco.models.pose import Pose
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.simulator import READY, Simulator
 
-if TYPE_CHECKING:
-    from .conftest import Program
-    from .cycles import Cycles
+from .conftest import Program
+from .cycles import Cycles
 
 END: Any = (0.0, [], "", "", True, Op(), False)
 AMPLITUDE = 0.004

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import math
 import socket
+from collections.abc import Callable
 from contextlib import closing
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -21,10 +21,7 @@ from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.server.line_server import LineServer
 from aioduco.sim.simulator import READY, Simulator
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Connect, Program
+from .conftest import Connect, Program
 
 
 def test_an_input_follows_its_output_after_a_time() -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,15 +14,9 @@ from aioduco._wire.rpc import Op, PointOp
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
+from aioduco.sim.snapshot import SimulationSnapshot
 
-from .conftest import advance_until, standing_time
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from aioduco.sim.snapshot import SimulationSnapshot
-
-    from .conftest import Program
+from .conftest import Program, advance_until, standing_time
 
 END = (True, Op(), False)
 

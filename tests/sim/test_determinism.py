@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from aioduco.sim import Simulator, assembly
 from aioduco.sim.physics.world import World
+from aioduco.sim.planner.path import JointSetPoint
 
 from .conftest import Program, Wire, let_pass
-
-if TYPE_CHECKING:
-    from aioduco.sim.planner.path import JointSetPoint
 
 FINISHED = 4
 POSE = [0.492, 0.1945, 0.442, math.pi, 0.0, -math.pi / 2]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator, Awaitable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,13 +18,8 @@ from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, standing_time
+from .conftest import Connect, advance_until, standing_time
 from .raw import RawClient
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Iterator
-
-    from .conftest import Connect
 
 RAIL, TABLE = Axis(-0.5, 3.0, 1.0, 2.0), Axis(-math.pi, math.pi, 2.0, 8.0, jog=1.0)
 AXES: dict[str, Any] = {"scheme_name": "rail", "epose": [1.0, 0.0, 0.0], "eaxis_v": 0.5}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -11,9 +12,6 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.simulator import Simulator
 
 from .conftest import Program, Wire
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 FINE, ILLEGAL, WRONG = TaskState.FINISHED, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH
 NAN, INF = math.nan, math.inf

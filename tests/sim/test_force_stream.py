@@ -7,7 +7,7 @@ import math
 import socket
 import struct
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
@@ -21,9 +21,6 @@ from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
 from aioduco.sim.server.force_server import ForceServer
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 SAMPLE = ForceSample((1.0, -2.0, 3.5, 0.25, 0.5, -0.125), Pose(0.5, 0.25, 0.125, 1.0, 0.5, -1.0))
 

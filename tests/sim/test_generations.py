@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator
+from typing import Any
 
 import numpy as np
 import pytest
 
 import aioduco
-from aioduco import ControllerError, Jog, JogDirections, ParameterError, UnknownFunction
+from aioduco import ControllerError, Jog, JogDirections, ParameterError, Robot, UnknownFunction
 from aioduco._wire import newer
 from aioduco.compat import DucoCobot
 from aioduco.sim import Simulator
 from aioduco.sim.server.generations import GENERATIONS
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from aioduco import Robot
 
 
 @pytest.fixture

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 import time
+from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import psutil
 import pytest
@@ -16,9 +17,6 @@ from aioduco.testing import eventually
 
 from .hostile import Fuzzer, Mutator, percentiles
 from .raw import RawClient
-
-if TYPE_CHECKING:
-    from collections import Counter
 
 #: what the process may take besides what it had after its first calls
 ROOM = 64 << 20

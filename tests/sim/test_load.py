@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,10 +12,7 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.scene import Rod
 from aioduco.sim.simulator import Simulator
 
-from .conftest import OUT_OF_RANGE, advance_until, let_pass, standing_time
-
-if TYPE_CHECKING:
-    from .conftest import Program, Started
+from .conftest import OUT_OF_RANGE, Program, Started, advance_until, let_pass, standing_time
 
 NOTHING = [0.0] * 6
 

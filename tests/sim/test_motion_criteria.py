@@ -8,8 +8,9 @@ within 2 mrad of their set-points while they move.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,16 +19,11 @@ import scipy
 from aioduco._wire.rpc import Op, PointOp
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim.simulator import READY, Simulator
 
 from .conftest import Program, Wire
 from .cycles import Cycles
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from aioduco.models.rotation import Array
 
 pytestmark = pytest.mark.usefixtures("real_cycle")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,10 +11,7 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, standing_time
-
-if TYPE_CHECKING:
-    from .conftest import Program, Started
+from .conftest import Program, Started, advance_until, standing_time
 
 
 def duration(sim: Simulator, robot: Program, angle: float, v: float = 0.5) -> float:

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco.sim import Simulator
+from aioduco.sim.process import SimulatorProcess
 
 from .raw import RawClient
-
-if TYPE_CHECKING:
-    from aioduco.sim.process import SimulatorProcess
 
 HERE, ELSEWHERE = 16, 4
 FINISHED = 4

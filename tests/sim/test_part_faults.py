@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -12,15 +12,11 @@ from aioduco.kinematics import arm
 from aioduco.models.gripper_models import gripper_model
 from aioduco.sim import Simulator
 from aioduco.sim.console import Console
+from aioduco.sim.physics.gripper import Hand
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.scene import Box, Table, mjcf_of
 from aioduco.sim.simulator import READY
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.sim.physics.gripper import Hand
 
 GCR5 = arm("gcr5_910")
 ZERO = np.zeros(6)

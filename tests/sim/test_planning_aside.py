@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,22 +16,15 @@ from aioduco._wire.rpc import Op
 from aioduco.errors import ConnectionLost, ControllerError
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.models.pose import Pose
+from aioduco.sim.controller.motion_queue import Planning
+from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planning import PlanningThreads
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
-from .conftest import let_pass
+from .conftest import Aside, Connect, Program, Started, let_pass
 from .fakes import Bench, impossible, leg
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from aioduco.sim.controller.motion_queue import Planning
-    from aioduco.sim.controller.state_machine import Controller
-
-    from .conftest import Aside, Connect, Program, Started
-
 
 LEFT, RIGHT = [0.3, *READY[1:]], [-0.3, *READY[1:]]
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from aioduco._wire.rpc import Op
-from aioduco.kinematics import arm
+from aioduco.kinematics import Arm, arm
 from aioduco.models.enums import SafetyState, TaskState
 from aioduco.sim.cycle import SensedState
 from aioduco.sim.force.control import AdmittanceLaw, ForceControl
@@ -22,11 +23,6 @@ from aioduco.sim.scene import Rod, Table, mjcf_of
 from aioduco.sim.simulator import Simulator
 
 from .conftest import Program, Wire, let_pass
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.kinematics import Arm
 
 Vector = NDArray[np.float64]
 CYCLE = 0.001

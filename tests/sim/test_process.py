@@ -6,7 +6,6 @@ import json
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
 
 import psutil
 import pytest
@@ -14,8 +13,7 @@ import pytest
 from aioduco.errors import ParameterError, SceneError
 from aioduco.sim.simulator import Simulator
 
-if TYPE_CHECKING:
-    from .conftest import Connect
+from .conftest import Connect
 
 
 def run() -> subprocess.Popen[bytes]:

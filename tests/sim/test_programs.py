@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Generator, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,13 +16,7 @@ from aioduco.sim.controller.programs import ProgramRun
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, let_pass, standing_time
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterator
-    from pathlib import Path
-
-    from .conftest import Aside, Connect, Program, Started
+from .conftest import Aside, Connect, Program, Started, advance_until, let_pass, standing_time
 
 LEFT, RIGHT = [0.3, *READY[1:]], [-0.3, *READY[1:]]
 FAR = [2.0, *READY[1:]]

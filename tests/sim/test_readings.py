@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -11,8 +10,7 @@ import pytest
 from aioduco.sim.force.sensor import SensorNoise
 from aioduco.sim.simulator import Simulator
 
-if TYPE_CHECKING:
-    from .conftest import Connect, Program, Started
+from .conftest import Connect, Program, Started
 
 
 def of_32_bits(numbers: list[float]) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 from example_modules import example
@@ -14,12 +14,7 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.planner.track_pool import CAPACITY
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, standing_time
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Aside, Program
+from .conftest import Aside, Program, advance_until, standing_time
 
 #: manual 3.8, 1.3.15, the example: joint velocities, a row for each millisecond [rad/s]
 ROWS: list[list[float]] = example("manual/cabinet").JOINTS_VEL

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,11 +14,8 @@ from aioduco.sim.cabinet.project import CAPACITY, RecordedTrack
 from aioduco.sim.controller.recorder import BY_POSITION, BY_TIME, Recorder
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, let_pass, standing_time
+from .conftest import Aside, Program, advance_until, let_pass, standing_time
 from .fakes import Bench
-
-if TYPE_CHECKING:
-    from .conftest import Aside, Program
 
 pytestmark = pytest.mark.usefixtures("real_cycle")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -12,10 +12,7 @@ from aioduco.sim.cabinet.signals import LEVEL, Outputs, Pulses
 from aioduco.sim.cabinet.values import SystemValues, UndefinedValue
 from aioduco.sim.simulator import Simulator
 
-from .conftest import OUT_OF_RANGE
-
-if TYPE_CHECKING:
-    from .conftest import Connect, Program
+from .conftest import OUT_OF_RANGE, Connect, Program
 
 #: writer, reader, highest number, a value, zero
 ROWS = [

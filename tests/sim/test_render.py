@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from aioduco.errors import ParameterError, RenderError
 from aioduco.kinematics import arm
@@ -16,11 +18,6 @@ from aioduco.sim.simulator import Simulator
 from aioduco.sim.view.camera import Camera, towards
 from aioduco.sim.view.drawing import advice
 from aioduco.sim.view.film import Film
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
 
 RED = Box(at=(0.4, -0.3, 0.3), size=(0.2, 0.2, 0.2), colour=(1.0, 0.0, 0.0))
 CELL = f"""<mujoco><worldbody><camera name="above" pos="0.4 0 3" xyaxes="0 -1 0 1 0 0"/>

@@ -7,30 +7,25 @@ import logging
 import math
 import threading
 import time
+from collections.abc import Iterator, Sequence
 from functools import partial
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from aioduco.sim import batches
 from aioduco.sim import runtime as module
 from aioduco.sim.cycle import PlantReading
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
 from aioduco.testing import eventually
 
 from .fakes import HOME, FakeMover, controller_of, leg
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from aioduco.sim.planner.path import JointSetPoint
-
-    Vector = NDArray[np.float64]
+Vector = NDArray[np.float64]
 
 
 class Follower:

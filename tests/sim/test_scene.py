@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,13 +30,7 @@ from aioduco.sim.scene import (
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing.waiting import eventually
 
-from .conftest import let_pass
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from .conftest import Connect, Started
+from .conftest import Connect, Started, let_pass
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 FIVE = arm("gcr5_910")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import socket
 import struct
 import threading
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NoReturn
 
 import psutil
 import pytest
@@ -19,9 +20,6 @@ from aioduco.sim.refusal import Refusal
 from aioduco.sim.server import Server
 
 from .raw import RawClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
 
 
 def _no(name: str, _args: tuple[Any, ...]) -> NoReturn:

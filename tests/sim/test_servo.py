@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -12,8 +12,7 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 from aioduco.sim.simulator import READY, Simulator
 
-if TYPE_CHECKING:
-    from .conftest import Program
+from .conftest import Program
 
 GAINS = (200.0, 25.0, 10.0, 1.0)
 

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import TYPE_CHECKING
 
 import psutil
 import pytest
 
 import aioduco
-from aioduco._wire.rpc import Op
+from aioduco._wire.rpc import Op, RobotStatus
 from aioduco.errors import ConnectionLost, ControllerError, ParameterError
 from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import nothing_forgiven
 
-from .conftest import OUT_OF_RANGE, advance_until, let_pass, standing_time
-
-if TYPE_CHECKING:
-    from aioduco._wire.rpc import RobotStatus
-
-    from .conftest import Aside, Connect, Program, Started
-
+from .conftest import (
+    OUT_OF_RANGE,
+    Aside,
+    Connect,
+    Program,
+    Started,
+    advance_until,
+    let_pass,
+    standing_time,
+)
 
 SLOW = 0.02
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, fields
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -26,10 +25,7 @@ from aioduco.sim.refusal import Rejected
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
-from .conftest import OUT_OF_RANGE, advance_until, let_pass, standing_time
-
-if TYPE_CHECKING:
-    from .conftest import Program, Started
+from .conftest import OUT_OF_RANGE, Program, Started, advance_until, let_pass, standing_time
 
 ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(np.array)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,12 +15,7 @@ from aioduco.models.enums import RobotState
 from aioduco.sim.physics.temperature import AMBIENT, Temperatures
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import advance_until, let_pass, standing_time
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .conftest import Program
+from .conftest import Program, advance_until, let_pass, standing_time
 
 TOOL = [0.02, 0.0, 0.15, 0.0, 0.3, 0.0]
 

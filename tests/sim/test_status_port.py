@@ -7,8 +7,9 @@ import math
 import socket
 import struct
 import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -21,9 +22,6 @@ from aioduco.sim.server.status_server import StatusServer as Pusher
 from aioduco.testing import eventually
 
 from .conftest import Program, Wire, standing_time
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 FACTS: dict[str, Any] = json.loads(
     (Path(__file__).parents[1] / "data" / "status-port-2001.json").read_text(encoding="utf-8")

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from aioduco.devices.grippers import gripper_model
 from aioduco.kinematics import Arm, arm, models
+from aioduco.models.rotation import Array
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.segments import joint_move
 from aioduco.sim.scene import Box, Table, mjcf_of
 from aioduco.sim.simulator import READY
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 HOME = np.array(READY)

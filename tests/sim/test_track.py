@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,8 +11,7 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import READY, Simulator
 
-if TYPE_CHECKING:
-    from .conftest import Program
+from .conftest import Program
 
 
 def turned(angle: float) -> list[float]:

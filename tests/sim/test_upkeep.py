@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,14 +11,9 @@ from aioduco.errors import ControllerError
 from aioduco.models.enums import OperationMode, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.handlers import NOT_PUBLIC
-from aioduco.sim.simulator import READY
+from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import OUT_OF_RANGE, advance_until, standing_time
-
-if TYPE_CHECKING:
-    from aioduco.sim.simulator import Simulator
-
-    from .conftest import Program
+from .conftest import OUT_OF_RANGE, Program, advance_until, standing_time
 
 #: how near its end a set-point may be in the cycle before the last one [rad]
 END = 1e-5

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 import pytest
 
 from aioduco._wire.rpc import MoveJogTaskParam
@@ -14,12 +15,7 @@ from aioduco.models.jog import JogFrame
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import let_pass, standing_time
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from .conftest import Program, Started
+from .conftest import Program, Started, let_pass, standing_time
 
 STILL = [0.0] * 6
 

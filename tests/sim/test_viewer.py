@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import sys
 import types
-from typing import TYPE_CHECKING, Any
+from contextlib import AbstractContextManager
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +15,6 @@ from aioduco.errors import RenderError
 from aioduco.sim.simulator import Simulator
 from aioduco.sim.view import viewer
 from aioduco.sim.view.camera import Camera
-
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
 
 
 class Window:

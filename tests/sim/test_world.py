@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,13 +11,11 @@ import pytest
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.bodies import ROTOR, bodies
 from aioduco.models.pose import Pose
+from aioduco.models.rotation import Array
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.segments import joint_move, line_move
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 HOME = np.radians([0, 0, 90, 0, -90, 0])

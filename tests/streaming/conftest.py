@@ -5,21 +5,18 @@ from __future__ import annotations
 import socket
 import threading
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from aioduco.api.streams.servo import Servo
 from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.supervision.gate import Gate
 from aioduco.testing import RecordingServer, eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.supervision.gate import Gate
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from aioduco.streaming.shared.space import Config, Space
+from aioduco.streaming.shared.space import Config, Space
 
 
 class Peaks(NamedTuple):

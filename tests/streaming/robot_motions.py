@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
+import aioduco
 from aioduco.models.pose import Joints
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import aioduco
-    from aioduco.streaming.shared.options import WorkerOptions
-    from aioduco.streaming.stream import Stream
+from aioduco.streaming.shared.options import WorkerOptions
+from aioduco.streaming.stream import Stream
 
 #: where every test begins; far from every singularity [rad]
 START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)

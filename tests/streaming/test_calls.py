@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco._wire import codec, idl
+from aioduco._wire.connection import Connection
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
 from aioduco.streaming.worker.encoding import Batch, Point, element_tail
-
-if TYPE_CHECKING:
-    from aioduco._wire.connection import Connection
 
 NOBODY = cast("Connection", None)
 SIX = st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=6, max_size=6)

@@ -5,22 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 import random
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import pytest
 
 from aioduco.streaming.shared.ring import SetPoint
-from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limits, Space
 from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.worker.chunks import ActionTimeline
 from aioduco.streaming.worker.setpoints import PositionGenerator, SetpointSource
 
 from .motion import peaks
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from aioduco.streaming.shared.space import Config, Space
 
 PERIOD = 0.01
 INTERVAL = 1 / 30

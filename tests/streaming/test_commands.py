@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from cli_runner import CliRunner
 
 from aioduco.cli.app import app
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from .conftest import Controller
+from .conftest import Controller
 
 
 @pytest.mark.slow

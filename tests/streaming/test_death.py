@@ -6,12 +6,12 @@ import os
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
 
 import anyio
 import anyio.lowlevel
 import numpy as np
 import pytest
+from anyio.abc import TaskGroup
 
 from aioduco.api.streams.servo import Servo
 from aioduco.errors import WorkerFailed
@@ -20,9 +20,6 @@ from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, runs, shared_files
-
-if TYPE_CHECKING:
-    from anyio.abc import TaskGroup
 
 RATE = 500
 ACCELERATION = 5.0

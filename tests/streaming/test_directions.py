@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator, Iterator
+from typing import Any
 
 import anyio
 import numpy as np
@@ -16,9 +17,6 @@ from aioduco.sim import Simulator
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.turning import composed, in_tool, turned
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
 
 THREAD = WorkerOptions(run_in="thread")
 #: the flange looks down, tilted and turned, so that none of its axes is one of the base's

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,10 +15,7 @@ from aioduco.streaming.shared.histogram import Percentiles
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import no_leaks
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from .conftest import Controller
+from .conftest import Controller
 
 NOTHING = Percentiles(0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

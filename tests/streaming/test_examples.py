@@ -5,20 +5,16 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from moments import complaints
 
 from aioduco.sim import Simulator
+from aioduco.sim.process import SimulatorProcess
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.sim.process import SimulatorProcess
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PATIENT = str(Path(__file__).parents[1] / "patient.py")

@@ -6,7 +6,8 @@ import os
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Literal
+from collections.abc import AsyncIterator, Iterator
+from typing import Literal
 
 import anyio
 import numpy as np
@@ -26,10 +27,12 @@ from aioduco.sim import Simulator
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import (
     ApplicationError,
+    Cancelled,
     Cut,
     DropReply,
     DropRequest,
     Ending,
+    Fault,
     FaultProxy,
     Garbage,
     HalfOpen,
@@ -42,15 +45,10 @@ from aioduco.testing import (
     eventually_async,
     no_leaks,
 )
+from aioduco.testing.cancel import How
 
 from .conftest import runs, shared_files
 from .robot_motions import KINDS, START
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
-    from aioduco.testing import Cancelled, Fault
-    from aioduco.testing.cancel import How
 
 PROCESS = WorkerOptions(timeout=0.2)
 THREAD = WorkerOptions(run_in="thread", timeout=0.2)

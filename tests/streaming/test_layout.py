@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,10 +11,7 @@ import aioduco.streaming
 from aioduco._process import spawn
 from aioduco._process.platform import has_memory_files
 
-from .conftest import HERE
-
-if TYPE_CHECKING:
-    from .conftest import Controller
+from .conftest import HERE, Controller
 
 FOLDER = Path(aioduco.streaming.__file__).parent
 PURE = [

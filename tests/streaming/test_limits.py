@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 from hypothesis import given
@@ -13,9 +13,6 @@ from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limi
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
 
 from .motion import peaks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 AMOUNT = st.floats(0.1, 5.0)
 PERIOD = st.sampled_from([0.001, 0.002, 0.008, 0.033])

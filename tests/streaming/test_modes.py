@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from client.bench import HOME, Bench
@@ -13,14 +14,10 @@ import aioduco
 from aioduco.errors import RobotStateError, StreamError, StreamLost, WorkerFailed
 from aioduco.sim import Simulator
 from aioduco.streaming.shared.options import WorkerOptions
+from aioduco.streaming.stream import Stream
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
 from .conftest import Cycles
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.streaming.stream import Stream
 
 THREAD = WorkerOptions(run_in="thread")
 

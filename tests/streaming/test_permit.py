@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
@@ -19,22 +19,17 @@ from aioduco.api.streams.servo import Servo
 from aioduco.api.streams.speed import Speed
 from aioduco.api.streams.track import TrackStreams
 from aioduco.errors import StreamClosed, StreamError, StreamStarved, StreamStopped, WorkerFailed
+from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import ControlWord, Reason, StreamState
+from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch, Point
 from aioduco.streaming.worker.permit import StreamPermit
-from aioduco.supervision.gate import Gate, PermitEnding
+from aioduco.supervision.gate import Gate, Permit, PermitEnding
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.stream import Stream
-    from aioduco.supervision.gate import Permit
 
 PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
 workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])

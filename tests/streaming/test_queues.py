@@ -7,7 +7,8 @@ import dataclasses
 import itertools
 import math
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import anyio
 import numpy as np
@@ -31,9 +32,6 @@ from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: a busy machine may take long over an answer
 PROCESS, THREAD = (

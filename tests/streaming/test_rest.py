@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
-from wire.servers import PATIENCE, ScriptedServer
+from wire.servers import PATIENCE, Peer, ScriptedServer
 
 from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.own_connection import OwnConnection
 from aioduco.streaming.worker.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from wire.servers import Peer
 
 
 def moving(count: int) -> Callable[[Peer], None]:

@@ -7,19 +7,14 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.shared.ring import Ring
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from aioduco.streaming.shared.ring import SetPoint
+from aioduco.streaming.shared.ring import Ring, SetPoint
 
 PRODUCER = """
 import mmap, os, sys, time

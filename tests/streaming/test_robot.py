@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Awaitable
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING
 
 import anyio
 import numpy as np
@@ -31,14 +30,10 @@ from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, TrajectoryResult
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
+from aioduco.streaming.stream import Stream
 from aioduco.testing import ApplicationError, FaultProxy, eventually, eventually_async, no_leaks
 
 from .robot_motions import KINDS, START, WAY
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
-
-    from aioduco.streaming.stream import Stream
 
 PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
 #: one of each way to bring set-points to the controller

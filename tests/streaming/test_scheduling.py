@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,10 +15,7 @@ from aioduco._process.scheduling import shorten_slice
 from aioduco.streaming.worker.clock import ProcessorShare
 from aioduco.testing import eventually_async
 
-from .conftest import HERE
-
-if TYPE_CHECKING:
-    from .conftest import Controller
+from .conftest import HERE, Controller
 
 
 @pytest.mark.linux("policies of the scheduler")

@@ -8,8 +8,9 @@ import math
 import socket
 import threading
 import time
+from collections.abc import AsyncIterator, Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import numpy as np
@@ -32,17 +33,13 @@ from aioduco.errors import (
 )
 from aioduco.models.pose import Pose
 from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.shared.config import CheckedEnvelope
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
+from aioduco.streaming.stream import Stream
 from aioduco.testing import eventually_async, no_leaks
 
 from .conftest import HERE, Controller
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-
-    from aioduco.streaming.shared.config import CheckedEnvelope
-    from aioduco.streaming.stream import Stream
 
 WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
 THREAD = WorkerOptions(run_in="thread")

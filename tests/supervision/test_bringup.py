@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
 
 import hypothesis.strategies as st
 import pytest
+from client.bench import Bench
 from hypothesis import given
 
 import aioduco
@@ -14,9 +14,6 @@ from aioduco.models.enums import OperationMode, ProgramState, RobotState, Safety
 from aioduco.models.state import RobotStates
 from aioduco.supervision.bringup import BringUp, BringUpStep
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
 
 
 def seen(

@@ -9,23 +9,19 @@ import signal
 import subprocess
 import sys
 import textwrap
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
 
 import anyio
 import pytest
-from client.bench import HOME
+from client.bench import HOME, Bench
 from moments import cancelled_once
 
 import aioduco
 from aioduco import Outcome
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 from aioduco.testing.cancel import cancel_at
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from client.bench import Bench
 
 HOWS: list[Literal["scope", "task"]] = ["scope", "task"]
 

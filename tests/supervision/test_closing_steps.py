@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 import gc
 import threading
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import anyio
 import pytest
-from client.bench import HOME
+from client.bench import HOME, Bench
 from moments import cancelled_once
 
 import aioduco
@@ -18,11 +18,6 @@ from aioduco.supervision.gate import Gate
 from aioduco.supervision.supervisor import Supervisor
 from aioduco.testing import FaultProxy, eventually_async
 from aioduco.testing.cancel import cancel_at
-
-if TYPE_CHECKING:
-    from typing import Literal
-
-    from client.bench import Bench
 
 
 def threads() -> set[str]:

@@ -7,20 +7,17 @@ import signal
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
-from client.bench import HOME
+from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import Outcome
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco.supervision import stop_channel
 from aioduco.testing import Cut, DropReply, FaultProxy, HalfOpen, Place, eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
 
 
 async def occupied(robot: aioduco.Robot, bench: Bench, tg: anyio.abc.TaskGroup) -> None:

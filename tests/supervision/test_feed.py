@@ -8,11 +8,12 @@ import re
 import sys
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import numpy as np
 import pytest
+from client.bench import Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,14 +22,10 @@ from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
+from aioduco.supervision.events import Event
 from aioduco.supervision.loop_watchdog import LoopWatchdog, blocking_calls
 from aioduco.supervision.state_feed import Policy, Subscription
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
-
-    from aioduco.supervision.events import Event
 
 ACTIONS = st.lists(st.booleans(), max_size=60)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable
+from typing import Any
 
 import anyio
 import pytest
@@ -16,9 +17,6 @@ from aioduco.envelope import Envelope, Zone
 from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
 
 ASIDE = [0.1, 0.0, 1.5, 0.0, -1.5, 0.0]
 

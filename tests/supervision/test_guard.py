@@ -9,16 +9,19 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import AsyncIterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import pytest
-from client.bench import HOME
+from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import HeartbeatState
 from aioduco.supervision.concurrency import DaemonThread
 from aioduco.supervision.guard import client
+from aioduco.supervision.guard.client import GuardLink
+from aioduco.supervision.guard.guarded import GuardClient
 from aioduco.supervision.guard.messages import (
     Alive,
     Beat,
@@ -32,14 +35,6 @@ from aioduco.supervision.guard.messages import (
     unpack,
 )
 from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from client.bench import Bench
-
-    from aioduco.supervision.guard.client import GuardLink
-    from aioduco.supervision.guard.guarded import GuardClient
 
 pytestmark = pytest.mark.linux("the guard's process")
 

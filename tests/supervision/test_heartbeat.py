@@ -10,11 +10,11 @@ import sys
 import textwrap
 import time
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import anyio
 import pytest
-from client.bench import HOME
+from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import HeartbeatState
@@ -27,9 +27,6 @@ from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.supervision.supervisor import _beats
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
 
 
 def beats(bench: Bench) -> int:

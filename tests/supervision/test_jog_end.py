@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
 
 import pytest
 
 import aioduco
 from aioduco import Jog, Outcome
 from aioduco.errors import StopUnconfirmed
+from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from aioduco.sim import Simulator
 
 #: name of the background task that ends a motion when its time is over
 END = "aioduco end of a motion"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Awaitable, Callable, Iterator
 
 import anyio
 import pytest
@@ -12,9 +12,6 @@ import aioduco
 from aioduco import Outcome
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
 
 Z = (False, False, True, False, False, False)
 DAMPING = (1000.0,) * 3 + (57.0,) * 3

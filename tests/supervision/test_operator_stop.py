@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-from typing import TYPE_CHECKING
 
 import pytest
-from wire.servers import ScriptedServer, exception
+from wire.servers import Peer, Received, Script, ScriptedServer, exception
 
 from aioduco.errors import ConnectError, NotAController, StopUnconfirmed
 from aioduco.models.enums import RobotState
 from aioduco.supervision import operator_stop, stop_channel, unanswered
 from aioduco.supervision.operator_stop import stop_arm
-
-if TYPE_CHECKING:
-    from wire.servers import Peer, Received, Script
 
 STATES = [6, 0, 5, 1]
 

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
-from client.bench import HOME
+from client.bench import HOME, Bench
 
+import aioduco
 from aioduco import RealtimeMode
 from aioduco.errors import TaskStopped
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
-
-    import aioduco
 
 
 class Mode:

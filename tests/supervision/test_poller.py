@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import statistics
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import anyio
 import pytest
-from client.bench import HOME, POSE
+from client.bench import HOME, POSE, Bench
 
 import aioduco
 from aioduco import Outcome
 from aioduco.supervision import task_follower as poller
 from aioduco.supervision.task_follower import FAST, STEADY
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from client.bench import Bench
 
 
 @pytest.mark.slow

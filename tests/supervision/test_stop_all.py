@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterator
 from contextlib import AsyncExitStack, ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
 from client.bench import HOME, Bench
 
 import aioduco
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from aioduco.supervision.settings import GuardKind
-
-    Fleet = list[Bench]
+Fleet = list[Bench]
 
 
 @pytest.fixture

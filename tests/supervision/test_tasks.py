@@ -5,21 +5,17 @@ from __future__ import annotations
 import asyncio
 import gc
 import warnings
-from typing import TYPE_CHECKING
 
 import anyio
 import anyio.lowlevel
 import pytest
-from client.bench import HOME, POSE
+from client.bench import HOME, POSE, Bench
 from interpreter import python
 
 import aioduco
 from aioduco import Outcome, TaskState
 from aioduco.supervision.task_state import added_entries
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
 
 
 async def test_a_motion_is_sent_when_awaited_and_followed_to_its_end(

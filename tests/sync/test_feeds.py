@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
+from api.desk import Desk
 
 import aioduco.sync
 from aioduco import RobotStateError, events
+from aioduco.sync import Robot
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from api.desk import Desk
-
-    from aioduco.sync import Robot
 
 
 def test_samples_come_one_after_another(robot: Robot) -> None:

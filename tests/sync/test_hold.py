@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
+from api.desk import Desk
 
 import aioduco.sync
 from aioduco import Jog, Joints, Outcome, ParameterError, TaskStopped
+from aioduco.sync import Robot
 from aioduco.sync._presence import CallRecord, CallTimes
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from api.desk import Desk
-
-    from aioduco.sync import Robot
 
 DOWN = [0.0, 0.0, -0.02, 0.0, 0.0, 0.0]
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)

@@ -5,22 +5,16 @@ from __future__ import annotations
 import signal
 import threading
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
+from api.desk import Desk
 
 import aioduco.sync
 from aioduco import Joints, Outcome, StopUnconfirmed
+from aioduco.sync import Robot
 from aioduco.testing import eventually
-from sync.conftest import meanwhile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from api.desk import Desk
-
-    from aioduco.sync import Robot
-    from sync.conftest import Interrupts
+from sync.conftest import Interrupts, meanwhile
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 

@@ -6,20 +6,16 @@ import asyncio
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING
 
 import pytest
+from api.desk import Desk
 from interpreter import python
 
 import aioduco.sync
 from aioduco import ConnectError, Joints, Outcome, RobotStateError
+from aioduco.sync import Robot
 from aioduco.testing import eventually, no_leaks
 from sync.conftest import meanwhile
-
-if TYPE_CHECKING:
-    from api.desk import Desk
-
-    from aioduco.sync import Robot
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from api.desk import Desk
 
 import aioduco
 import aioduco.sync
 from aioduco import Joints, Outcome, ParameterError, TaskFailed, TaskState, TaskStopped
 from aioduco.sync import MotionFunction
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from api.desk import Desk
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from api.desk import Desk
@@ -11,11 +12,7 @@ from api.desk import Desk
 import aioduco.sync
 from aioduco import Joints, Outcome
 from aioduco.sync import Robot, stop_all
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from sync.conftest import Interrupts
+from sync.conftest import Interrupts
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 

@@ -6,7 +6,8 @@ import math
 import os
 import signal
 import time
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -30,14 +31,9 @@ from aioduco.sim import Simulator
 from aioduco.streaming.joint_trajectory import JointTrajectory
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
+from aioduco.sync import Robot, Stream
 from aioduco.testing import eventually
-from sync.conftest import meanwhile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from aioduco.sync import Robot, Stream
-    from sync.conftest import Interrupts
+from sync.conftest import Interrupts, meanwhile
 
 START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 WAY = 0.03  # rad, m

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+import socket
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from wire.servers import Peer, ScriptedServer
 
 from aioduco.testing.message_parser import Message, MessageError, MessageParser, MessageType
-
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Iterator
 
 
 class EchoServer(ScriptedServer):

@@ -6,7 +6,8 @@ import getpass
 import json
 import platform
 import zipfile
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from cli_runner import CliRunner
@@ -19,9 +20,6 @@ from aioduco.testing.conformance.controller_report import (
     ControllerReport,
     Verdict,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 #: what is planted, and the part of it that must not be found
 SECRETS = {

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import signal
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from cli_runner import CliRunner
@@ -19,10 +21,6 @@ from aioduco.sim.controller.tasks import TaskTable
 from aioduco.testing import check_controller
 from aioduco.testing.conformance import CheckResult, ControllerReport, Verdict
 from aioduco.testing.conformance.reading import READING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ import errno
 import socket
 import threading
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
@@ -40,9 +40,6 @@ from aioduco.testing import (
 from aioduco.testing.message_parser import Message, MessageType, application_error
 
 from .echo import EchoServer, call, replies
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.fixture

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from interpreter import python
 
-from aioduco import sync
+from aioduco import Robot, sync
 from aioduco.errors import OutcomeUnknown
 from aioduco.models.enums import Outcome, RobotState
 from aioduco.recording import read
 from aioduco.sim import Simulator
+from aioduco.supervision.settings import RobotSettings
+from aioduco.sync import Robot as SyncRobot
 from aioduco.testing import Cut, FaultProxy, Place
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from aioduco import Robot
-    from aioduco.supervision.settings import RobotSettings
-    from aioduco.sync import Robot as SyncRobot
 
 HOME = [0.2, 0.1, 1.4, 0.0, -1.5, 0.0]
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from aioduco._wire.channel import Channel
 from aioduco._wire.lane import WireLane
@@ -12,10 +13,7 @@ from aioduco.testing import no_leaks
 
 from .servers import PATIENCE, Peer, ScriptedServer
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-
-    Script = Callable[[Peer], None]
+Script = Callable[[Peer], None]
 
 #: seconds after which a server that says nothing is given up
 SHORT = 0.1

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import socket
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import pytest
 
 from .servers import PATIENCE
-
-if TYPE_CHECKING:
-    import pytest
 
 __all__ = ["NAME", "Names"]
 

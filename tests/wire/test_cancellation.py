@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import random
 import threading
+from collections.abc import Callable, Coroutine
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
@@ -23,10 +24,7 @@ from aioduco.testing import eventually_async, no_leaks
 from .lanes import SHORT, channel, opened
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
-
-    Script = Callable[[Peer], None]
+Script = Callable[[Peer], None]
 
 
 def doubling(peer: Peer) -> None:

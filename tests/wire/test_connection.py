@@ -7,8 +7,9 @@ import socket
 import struct
 import threading
 import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -30,9 +31,6 @@ from aioduco.errors import (
 from aioduco.testing import eventually, no_leaks
 
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest, zero
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 #: seconds after which a server that says nothing is given up
 SHORT = 0.1

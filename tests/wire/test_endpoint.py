@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import anyio
 import pytest
@@ -17,9 +17,6 @@ from aioduco.testing import eventually, eventually_async, no_leaks
 from .lanes import SHORT, channel, own_threads
 from .names import NAME, Names
 from .servers import PATIENCE, ScriptedServer, black_hole
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.fixture

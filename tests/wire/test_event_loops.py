@@ -6,7 +6,8 @@ import asyncio
 import contextlib
 import gc
 import threading
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Callable
+from typing import Any, NoReturn
 
 import anyio
 import anyio.lowlevel
@@ -20,9 +21,6 @@ from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, Gate, opened
 from .servers import PATIENCE, Peer, ScriptedServer, honest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class UnreportingLoop(asyncio.SelectorEventLoop):

@@ -6,7 +6,8 @@ And what is sent again, and what never: a command is carried out at most once.
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import anyio
 import pytest
@@ -31,10 +32,7 @@ from aioduco.testing.message_parser import Message, MessageType
 from .lanes import SHORT, channel, opened
 from .servers import PATIENCE, Peer, ScriptedServer, honest, reply
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Script = Callable[[Peer], None]
+Script = Callable[[Peer], None]
 
 
 #: one function of each kind, with arguments

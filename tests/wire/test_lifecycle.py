@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
-from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 NEW, IDLE, ACTIVE = ConnectionState.NEW, ConnectionState.IDLE, ConnectionState.ACTIVE
 POISONED, CLOSED = ConnectionState.POISONED, ConnectionState.CLOSED

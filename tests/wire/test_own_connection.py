@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -11,10 +10,7 @@ from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.own_connection import OwnConnection
 from aioduco.errors import ConnectionLost
 
-from .servers import PATIENCE, ScriptedServer
-
-if TYPE_CHECKING:
-    from .servers import Peer
+from .servers import PATIENCE, Peer, ScriptedServer
 
 
 def stands(peer: Peer) -> None:

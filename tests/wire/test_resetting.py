@@ -9,8 +9,8 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,9 +19,6 @@ from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.failures import Ended
 from aioduco.errors import DucoError, OutcomeUnknown
 from aioduco.testing import DropReply, FaultProxy, RecordingServer
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.linux("a connection that is reset before it is closed")
 

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import socket
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
 
+from aioduco._wire.lane import WireLane
 from aioduco.errors import ConnectionLost, NotSent, OutcomeUnknown, RobotStateError
 from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, channel, opened, own_threads
 from .servers import PATIENCE, Peer, honest
-
-if TYPE_CHECKING:
-    from aioduco._wire.lane import WireLane
 
 #: more than a system keeps for a connection whose other side reads nothing
 LONG = "x" * 3_000_000

@@ -6,8 +6,9 @@ import signal
 import socket
 import threading
 import time
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
@@ -18,9 +19,6 @@ from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, opened
 from .servers import PATIENCE, Peer, ScriptedServer, honest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 # From other threads
 

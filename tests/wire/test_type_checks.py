@@ -5,8 +5,9 @@ from __future__ import annotations
 import copy
 import math
 import re
+from collections.abc import Iterator
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,9 +19,6 @@ from aioduco import TaskState
 from aioduco._wire import codec, idl, newer, rpc
 from aioduco._wire.type_checks import type_of
 from aioduco.errors import ParameterError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: thriftpy2 ships types of half of its functions
 _protocol: Any = TBinaryProtocol

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from aioduco.devices.bus.frames import framed
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class Device:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from aioduco import Pose
 from aioduco.devices.cameras import (
@@ -25,12 +27,7 @@ from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, mjcf_of
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    Matrix = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 BOARD = BoardSize(6, 5, 0.03)
 READY = np.array((0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0))

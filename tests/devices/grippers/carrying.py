@@ -10,7 +10,7 @@ it should. Another box is too heavy for its force: it must stay where it is.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ import aioduco
 from aioduco.devices.grippers import (
     DhGripper,
     DigitalGripper,
+    PolledGripper,
     Robotiq,
     VacuumGripper,
     gripper_model,
@@ -25,12 +26,9 @@ from aioduco.devices.grippers import (
 from aioduco.errors import ObjectLost, TaskError, TaskUnknown
 from aioduco.kinematics import arm
 from aioduco.models.pose import Joints
+from aioduco.robot import Robot
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Table
-
-if TYPE_CHECKING:
-    from aioduco.devices.grippers import PolledGripper
-    from aioduco.robot import Robot
 
 READY = Joints.deg(-25, 0, 90, 0, -90, 0)
 GRIPPERS = ("robotiq_2f85", "robotiq_2f140", "dh_ag95", "parallel", "vacuum")

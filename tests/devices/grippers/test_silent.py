@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import anyio
 import pytest
@@ -15,14 +15,10 @@ from aioduco import errors
 from aioduco._wire import rpc
 from aioduco.devices.grippers import DigitalGripper, GripperState, PolledGripper
 from aioduco.models.gripper_models import gripper_model
+from aioduco.robot import Robot
 from aioduco.testing import eventually, eventually_async
 
 from .test_drivers import robotiq
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.robot import Robot
 
 
 class Hand(PolledGripper):

@@ -9,7 +9,9 @@ import os
 import pty
 import resource
 import struct
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,10 +31,6 @@ from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
 

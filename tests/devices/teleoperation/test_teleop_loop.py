@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import anyio
 import numpy as np
@@ -24,10 +26,6 @@ from aioduco.sim import Simulator
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 
 @pytest.fixture

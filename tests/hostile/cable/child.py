@@ -7,19 +7,15 @@ import os
 import signal
 import sys
 import time
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import anyio
+from anyio.abc import ByteReceiveStream, Process
 from anyio.streams.text import TextReceiveStream
 
 from .lines import Line, parse
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from anyio.abc import ByteReceiveStream, Process
 
 #: the folder of the tests: processes import their modules from it
 _TESTS = Path(__file__).parents[2]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -18,11 +18,9 @@ import numpy as np
 import aioduco.sync
 from aioduco.sim import Simulator
 from aioduco.sim.controller.state_machine import Controller
+from aioduco.sim.cycle import DriveCommand, SensedState
 
 from .lines import say
-
-if TYPE_CHECKING:
-    from aioduco.sim.cycle import DriveCommand, SensedState
 
 #: way from where the arm rested after which it has begun to move [rad]; less is swinging out
 _BEGUN = 1e-3

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from .lines import Line
+from .lines import Line
 
 
 def first_told(program: Sequence[Line], ended: float) -> float:

@@ -10,15 +10,12 @@ import itertools
 import sys
 import time
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
 
 import anyio
 
 from .network import why_not
 from .trial import KINDS, OUTAGES, SCENES, Cell, Result, cells, trial
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
 
 
 async def trials(

@@ -6,12 +6,9 @@ import functools
 import itertools
 import os
 import subprocess
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: address of the controller; each network is alone in its namespaces, so all have the same
 CONTROLLER = "10.213.0.1"

@@ -13,20 +13,16 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Coroutine
+from typing import Any
 
 import anyio
 import anyio.to_thread
 
 import aioduco
+from aioduco.supervision.settings import GuardKind
 
 from .lines import say
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
-    from typing import Any
-
-    from aioduco.supervision.settings import GuardKind
 
 #: where the motions lead to; far from every singularity and limit [rad]
 _LEFT = (0.4, 0.0, 1.57, 0.0, -1.57, 0.0)

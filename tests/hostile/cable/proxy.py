@@ -19,14 +19,11 @@ import socket
 import sys
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from .lines import say
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 #: s by which a motion's bytes come after those of the other connections that were held
 GAP = 0.5

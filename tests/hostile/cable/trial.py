@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 import time
+from collections.abc import Iterator
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import anyio
 import anyio.to_thread
@@ -18,9 +18,6 @@ from .judge import begun_after, first_told
 from .lines import Line
 from .network import CONTROLLER, Network, network
 from .proxy import RULES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 KINDS = (*networks.KINDS, *RULES)
 SCENES = ("sent", "running", "stream")

@@ -15,22 +15,18 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, BinaryIO, Self
 
 import numpy as np
+from numpy.typing import NDArray
+
+from aioduco.sim.snapshot import SimulationSnapshot
 
 from .cells import CYCLE, HOME
 from .clock import now
 
-if TYPE_CHECKING:
-    from typing import BinaryIO, Self
-
-    from numpy.typing import NDArray
-
-    from aioduco.sim.snapshot import SimulationSnapshot
-
-    #: of each cycle, the time, the simulated time [s] and the joints [rad]. Shape (n, 8).
-    Seen = NDArray[np.float64]
+#: of each cycle, the time, the simulated time [s] and the joints [rad]. Shape (n, 8).
+Seen = NDArray[np.float64]
 
 #: how much faster than real time the arm is brought up
 _HASTE = 200.0

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import itertools
 import random
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: what the program does; those that lead the arm through a stream have a worker
 STREAMS = ("servo", "speed", "realtime", "track", "play", "plan")

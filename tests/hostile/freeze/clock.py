@@ -10,10 +10,7 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from typing import Self
+from typing import Self
 
 _SOURCE = Path(__file__).with_name("clock.c")
 _TIME = struct.Struct("=q")

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .cells import CYCLE
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from .arm import Seen
-    from .cells import Cell
+from .arm import Seen
+from .cells import CYCLE, Cell
 
 HOLDS, GOES_ON, BREAKS, ERROR = "holds", "goes on", "BREAK", "error"
 

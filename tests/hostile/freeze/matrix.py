@@ -10,11 +10,11 @@ import json
 import signal
 import sys
 from collections import Counter
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
 
 from . import clock
 from .arm import Arm
@@ -22,9 +22,6 @@ from .cells import GUARDS, HOWS, SCENES, SETS, Cell, cells
 from .clock import now
 from .judge import BREAKS, ERROR, GOES_ON, HOLDS
 from .trial import Patience, Result, Tools, trial
-
-if TYPE_CHECKING:
-    from collections.abc import Generator, Iterator, Sequence
 
 _WORDS = (SCENES, SETS, HOWS, GUARDS)
 

@@ -6,11 +6,8 @@ import os
 import select
 import signal
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 #: variable of the environment that each process of a run inherits
 MARK = "FREEZE_RUN"

@@ -15,22 +15,19 @@ from __future__ import annotations
 import itertools
 import pickle
 import sys
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 
 import aioduco
+from aioduco.streaming.stream import Stream
+from aioduco.supervision.settings import GuardKind
 
 from .cells import FAR, PAUSE, SPEED, turned
 from .clock import now
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
-
-    from aioduco.streaming.stream import Stream
-    from aioduco.supervision.settings import GuardKind
 
 #: how hard the arm moves [rad/s²]
 _HARD = 0.8

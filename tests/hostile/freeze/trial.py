@@ -11,21 +11,17 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from . import processes
+from .arm import Arm
 from .cells import GUARDS, PAUSE, Cell, Draw
 from .clock import StandingClock, compiled, now
 from .judge import ERROR, REST_LIMIT, Line, Verdict, Way, judge
 from .judge import goes_on_by_design as by_design
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from .arm import Arm
 
 _TESTS = Path(__file__).parents[2]
 

@@ -9,8 +9,10 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import anyio
 import pytest
@@ -31,10 +33,6 @@ from aioduco.integrations.fleet import (
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 #: s after which the controller stops the arm of a gateway that died: long, for a busy machine
 HEARTBEAT = 8.0

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -20,9 +21,6 @@ from aioduco.integrations.fleet.reports import (
     StopRequest,
 )
 from aioduco.integrations.fleet.settings import FleetFileError, FleetSettings
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ARM = {"name": "left", "host": "127.0.0.1"}
 READERS = (StopRequest, StopReport, GatewayReport)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import anyio
 import anyio.to_thread
@@ -16,10 +18,6 @@ from aioduco.integrations.fleet import FleetClient, FleetFileError, FleetGateway
 from aioduco.integrations.fleet.proof import challenge, proof_of, proves, read_keys
 from aioduco.integrations.fleet.reports import ArmStopped, StopReport, alive_key, stop_key
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
 
 KEY = bytes(range(32))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hmac
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import strategies as st
@@ -15,14 +14,12 @@ from aioduco.integrations.panel.control_lease import (
     ControlLease,
     EndLease,
     EndMotion,
+    LeaseEffect,
     LeasePhase,
     RefusePage,
 )
 from aioduco.integrations.panel.page_requests import JogMotion
 from aioduco.models.jog import Jog
-
-if TYPE_CHECKING:
-    from aioduco.integrations.panel.control_lease import LeaseEffect
 
 TOKEN = "correct horse battery"
 HOLD, PAGE = 0.4, 3.0

@@ -9,20 +9,18 @@ import json
 import socket
 import struct
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import anyio.to_thread
 import pytest
+from client.bench import Bench
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from aioduco.integrations.panel.page_connection import Allowance
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from client.bench import Bench
 
 if importlib.util.find_spec("viser") is None:  # which takes long to load
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)

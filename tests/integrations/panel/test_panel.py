@@ -6,13 +6,15 @@ import importlib.util
 import json
 import logging
 import time
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
-from websockets.asyncio.client import connect
+from client.bench import Bench
+from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
 import aioduco
@@ -20,12 +22,6 @@ from aioduco.errors import ConnectError, ParameterError
 from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from client.bench import Bench
-    from websockets.asyncio.client import ClientConnection
 
 if importlib.util.find_spec("viser") is None:  # which takes long to load
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)

@@ -6,17 +6,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 Image = pytest.importorskip("PIL.Image")
 pytest.importorskip("playwright")
 pytest.importorskip("viser")
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 SCRIPT = Path(__file__).resolve().parents[3] / "docs" / "panel_picture.py"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

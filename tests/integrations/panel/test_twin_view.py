@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,9 +24,7 @@ try:
     from integrations.panel.test_panel import PATIENT, page_of
 except ImportError:  # without the extra
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from collections.abc import Iterator
 
 HOME = (0.0, -0.3, 1.8, 0.0, -1.57, 0.0)
 ARM = aioduco.kinematics.arm("gcr5_910")

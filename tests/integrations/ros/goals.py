@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
@@ -13,11 +14,7 @@ from aioduco.integrations.ros.trajectory_goals import (
     NamedTolerance,
     TrajectoryGoal,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.integrations.ros.trajectory_server import PathFeedback
+from aioduco.integrations.ros.trajectory_server import PathFeedback
 
 NOW = 1000.0
 PROFILE = NamedLimits.of("gcr5_910")

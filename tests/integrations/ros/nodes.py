@@ -5,24 +5,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import itertools
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator, Coroutine
+from typing import Any
 
 import anyio
 
-from aioduco import WorkerOptions
-from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco import Snapshot, WorkerOptions
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
 from aioduco.integrations.ros.trajectory_goals import GoalRules
+from aioduco.integrations.ros.trajectory_server import GoalProgress
+from aioduco.sim import Simulator
 
 from .goals import START
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Coroutine
-
-    from aioduco import Snapshot
-    from aioduco.integrations.ros.arm_node import ArmNode
-    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
-    from aioduco.integrations.ros.trajectory_server import GoalProgress
-    from aioduco.sim import Simulator
 
 
 class Sink:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from aioduco.sim import Simulator
 from aioduco.testing import eventually
-
-if TYPE_CHECKING:
-    import contextlib
-    from collections.abc import Callable
-
-    from aioduco.sim import Simulator
 
 __all__ = ["HERE", "ROOT", "START", "WAVE", "Programs", "processor_time", "ur_services"]
 

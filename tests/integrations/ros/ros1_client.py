@@ -24,7 +24,8 @@ import random
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import rosbag
 import rospy
@@ -49,9 +50,6 @@ from std_msgs.msg import Bool, String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 from tf2_msgs.msg import TFMessage  # noqa: E402
 from trajectory_msgs.msg import JointTrajectoryPoint  # noqa: E402
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PREFIX = os.environ.get("PREFIX", "")
 NAMES = [f"{PREFIX}joint_{number}" for number in range(1, 7)]

@@ -6,19 +6,17 @@ import contextlib
 import json
 import signal
 import socket
+import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 from ports import free_port
 
 from aioduco.testing import eventually
 
 from .programs import HERE, ROOT, START, Programs, processor_time
-
-if TYPE_CHECKING:
-    import subprocess
-    from collections.abc import Sequence
-    from pathlib import Path
 
 __all__ = ["HERE", "ROOT", "START", "Graph", "processor_time"]
 

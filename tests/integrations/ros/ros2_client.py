@@ -24,7 +24,8 @@ import json
 import os
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import aioduco_msgs.srv
 import rclpy
@@ -47,9 +48,6 @@ from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from integrations.ros.client_parts import SERVICES, apart, say, smooth_way, spoiled
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PREFIX = os.environ.get("PREFIX", "")
 NAMES = [f"{PREFIX}joint_{number}" for number in range(1, 7)]

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 from .programs import HERE, ROOT, START, Programs
-
-if TYPE_CHECKING:
-    import contextlib
-    import subprocess
-    from collections.abc import Sequence
-    from pathlib import Path
 
 __all__ = ["Domain"]
 

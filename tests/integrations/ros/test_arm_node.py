@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import AsyncIterator, Iterator
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import numpy as np
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 
 from aioduco import Pose
 from aioduco.errors import ParameterError
-from aioduco.integrations.ros.arm_node import NodeSettings
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
 from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
@@ -31,11 +32,6 @@ from aioduco.testing import eventually_async
 
 from .goals import NAMES, PROFILE, START, WRONG, Client, goal, way
 from .nodes import Sink, running
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
-    from aioduco.integrations.ros.arm_node import ArmNode
 
 
 @pytest.fixture(scope="module")

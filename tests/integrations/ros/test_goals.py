@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import anyio.lowlevel
@@ -43,9 +44,6 @@ from aioduco.models.state import RobotStates
 from aioduco.testing import eventually_async
 
 from .goals import NAMES, NOW, PROFILE, START, WRONG, Client, goal, way
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
 
 RULES = GoalRules()
 

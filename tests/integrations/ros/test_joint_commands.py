@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator, Iterator
+from typing import Any
 
 import anyio
 import numpy as np
 import pytest
 
 from aioduco.errors import ParameterError
-from aioduco.integrations.ros.arm_node import NodeSettings
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
 from aioduco.integrations.ros.joint_commands import check_command
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
 from aioduco.integrations.ros.trajectory_goals import GoalRefused
@@ -20,11 +21,6 @@ from aioduco.testing import eventually_async
 
 from .goals import NAMES, PROFILE, START, Client, goal, way
 from .nodes import beside, running, ticks
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
-    from aioduco.integrations.ros.arm_node import ArmNode
 
 
 @pytest.fixture(scope="module")

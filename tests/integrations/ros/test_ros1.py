@@ -14,7 +14,9 @@ import shutil
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 from xmlrpc.client import ServerProxy
 
 import pytest
@@ -30,10 +32,6 @@ from aioduco.testing import eventually
 
 from .programs import WAVE, ur_services
 from .ros1_graph import HERE, ROOT, Graph
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 pytestmark = [
     pytest.mark.ros1,

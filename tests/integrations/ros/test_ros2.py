@@ -10,9 +10,11 @@ import importlib.util
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -23,11 +25,6 @@ from aioduco.testing import eventually
 
 from .programs import ROOT, WAVE, processor_time, ur_services
 from .ros2_domain import Domain
-
-if TYPE_CHECKING:
-    import subprocess
-    from collections.abc import Iterator
-    from pathlib import Path
 
 pytestmark = [
     pytest.mark.ros2,

@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import AsyncIterator, Generator, Iterator
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from aioduco import RobotState
 from aioduco.errors import ConnectionLost
-from aioduco.integrations.ros.arm_services import ArmServices
+from aioduco.integrations.ros.arm_node import ArmNode
+from aioduco.integrations.ros.arm_services import ArmServices, ServiceReply
 from aioduco.integrations.ros.service_table import service_table
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 from .goals import START, Client, goal, way
 from .nodes import beside, running, ticks
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Generator, Iterator
-
-    from aioduco.integrations.ros.arm_node import ArmNode
-    from aioduco.integrations.ros.arm_services import ServiceReply
 
 PROGRAMS = {"wave": [["movej2", list(way(1.0, 0.2)), 1.0, 5.0], ["movej2", list(START), 1.0, 5.0]]}
 TABLE = {entry.name: entry for entry in service_table()}

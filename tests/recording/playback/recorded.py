@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aioduco._wire import rpc
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
@@ -14,13 +17,7 @@ from aioduco.models.state import RobotStates
 from aioduco.recording.channels import FileChannels
 from aioduco.supervision.state_feed import Snapshot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 HOME = np.array([0.0, -0.3, 1.9, 0.0, -1.5, 0.0])
 FAR = np.array([0.5, 0.0, 1.6, 0.3, -1.2, 0.4])

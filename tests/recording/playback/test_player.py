@@ -8,11 +8,14 @@ import signal
 import struct
 import subprocess
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from numpy.typing import NDArray
 from patient import COMMAND_LINE, patient_queue
 
 import aioduco
@@ -35,13 +38,7 @@ from aioduco.recording.playback.sample_times import RecordedGap, gaps_in_words
 from aioduco.sim import Simulator
 from recording.playback.recorded import FAR, HOME, nod, write
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module", autouse=True)

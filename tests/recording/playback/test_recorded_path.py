@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,12 +18,7 @@ from aioduco.recording import read
 from aioduco.recording.playback import RecordedPath, check_path
 from aioduco.recording.playback.path_check import fastest, sharpest
 from aioduco.recording.playback.player import follow
-from recording.playback.recorded import FAR, HOME, RATE, nod, write
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from recording.playback.recorded import Array
+from recording.playback.recorded import FAR, HOME, RATE, Array, nod, write
 
 ARM = arm("gcr5_910")
 

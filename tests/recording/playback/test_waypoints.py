@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import aioduco
 from aioduco import Joints
 from aioduco.recording.playback import WaypointFile
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TEXT = """\
 # my cell

@@ -16,11 +16,13 @@ import math
 import multiprocessing
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 import aioduco
 from aioduco import Tolerances
@@ -29,12 +31,7 @@ from aioduco.recording import read
 from aioduco.recording.playback import RecordedPath, check_path, play
 from aioduco.sim import Simulator
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 MODEL = "gcr5_910"
 START = np.array([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0])

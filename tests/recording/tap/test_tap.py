@@ -12,9 +12,9 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from cli_runner import CliRunner
@@ -28,9 +28,6 @@ from aioduco.errors import ConnectError
 from aioduco.recording import read
 from aioduco.recording.tap import Tap, TapNote, TappedCall
 from aioduco.testing import eventually, no_leaks
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 PATIENCE = 60.0
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from aioduco.kinematics import arm
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
+from aioduco.models.rotation import Array
 from aioduco.sim.calibration.evidence import (
     Evidence,
     Motions,
@@ -24,9 +24,6 @@ from aioduco.sim.calibration.torques import link_torques
 from aioduco.sim.physics.drives import TrailingDrives
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.profile import GEOMETRY, ArmProfile, Estimate
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 MODEL = "gcr5_910"
 READY = np.array([0.3, -0.2, 1.6, 0.1, -1.5, 0.4])

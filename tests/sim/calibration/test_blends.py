@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from aioduco.kinematics import arm
+from aioduco.models.rotation import Array
 from aioduco.sim.calibration.blends import estimate_blends
 from aioduco.sim.calibration.evidence import Corner, Evidence, Motions
 from aioduco.sim.planner.blending import CornerLaw, Corners
@@ -17,11 +18,6 @@ from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import Segment, joint_move, line_move
 
 from .made import MODEL, READY, SPEED_STEP, STEP, empty
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from aioduco.models.rotation import Array
 
 ARM = arm(MODEL)
 RADII = (0.02, 0.035)

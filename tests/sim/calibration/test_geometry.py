@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from aioduco.errors import CalibrationError
-from aioduco.kinematics import DhCorrections, arm
+from aioduco.kinematics import DhCorrections, Geometry, arm
+from aioduco.models.rotation import Array
 from aioduco.sim.calibration.evidence import Poses
 from aioduco.sim.calibration.geometry import estimate_geometry
 from aioduco.sim.profile import GEOMETRY, ArmProfile
 
 from .made import MODEL, READY, configurations, exact, hidden_geometry, poses_of
-
-if TYPE_CHECKING:
-    from aioduco.kinematics import Geometry
-    from aioduco.models.rotation import Array
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,15 +14,9 @@ from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
 from aioduco.sim import ArmProfile, Estimate, Simulator
 from aioduco.sim.physics.world import World
-from sim.conftest import advance_until, standing_time
+from sim.conftest import Connect, Started, advance_until, standing_time
 
 from .made import READY, exact, hidden_geometry
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from sim.conftest import Connect, Started
-
 
 GOOD = """
 model = "gcr5_910"

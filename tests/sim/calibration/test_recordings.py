@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 from unittest.mock import AsyncMock
 
 import numpy as np
@@ -22,9 +22,6 @@ from aioduco.sim.calibration import calibrate, evidence, profile_of
 from aioduco.sim.calibration.evidence import read_evidence
 
 from .made import MODEL, READY, configurations, empty, exact, hidden_geometry, poses_of
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.mark.slow

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from aioduco.models.rotation import Array
 from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.mover import Mover
-from aioduco.sim.planner.segments import arc_move, joint_move, line_move, stay
+from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, stay
 
 from .motions import CYCLE, FIVE, HOME, trapezoid
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.segments import Segment
 
 START = FIVE.fkine(HOME)
 RAIL, TABLE = 0, 1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -11,12 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim.planner.curves import StraightLine, arc_through
 from aioduco.sim.planner.path import PlanError
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 LENGTH = st.floats(-1.0, 1.0)
 ANGLE = st.floats(-3.0, 3.0)

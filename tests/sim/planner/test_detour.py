@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
 from aioduco.kinematics import Arm, arm, models
+from aioduco.models.rotation import Array
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.segments import arc_move, line_move
+from aioduco.sim.planner.segments import Segment, arc_move, line_move
 from aioduco.sim.planner.tracing import NEAR
 from aioduco.sim.planner.weaving import Weave
 
 from .motions import CYCLE, FIVE
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.segments import Segment
 
 #: joint 5 changes its sign between the two
 BEFORE = np.array([0.0, 0.3, 1.2, 0.0, 0.3, 0.0])

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 import scipy
 
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import rotvec_from_matrix
-from aioduco.sim.planner.curves import spiral, spline
+from aioduco.models.rotation import Array, rotvec_from_matrix
+from aioduco.sim.planner.curves import Curve, spiral, spline
 from aioduco.sim.planner.path import PlanError
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.curves import Curve
 
 CENTRE = Pose(0.3, 0.2, 0.4, 0.4, -0.3, 0.7).matrix
 START = CENTRE @ Pose(0.0, -0.1, 0.05, 1.0, 0.2, 0.3).matrix

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,17 +18,13 @@ from quick import examples
 
 from aioduco.kinematics import Arm, arm, models
 from aioduco.models.pose import Pose
+from aioduco.models.rotation import Array
 from aioduco.sim.planner.motion_limits import STOPPING
 from aioduco.sim.planner.mover import Mover, Travel
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, spline_move
 
 from .motions import CYCLE, FIVE, HOME
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.models.rotation import Array
 
 SQUARE = ((0.1, 0.0, 0.0), (0.1, 0.2, 0.0), (-0.1, 0.2, 0.0), (-0.1, 0.2, -0.2))
 

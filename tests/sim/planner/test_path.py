@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
+from aioduco.models.rotation import Array
 from aioduco.sim.planner.path import Path, differentiate
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 
 def wave(s: Array) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 from quick import examples
 
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
     Segment,
@@ -25,9 +24,6 @@ from aioduco.sim.planner.segments import (
 from aioduco.sim.planner.timing import backward, fastest
 
 from .motions import FIVE, HOME, trapezoid
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 OFFSET = st.floats(-0.12, 0.12)  # the reach ends at 0.15 along all three axes
 

@@ -4,29 +4,25 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from aioduco.kinematics.inverse import closed_form
+from aioduco.models.rotation import Array
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.planner import timing, tracing
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import Path
-from aioduco.sim.planner.segments import joint_move, line_move, spiral_move, spline_move
+from aioduco.sim.planner.segments import Segment, joint_move, line_move, spiral_move, spline_move
 from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, in_turn, slices, yielding
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.weaving import Weave
 
 from .motions import CYCLE, FIVE, HOME
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.segments import Segment
 
 
 def shifted(q: Array, *by: float) -> Array:

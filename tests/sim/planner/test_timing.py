@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -11,12 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from quick import examples
 
+from aioduco.models.rotation import Array
 from aioduco.sim.planner.timing import PathLimits, TimeLaw, allowed, backward, fastest
 
 from .motions import trapezoid
-
-if TYPE_CHECKING:
-    from aioduco.models.rotation import Array
 
 
 def plain(length: float, v: float, a: float) -> PathLimits:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +12,6 @@ from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.follower import FollowError
 from aioduco.sim.planner.track_pool import CAPACITY, JointTrack, ToolTrack, TrackPool
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 ARM = arm("gcr5_910")
 CYCLE = 0.001

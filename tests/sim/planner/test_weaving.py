@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
-from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.models.rotation import Array, matrix_from_rotvec
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.segments import arc_move, joint_move, line_move
+from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move
 from aioduco.sim.planner.weaving import Weave
 
 from .motions import CYCLE, FIVE, HOME
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.segments import Segment
 
 START = FIVE.fkine(HOME)
 WAY = np.array([0.08, 0.12, 0.06])  # across every plane

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +14,6 @@ from aioduco.models.pose import Pose
 from aioduco.sim.twin.data import TwinCommand, TwinSample
 from aioduco.sim.twin.rehearsal import _Run
 from aioduco.sim.twin.timeline import Timeline
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 ARM = arm_of("gcr5_910")
 READY = (0.0, 0.0, 1.57, 0.0, -1.57, 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +14,6 @@ from aioduco.sim.twin.timeline import HELD, Timeline
 
 from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
 from .test_monitor import EFFORT, rubbing
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 THERE = (0.6, 0.3, 1.2, 0.4, -1.2, 0.5)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +15,6 @@ from aioduco.sim.twin.limits import TwinLimits
 from aioduco.sim.twin.monitor import TwinMonitor
 
 from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 THERE = (0.6, 0.2, 1.3, 0.2, -1.3, 0.3)
 EFFORT = np.array(ARM.effort)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
 
 import anyio
 import pytest
@@ -23,10 +25,6 @@ from aioduco.supervision.events import TwinDiverged
 from aioduco.testing import eventually_async
 
 from .arms import ARM, READY
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
 
 THERE = Joints(0.5, 0.2, 1.3, 0.1, -1.4, 0.3)
 #: narrow enough for half a kilogram; times and tracking are those of a busy computer

@@ -9,17 +9,14 @@ import socketserver
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import psutil
 import pytest
 
 from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.borders import _answers
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 #: begins each program: it uses a robot, at an address where an arm could be
 BEGIN = """

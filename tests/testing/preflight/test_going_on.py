@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +18,6 @@ from aioduco.sim.planner.segments import joint_move, line_move
 from aioduco.testing.preflight import PreflightReport, PreflightSettings, preflight
 from aioduco.testing.preflight.going_on import last_reachable
 from aioduco.testing.preflight.handlers import WaitingLine, handled
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ARM = arm_of("gcr5_910")
 READY = np.array((0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0))

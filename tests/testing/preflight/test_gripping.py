@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from aioduco.testing.preflight import PreflightSettings, preflight
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PROGRAM = """
 import anyio

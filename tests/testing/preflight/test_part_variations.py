@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +12,6 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.variation import Variation
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PICKS = """
 import aioduco.sync

@@ -5,14 +5,12 @@ from __future__ import annotations
 import logging
 import math
 from functools import partial
-from typing import TYPE_CHECKING
+
+import pytest
 
 from aioduco.sim import Simulator, runtime
 from aioduco.testing import eventually
 from aioduco.testing.preflight.program_clock import ProgramClock
-
-if TYPE_CHECKING:
-    import pytest
 
 
 def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:

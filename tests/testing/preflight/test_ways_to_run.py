@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from aioduco.testing.preflight import PreflightSettings, preflight
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 BEGIN = """import sys
 import aioduco, aioduco.sync
