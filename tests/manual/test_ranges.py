@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -27,10 +28,18 @@ from aioduco.models.rules import (
     Vector,
 )
 
-from .uses import AMOUNTS, BEYOND, BUILT, COMMON, NAMES, OTHER_UNITS, STRUCTS, USES
-
-DATA = json.loads((Path(__file__).parents[1] / "data" / "manual-3.8.json").read_text("utf-8"))
+FOLDER = Path(__file__).parents[1] / "data"
+DATA = json.loads((FOLDER / "manual-3.8.json").read_text("utf-8"))
+#: which rule checks which parameter
+TABLES = tomllib.loads((FOLDER / "rules.toml").read_text("utf-8"))
+USES, COMMON, NAMES, BEYOND, OTHER_UNITS, STRUCTS = (
+    TABLES[name] for name in ("uses", "common", "names", "beyond", "other_units", "structs")
+)
 MANUAL: dict[str, dict[str, Any]] = {function["name"]: function for function in DATA["functions"]}
+#: the manual prints ranges of amounts, the value has a sign
+AMOUNTS = {"speedj.joints_list", "speedl.pose_list"}
+#: checked by a builder, not by a rule
+BUILT = {"op", "op_list", "param", "realtime_data"}
 
 PARAMETERS: dict[str, dict[str, Any]] = {
     f"{name}.{parameter['name']}": parameter
