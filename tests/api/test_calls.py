@@ -26,6 +26,7 @@ TASKS = [case for case in CALLS if type(case.answer) is int and case.answer == 4
 MOTIONS = [case for case in cases() if case.moves and case.name != "teach_mode"]
 
 
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("case", CALLS, ids=str)
 async def test_a_call(robot: aioduco.Robot, desk: Desk, case: Case) -> None:
     before = len(desk.received(case.name))

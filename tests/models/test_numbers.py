@@ -1,4 +1,4 @@
-"""Numbers and times: those of numpy are numbers everywhere, and what is none is refused by name."""
+"""Numbers: those of numpy are numbers everywhere, and what is none is refused by name."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ import dataclasses
 import math
 from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
-import anyio
 import numpy as np
 import pytest
 import yaml
@@ -27,8 +25,8 @@ from aioduco import (
 )
 from aioduco.envelope import JointMargin, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.models import ranges
-from aioduco.planning import Planner, Region, Scene
-from aioduco.sim import Simulator, scene
+from aioduco.planning import Region
+from aioduco.sim import scene
 from aioduco.sim.cabinet import SystemValues
 from aioduco.sim.view.camera import Camera
 from aioduco.streaming.sampling import instants, sampled
@@ -86,78 +84,6 @@ def test_system_values_of_numpy_are_kept_as_python_has_them() -> None:
 
 
 # -- times ---------------------------------------------------------------------------------------
-
-#: a second in nanoseconds, and what is no time
-NO_TIMES = [math.nan, math.inf, -1.0, "1", True, 10**400, 1_700_000_000_000_000_000]
-
-
-def robot() -> Any:
-    return aioduco.connect("192.0.2.1")
-
-
-async def _planned(timeout: Any) -> None:
-    async with Planner(Scene("gcr5_910")) as planner:
-        await planner.plan(
-            [0.0, 0.0, 1.0, 0.0, -1.0, 0.0], Joints(0, 0, 1, 0, -1, 0), timeout=timeout
-        )
-
-
-CONNECT = (
-    *("call_timeout", "connect_timeout", "stop_timeout", "standstill_timeout"),
-    *("unanswered_timeout", "loop_stall_limit"),
-)
-
-
-def _connected(name: str, value: Any) -> Any:
-    options: dict[str, Any] = {name: value}
-    return aioduco.connect("192.0.2.1", **options)
-
-
-#: by name, what takes a time, which is checked before anything is done
-TIMES: dict[str, Callable[[Any], Any]] = {
-    **{name: partial(_connected, name) for name in CONNECT},
-    "power_on": lambda x: anyio.run(lambda: robot().system.power_on(timeout=x)),
-    "latest": lambda x: anyio.run(lambda: robot().feed.latest(max_age=x)),
-    "plan": lambda x: anyio.run(_planned, x),
-    "goal_time": lambda x: Tolerances(goal_time=x),
-    "worker": lambda x: aioduco.WorkerOptions(timeout=x),
-    "away": lambda x: aioduco.WorkerOptions(away_limit=x),
-    "vibration_time": lambda x: Simulator(vibration_time=x),
-    "trajectory": lambda x: JointTrajectory([[0.0] * 6, [0.1] * 6], [0.0, x]),
-}
-
-
-@pytest.mark.cases(40)
-@pytest.mark.parametrize("name", TIMES)
-def test_what_is_no_time_is_refused(name: str) -> None:
-    for value in [None, *NO_TIMES]:
-        if name == "trajectory" and value is True:
-            continue  # numpy makes 1.0 of it among numbers
-        with pytest.raises(ParameterError):
-            TIMES[name](value)
-
-
-def test_an_open_robot_refuses_what_is_no_time() -> None:
-    with Simulator(speed=5) as sim, aioduco.sync.connect(sim.host, sim.port) as robot:
-        robot.bring_up()
-        home = robot.state.get_actual_joints_position()
-        calls: list[Callable[[Any], Any]] = [
-            robot.stop_now,
-            lambda x: robot.bring_up(timeout=x),
-            lambda x: robot.recover(timeout=x),
-            lambda x: robot.rearm_heartbeat(timeout=x),
-            lambda x: robot.system.enable(timeout=x),
-            lambda x: robot.feed.latest(max_age=x),
-            robot.sleep,
-        ]
-        optional: list[Callable[[Any], Any]] = [
-            lambda x: robot.wait_for(lambda _: True, timeout=x),
-            lambda x: robot.motion.movej2.prepare(home, v=1.0, a=1.0).start(deadline=x),
-        ]
-        for call in [*calls, *optional]:
-            for value in NO_TIMES if call in optional else [None, *NO_TIMES]:
-                with pytest.raises(ParameterError):
-                    call(value)
 
 
 def test_a_time_in_nanoseconds_is_named_as_one() -> None:
