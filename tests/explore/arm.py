@@ -13,7 +13,7 @@ No void command moves the arm.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from aioduco.errors import StopUnconfirmed
@@ -222,10 +222,10 @@ class ArmWorld(World):
         claim: whether the program may be moving the arm, as its guard knows it.
     """
 
-    def __init__(self, *commands: Command) -> None:
+    def __init__(self, kinds: Mapping[str, str]) -> None:
         super().__init__()
         self.controller = Controller()
-        self.commands = {command.name: command for command in commands}
+        self.commands = {name: Command(name, kind) for name, kind in kinds.items()}
         self.calls: dict[str, Call] = {}
         self.down = False
         self.asks = 0

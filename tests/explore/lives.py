@@ -12,7 +12,7 @@ later, once, and nothing that a dead program has sent arrives later than that.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from aioduco.errors import StopUnconfirmed
@@ -23,7 +23,7 @@ from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
 from aioduco.supervision.unanswered import NextStep, UnansweredMotion
 
-from .arm import POINTS, ArmWorld, Command
+from .arm import POINTS, ArmWorld
 from .program import HEARTBEAT, STALL, Program
 from .world import TICK, Action, Process, Steps, canonical
 
@@ -57,8 +57,8 @@ class LivingWorld(ArmWorld):
     prompt = True
     long_ago = 2.5
 
-    def __init__(self, *commands: Command) -> None:
-        super().__init__(*commands)
+    def __init__(self, kinds: Mapping[str, str]) -> None:
+        super().__init__(kinds)
         self.stamp = self.boot()
         self.killed: int | None = None
         self.still = 0

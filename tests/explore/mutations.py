@@ -49,7 +49,7 @@ class Mutation:
     owner: type
     attribute: str
     instead: Any
-    scenario: Callable[[], World]
+    scenario: Callable[[], Any]
     depth: int = 20
 
     def __str__(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .arm import MODE, RESUME, Command
+from .arm import MODE, MOTION, RESUME
 from .shells import Choices, Robot, Run, Tried, depart, virtual_time
 
 
@@ -11,17 +11,15 @@ class Program:
 
     Attributes:
         departures: number of departures that the tests try.
-        commands: what moves the arm in it.
+        kinds: the kind of what moves the arm in it, by its name.
         breaks: how often a connection may break.
         fine: whether answers may arrive while the loop has something to do.
     """
 
     departures = 1
+    kinds: dict[str, str]
     breaks = 1
     fine = True
-
-    def __init__(self) -> None:
-        self.commands: tuple[Command, ...] = ()
 
     async def begin(self, robot: Robot) -> None:
         """Do what it begins with, and name what may happen, in its order."""
@@ -34,8 +32,7 @@ class Program:
 class Stopped(Program):
     """Two motions are awaited and the arm is stopped; then another is awaited."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("B"), Command("C")
+    kinds = {"A": MOTION, "B": MOTION, "C": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         async def stop() -> None:
@@ -53,8 +50,7 @@ class StoppedOnce(Program):
     departures = 2
     breaks = 0
 
-    def __init__(self) -> None:
-        self.commands = (Command("A"),)
+    kinds = {"A": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         robot.start("A", robot.awaits("A"))
@@ -64,8 +60,7 @@ class StoppedOnce(Program):
 class StoppedNow(Program):
     """A motion is awaited and a mode entered; the arm is stopped by `robot.stop_now()`."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("M", MODE)
+    kinds = {"A": MOTION, "M": MODE}
 
     async def begin(self, robot: Robot) -> None:
         robot.start("M", robot.enters("M"))
@@ -76,8 +71,7 @@ class StoppedNow(Program):
 class Cancelled(Program):
     """A motion is awaited, and another one after it; the first await is cancelled, also twice."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("B")
+    kinds = {"A": MOTION, "B": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         first = robot.start("A", robot.awaits("A"))
@@ -89,8 +83,7 @@ class Cancelled(Program):
 class Blocked(Program):
     """A blocking call is stopped, or cancelled; another one waits for its connection."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("B")
+    kinds = {"A": MOTION, "B": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         first = robot.start("A", robot.blocks("A"))
@@ -102,8 +95,7 @@ class Blocked(Program):
 class Mode(Program):
     """A mode is entered, and the arm stopped, or the task cancelled; then a motion is awaited."""
 
-    def __init__(self) -> None:
-        self.commands = Command("M", MODE), Command("A")
+    kinds = {"M": MODE, "A": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         async def stop() -> None:
@@ -118,8 +110,7 @@ class Mode(Program):
 class Resumed(Program):
     """The paused motion of another program is resumed, and the robot left."""
 
-    def __init__(self) -> None:
-        self.commands = Command("foreign"), Command("R", RESUME)
+    kinds = {"foreign": MOTION, "R": RESUME}
 
     def prepare(self, run: Run) -> None:
         run["foreign"].asked = 0
@@ -134,8 +125,7 @@ class Resumed(Program):
 class Paused(Program):
     """A motion is awaited, paused, resumed and stopped."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("R", RESUME)
+    kinds = {"A": MOTION, "R": RESUME}
 
     async def begin(self, robot: Robot) -> None:
         async def pause() -> None:
@@ -150,8 +140,7 @@ class Paused(Program):
 class Envelope(Program):
     """The arm is stopped at a limit of its envelope while a motion is awaited."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("B")
+    kinds = {"A": MOTION, "B": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         robot.start("A", robot.awaits("A"))
@@ -165,8 +154,7 @@ class Envelope(Program):
 class Aborted(Program):
     """A motion is awaited, and aborted."""
 
-    def __init__(self) -> None:
-        self.commands = (Command("A"),)
+    kinds = {"A": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         robot.start("A", robot.awaits("A"))
@@ -176,8 +164,7 @@ class Aborted(Program):
 class Left(Program):
     """A motion is awaited and a mode entered; the robot is left."""
 
-    def __init__(self) -> None:
-        self.commands = Command("A"), Command("M", MODE)
+    kinds = {"A": MOTION, "M": MODE}
 
     async def begin(self, robot: Robot) -> None:
         robot.start("A", robot.awaits("A"))
@@ -190,8 +177,7 @@ class Lost(Program):
 
     departures = 2
 
-    def __init__(self) -> None:
-        self.commands = (Command("A"),)
+    kinds = {"A": MOTION}
 
     async def begin(self, robot: Robot) -> None:
         robot.start("A", robot.awaits("A"))
@@ -200,8 +186,7 @@ class Lost(Program):
 class Overdue(Program):
     """A stream has ended whose worker could not end its mode; a motion is awaited."""
 
-    def __init__(self) -> None:
-        self.commands = Command("M", MODE), Command("A")
+    kinds = {"M": MODE, "A": MOTION}
 
     def prepare(self, run: Run) -> None:
         run["M"].asked = 0
@@ -215,21 +200,7 @@ class Overdue(Program):
         robot.start("A", robot.awaits("A"))
 
 
-ALL: tuple[type[Program], ...] = (
-    Stopped,
-    StoppedOnce,
-    StoppedNow,
-    Cancelled,
-    Blocked,
-    Mode,
-    Resumed,
-    Paused,
-    Envelope,
-    Aborted,
-    Left,
-    Lost,
-    Overdue,
-)
+ALL = Program.__subclasses__()
 
 
 def tried(kind: type[Program], departures: int | None = None) -> Tried:
@@ -237,7 +208,7 @@ def tried(kind: type[Program], departures: int | None = None) -> Tried:
 
     def once(choices: Choices) -> None:
         program = kind()
-        run = Run(choices, *program.commands, fine=program.fine)
+        run = Run(choices, program.kinds, fine=program.fine)
         run.breaks, run.arrivals = program.breaks, 9
         program.prepare(run)
         current[:] = [run]

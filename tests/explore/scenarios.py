@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .arm import MODE, POINTS, RESUME, ArmWorld, Command
+from .arm import MODE, MOTION, POINTS, RESUME, ArmWorld
 from .lives import LivingWorld
 from .program import Program
 from .world import Steps, Violation
@@ -18,11 +18,13 @@ class Scenario(ArmWorld):
     """A world with one program that always runs."""
 
     gate = 12
+    #: the kind of each command, by its name
+    kinds: dict[str, str]
     #: how often each thing may go wrong
     wrong: dict[str, int] = {}
 
-    def __init__(self, *commands: Command) -> None:
-        super().__init__(*commands)
+    def __init__(self) -> None:
+        super().__init__(self.kinds)
         self.program = Program(self)
         self.left = dict(self.wrong)
         self.begin()
@@ -52,12 +54,10 @@ class Scenario(ArmWorld):
 class Stopped(Scenario):
     """Two motions are awaited, the second reads first; the arm is stopped; a third is awaited."""
 
+    kinds = {"A": MOTION, "B": MOTION, "C": MOTION}
     gate = 13
     prompt = True
     wrong = {"break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("B"), Command("C"))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -78,11 +78,9 @@ class Refused(Stopped):
 class StoppedNow(Scenario):
     """A motion and a mode are on their way when the arm is stopped by `robot.stop_now()`."""
 
+    kinds = {"A": MOTION, "M": MODE}
     gate = 13
     prompt = True
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("M", MODE))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -93,12 +91,10 @@ class StoppedNow(Scenario):
 class StoppedInOutage(Scenario):
     """A motion is awaited, the arm stopped, and the network fails."""
 
+    kinds = {"A": MOTION}
     gate = 15
     prompt = True
     wrong = {"down": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -108,11 +104,9 @@ class StoppedInOutage(Scenario):
 class Late(Scenario):
     """A motion is awaited, and the arm stopped; each call may take any time or be lost."""
 
+    kinds = {"A": MOTION}
     gate = 16
     wrong = {"break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -122,12 +116,10 @@ class Late(Scenario):
 class Outage(Scenario):
     """A motion is awaited and may be cancelled, and the network fails for any time."""
 
+    kinds = {"A": MOTION}
     gate = 20
     victims = ("A",)
     wrong = {"down": 1, "cancel": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -136,13 +128,11 @@ class Outage(Scenario):
 class Cancelled(Scenario):
     """Two motions are awaited; the first await is cancelled, also twice."""
 
+    kinds = {"A": MOTION, "B": MOTION}
     gate = 13
     prompt = True
     victims = ("A",)
     wrong = {"cancel": 2, "break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("B"))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -152,13 +142,11 @@ class Cancelled(Scenario):
 class Mode(Scenario):
     """A mode is entered, and the arm stopped; then a motion is awaited."""
 
+    kinds = {"M": MODE, "A": MOTION}
     gate = 14
     prompt = True
     victims = ("M",)
     wrong = {"cancel": 1, "break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("M", MODE), Command("A"))
 
     def begin(self) -> None:
         self.start("M", self.program.enters("M"))
@@ -172,11 +160,9 @@ class Mode(Scenario):
 class ModeStopped(Scenario):
     """A mode is entered, and the arm stopped."""
 
+    kinds = {"M": MODE}
     gate = 25
     prompt = True
-
-    def __init__(self) -> None:
-        super().__init__(Command("M", MODE))
 
     def begin(self) -> None:
         self.start("M", self.program.enters("M"))
@@ -194,13 +180,11 @@ class ModeLeft(ModeStopped):
 class Resumed(Scenario):
     """The paused motion of another program is resumed, and the robot left, or the arm stopped."""
 
+    kinds = {"foreign": MOTION, "R": RESUME}
     gate = 16
     prompt = True
     victims = ("R",)
     wrong = {"cancel": 1, "break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("foreign"), Command("R", RESUME))
 
     def begin(self) -> None:
         self.runs("foreign")
@@ -220,12 +204,10 @@ class ResumedAndStopped(Resumed):
 class Paused(Scenario):
     """A motion is awaited, paused and resumed by another task, and stopped by a third."""
 
+    kinds = {"A": MOTION, "R": RESUME}
     gate = 13
     prompt = True
     wrong = {"arrive": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("R", RESUME))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -240,12 +222,10 @@ class Paused(Scenario):
 class Envelope(Scenario):
     """The arm is stopped at a limit of its envelope while a motion is awaited."""
 
+    kinds = {"A": MOTION, "B": MOTION}
     gate = 16
     prompt = True
     wrong = {"break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("B"))
 
     def begin(self) -> None:
         self.runs("A")
@@ -256,11 +236,9 @@ class Envelope(Scenario):
 class Unconfirmed(Scenario):
     """A motion is awaited while the arm is being stopped, and the network fails."""
 
+    kinds = {"A": MOTION, "B": MOTION}
     gate = 12
     wrong = {"down": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("B"))
 
     def begin(self) -> None:
         self.runs("A")
@@ -271,14 +249,13 @@ class Unconfirmed(Scenario):
 class Tasks(Scenario):
     """A motion blends into the next one, is stopped, or arrives; its task is polled meanwhile."""
 
+    kinds = {"A": MOTION, "B": MOTION}
     gate = 14
     prompt = True
     wrong = {"arrive": 2}
 
-    def __init__(self) -> None:
-        super().__init__(Command("A", blends=True), Command("B"))
-
     def begin(self) -> None:
+        self["A"].blends = True
         self.program.polls = True
         self.start("A", self.program.awaits("A"))
         self.quiet()
@@ -289,12 +266,10 @@ class Tasks(Scenario):
 class Left(Scenario):
     """The robot is left while a motion and a mode are on their way."""
 
+    kinds = {"A": MOTION, "M": MODE}
     gate = 12
     prompt = True
     wrong = {"break": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"), Command("M", MODE))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A"))
@@ -309,10 +284,11 @@ class Living(LivingWorld):
     """A program with keep-alives and a heartbeat."""
 
     gate = 12
+    kinds: dict[str, str]
     wrong: dict[str, int] = {}
 
-    def __init__(self, *commands: Command) -> None:
-        super().__init__(*commands)
+    def __init__(self) -> None:
+        super().__init__(self.kinds)
         self.left = dict(self.wrong)
         program = self.program
         self.start("loop", program.lives())
@@ -337,12 +313,10 @@ class Living(LivingWorld):
 class Frozen(Living):
     """A motion that reads first is awaited; the program freezes or hangs, the computer sleeps."""
 
+    kinds = {"A": MOTION}
     gate = 14
     freezable: tuple[str, ...] = ("program", "loop")
     wrong = {"freeze": 1, "suspend": 1, "exit": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"))
 
     def begin(self) -> None:
         self.start("A", self.program.awaits("A", reads=True))
@@ -351,12 +325,10 @@ class Frozen(Living):
 class Hung(Living):
     """A motion runs, and the event loop hangs."""
 
+    kinds = {"A": MOTION}
     gate = 20
     freezable: tuple[str, ...] = ("loop",)
     wrong = {"freeze": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("A"))
 
     def begin(self) -> None:
         self["A"].asked = 0
@@ -367,13 +339,11 @@ class Hung(Living):
 class Stream(Living):
     """A stream; program and worker are frozen, the program is killed, the computer sleeps."""
 
+    kinds = {"S": POINTS}
     gate = 12
     freezable: tuple[str, ...] = ("program", "worker", "loop")
     mortal: tuple[str, ...] = ("program",)
     wrong = {"freeze": 2, "kill": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("S", POINTS))
 
     def begin(self) -> None:
         self.program.opens("S")
@@ -396,12 +366,10 @@ class StreamWithoutHeartbeat(Stream):
 class StreamStopped(Living):
     """A stream, and a stop; the worker may be frozen."""
 
+    kinds = {"S": POINTS}
     gate = 14
     freezable: tuple[str, ...] = ("worker",)
     wrong = {"freeze": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("S", POINTS))
 
     def begin(self) -> None:
         self.program.opens("S")
@@ -411,12 +379,10 @@ class StreamStopped(Living):
 class StreamStoppedByAnother(Living):
     """A stream; another program sets an output, and stops the arm; the worker may be frozen."""
 
+    kinds = {"S": POINTS}
     gate = 14
     freezable: tuple[str, ...] = ("worker",)
     wrong = {"other stop": 1, "other task": 1, "freeze": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("S", POINTS))
 
     def begin(self) -> None:
         self.program.opens("S")
@@ -431,14 +397,12 @@ class StreamStoppedByAnother(Living):
 class StreamLost(Living):
     """A stream in a mode of the controller loses its connection; then a motion is awaited."""
 
+    kinds = {"S": POINTS, "M": MODE, "A": MOTION}
     gate = 16
     freezable: tuple[str, ...] = ("worker",)
     mortal: tuple[str, ...] = ("worker",)
     heartbeat = False
     wrong = {"down": 1, "kill": 1}
-
-    def __init__(self) -> None:
-        super().__init__(Command("S", POINTS), Command("M", MODE), Command("A"))
 
     def begin(self) -> None:
         self.program.opens("S", "M")
@@ -458,14 +422,12 @@ class StreamLost(Living):
 class Guarded(Living):
     """The paused motion of another program is resumed; program or guard are killed or frozen."""
 
+    kinds = {"foreign": MOTION, "R": RESUME}
     gate = 12
     guarded = True
     freezable: tuple[str, ...] = ("program", "guard")
     mortal: tuple[str, ...] = ("program", "guard")
     wrong = {"freeze": 1, "kill": 2}
-
-    def __init__(self) -> None:
-        super().__init__(Command("foreign"), Command("R", RESUME))
 
     def begin(self) -> None:
         self["foreign"].asked = 0
@@ -483,32 +445,8 @@ class GuardedWithoutHeartbeat(Guarded):
     wrong = {"kill": 1}
 
 
-ALL: tuple[type[Scenario | Living], ...] = (
-    Stopped,
-    Refused,
-    StoppedNow,
-    StoppedInOutage,
-    Late,
-    Outage,
-    Cancelled,
-    Mode,
-    ModeStopped,
-    ModeLeft,
-    Resumed,
-    ResumedAndStopped,
-    Paused,
-    Envelope,
-    Unconfirmed,
-    Tasks,
-    Left,
-    Frozen,
-    Hung,
-    Stream,
-    StreamSuspended,
-    StreamWithoutHeartbeat,
-    StreamStopped,
-    StreamStoppedByAnother,
-    StreamLost,
-    Guarded,
-    GuardedWithoutHeartbeat,
-)
+ALL = [
+    kind
+    for kind in list(vars().values())
+    if isinstance(kind, type) and issubclass(kind, (Scenario, Living)) and hasattr(kind, "kinds")
+]

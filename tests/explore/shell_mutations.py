@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
-from unittest.mock import patch
 
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
@@ -16,33 +14,22 @@ from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.unanswered import UnansweredMotion
 
 from . import programs
-from .mutations import _ends_permits_alone, _same_epoch, _without_watch
+from .mutations import Mutation, _ends_permits_alone, _same_epoch, _without_watch
 
 __all__ = ["SHELL_MUTATIONS", "ShellMutation"]
 
 
 @dataclass(frozen=True)
-class ShellMutation:
-    """A mend that is taken out; the attributes are those of `Mutation`.
+class ShellMutation(Mutation):
+    """A mend that is taken out of the coroutines.
 
     Attributes:
-        program: where it is found.
-        departures: number of departures within which it is found.
+        scenario: the program in which it is found.
+        depth: number of departures within which it is found.
     """
 
-    name: str
-    owner: type
-    attribute: str
-    instead: Any
-    program: type[programs.Program]
-    departures: int = 1
-
-    def __str__(self) -> str:
-        return self.name
-
-    def made(self) -> AbstractContextManager[object]:
-        """Return a context in which it is in effect."""
-        return patch.object(self.owner, self.attribute, self.instead)
+    scenario: type[programs.Program]
+    depth: int = 1
 
 
 async def _asks_at_lock(

@@ -284,8 +284,8 @@ class Run(ArmWorld):
         arrivals: how often a motion may still arrive at its target.
     """
 
-    def __init__(self, choices: Choices, *commands: Command, fine: bool = True) -> None:
-        super().__init__(*commands)
+    def __init__(self, choices: Choices, kinds: Mapping[str, str], *, fine: bool = True) -> None:
+        super().__init__(kinds)
         self._choices = choices
         self.fine = fine
         self.seconds = 0.0

@@ -24,6 +24,6 @@ def test_the_promise_holds_in_all_runs(program: type[Program]) -> None:
 @pytest.mark.parametrize("mutation", SHELL_MUTATIONS, ids=str)
 def test_each_mend_that_is_taken_out_is_missed(mutation: ShellMutation) -> None:
     with mutation.made():
-        found = tried(mutation.program, mutation.departures)
+        found = tried(mutation.scenario, mutation.depth)
     print(mutation, found)  # noqa: T201
     assert found.broken, f"{mutation} breaks nothing: {found}"
