@@ -6,8 +6,7 @@ import contextlib
 import importlib
 import shutil
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,8 +19,6 @@ from . import build
 
 #: what the compiler writes into
 _PACKAGES = ("duco", "clients")
-
-Connect = Callable[[], AbstractContextManager[Any]]
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -94,9 +91,3 @@ def connected(generated: Generated, host: str, port: int) -> Iterator[Any]:
         yield generated.client.Client(protocol.TBinaryProtocol(transport))
     finally:
         transport.close()
-
-
-@pytest.fixture
-def connect(generated: Generated, sim: Simulator) -> Connect:
-    """Open a connection to the simulator as the vendor's Python client does."""
-    return lambda: connected(generated, sim.host, sim.port)

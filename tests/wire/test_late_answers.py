@@ -12,9 +12,7 @@ from typing import Any
 import anyio
 import pytest
 import thriftpy2
-from thriftpy2.protocol import TCyBinaryProtocolFactory
 from thriftpy2.rpc import make_client
-from thriftpy2.transport import TCyBufferedTransportFactory
 
 from aioduco._wire import idl
 from aioduco._wire.lane import WireLane
@@ -53,37 +51,6 @@ def numbered(peer: Peer) -> None:
 
 
 # Late
-
-
-def test_thriftpy2_gives_the_previous_answer_after_a_timeout() -> None:
-    """The reason for all this: what the library that is underneath does by itself."""
-    late = threading.Event()
-
-    def script(peer: Peer) -> None:
-        first = peer.receive()
-        assert first is not None
-        late.wait(PATIENCE)
-        peer.answer(first, 111)
-        second = peer.receive()
-        assert second is not None
-        peer.answer(second, 222)
-
-    module = thriftpy2.load(str(idl.path()), module_name="late_answers_thrift")
-    factory: Any = TCyBinaryProtocolFactory
-    with ScriptedServer(script) as server:
-        client = make_client(
-            module.RPCRobot,
-            server.host,
-            server.port,
-            proto_factory=factory(),
-            trans_factory=TCyBufferedTransportFactory(),
-            timeout=int(SHORT * 1000),
-        )
-        with pytest.raises(TimeoutError):
-            client.get_noneblock_taskstate(1)
-        late.set()
-        assert client.get_noneblock_taskstate(2) == 111
-        client.close()
 
 
 @pytest.mark.parametrize("first", ALL, ids=[name for name, _ in ALL])
