@@ -6,6 +6,8 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import anyio
 import anyio.lowlevel
@@ -51,20 +53,26 @@ anyio.run(main, *sys.argv[1:])
 """
 
 
-def start(controller: Controller) -> tuple[subprocess.Popen[str], int]:
-    """A program in the middle of a stream, and its worker's process."""
+@contextmanager
+def started(controller: Controller) -> Iterator[tuple[subprocess.Popen[str], int]]:
+    """A program in the middle of a stream, and its worker's process, which is to end by itself."""
     server = controller.server
-    program = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-c", PROGRAM, server.host, str(server.port), "process"],
         stdout=subprocess.PIPE,
         text=True,
         # a group of its own, so that a test can send it what a terminal would
         process_group=0,
-    )
-    assert program.stdout is not None
-    worker = int(program.stdout.readline())
-    assert runs(worker)
-    return program, worker
+    ) as program:
+        try:
+            assert program.stdout is not None
+            worker = int(program.stdout.readline())
+            assert runs(worker)
+            yield program, worker
+            eventually(lambda: not runs(worker), what="the worker's process is gone")
+            assert decelerated(controller)
+        finally:
+            program.kill()
 
 
 def decelerated(controller: Controller) -> bool:
@@ -80,70 +88,45 @@ def decelerated(controller: Controller) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_a_program_killed_in_mid_stream(controller: Controller, how: signal.Signals) -> None:
-    program, worker = start(controller)
-    shared = shared_files(program.pid, worker)
-    program.send_signal(how)
-    program.wait(10)
-    eventually(lambda: not runs(worker), what="the worker's process is gone")
+    with started(controller) as (program, worker):
+        shared = shared_files(program.pid, worker)
+        program.send_signal(how)
     eventually(lambda: controller.server.connections == 0)
-    assert decelerated(controller)
     assert controller.names()[-1] == "stop"
     assert not any(file.exists() for file in shared)
-    assert program.stdout is not None
-    program.stdout.close()
 
 
 @pytest.mark.slow
 def test_a_program_that_hangs_starves_its_stream(controller: Controller) -> None:
-    program, worker = start(controller)
-    program.send_signal(signal.SIGSTOP)
-    try:
-        eventually(lambda: not runs(worker), what="the worker's process is gone")
-        assert decelerated(controller)
-        assert controller.names()[-1] == "stop"
-    finally:
-        program.kill()
-        program.wait(10)
-        assert program.stdout is not None
-        program.stdout.close()
+    with started(controller) as (program, _):
+        program.send_signal(signal.SIGSTOP)
+    assert controller.names()[-1] == "stop"
 
 
 @pytest.mark.slow
 def test_ctrl_c_ends_the_program_and_its_stream_in_order(controller: Controller) -> None:
-    program, worker = start(controller)
-    # A terminal sends it to every process of the group; the worker is in none of them.
-    os.killpg(program.pid, signal.SIGINT)
-    program.wait(10)
-    eventually(lambda: not runs(worker), what="the worker's process is gone")
-    assert decelerated(controller)
+    with started(controller) as (program, _):
+        # A terminal sends it to every process of the group; the worker is in none of them.
+        os.killpg(program.pid, signal.SIGINT)
+        program.wait(10)
     assert "stop" not in controller.names()
-    assert program.stdout is not None
-    program.stdout.close()
 
 
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [
+        (signal.SIGKILL, "SIGKILL"),
+        (signal.SIGSTOP, "SIGKILL"),  # it stands still, and is killed for that
+        pytest.param(
+            getattr(signal, "SIGRTMIN", 34) + 1,
+            "signal {number}",
+            marks=pytest.mark.linux("real-time signals"),
+        ),
+    ],
+)
 async def test_a_worker_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
-    controller: Controller,
-) -> None:
-    endpoint = controller.endpoint
-    stream = Servo(endpoint).joints(v=1.0, a=5.0, rate=RATE)
-
-    async def program() -> None:
-        async with stream:
-            await stream.send(HERE)
-            assert stream.pid is not None
-            os.kill(stream.pid, signal.SIGKILL)
-            while True:
-                await stream.send(HERE)
-
-    async with no_leaks():
-        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
-            await program()
-    assert controller.stops == ["stop"]
-
-
-@pytest.mark.slow
-async def test_a_worker_that_stands_still_is_ended_and_the_robot_is_stopped(
-    controller: Controller, monkeypatch: pytest.MonkeyPatch
+    controller: Controller, monkeypatch: pytest.MonkeyPatch, number: int, told: str
 ) -> None:
     monkeypatch.setattr(Session, "_end_timeout", 0.5)
     stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
@@ -152,12 +135,20 @@ async def test_a_worker_that_stands_still_is_ended_and_the_robot_is_stopped(
         async with stream:
             await stream.send(HERE)
             assert stream.pid is not None
-            os.kill(stream.pid, signal.SIGSTOP)
+            os.kill(stream.pid, number)
+            while number != signal.SIGSTOP:
+                await stream.send(HERE)
 
     async with no_leaks():
-        with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
+        with pytest.raises(WorkerFailed, match=f"killed by {told.format(number=number)}"):
             await program()
     assert controller.stops == ["stop"]
+
+
+def on_the_way(number: int) -> list[float]:
+    """A set-point of a way that speeds up to 0.4 rad/s, then goes on at that."""
+    way = 5e-6 * number**2 if number < 80 else 0.032 + 8e-4 * (number - 80)
+    return [angle + way for angle in HERE]
 
 
 async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Controller) -> None:
@@ -166,11 +157,10 @@ async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Contro
     async def program() -> None:
         async with stream:
             for n in range(400):
-                way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
                 if n == 200:
                     assert stream.pid is not None
                     os.kill(stream.pid, signal.SIGTERM)
-                await stream.send([angle + way for angle in HERE])
+                await stream.send(on_the_way(n))
             await stream.ended()
 
     with pytest.raises(WorkerFailed, match="by a signal"):
@@ -218,8 +208,7 @@ async def test_a_thread_worker_ends_with_its_face_gone(controller: Controller) -
     async def program() -> None:
         async with stream:
             for n in range(150):
-                way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
-                await stream.send([angle + way for angle in HERE])
+                await stream.send(on_the_way(n))
             link = stream._session._link
             assert link is not None
             link.shutdown(2)
@@ -263,23 +252,3 @@ async def test_sending_with_one_set_point_ahead_lets_the_event_loop_run(
     async with no_leaks(), anyio.create_task_group() as tasks:
         with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program(tasks)
-
-
-@pytest.mark.slow
-@pytest.mark.linux("real-time signals")
-async def test_a_worker_killed_by_a_signal_without_a_name_is_an_error(
-    controller: Controller,
-) -> None:
-    stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
-    number = signal.SIGRTMIN + 1
-
-    async def program() -> None:
-        async with stream:
-            await stream.send(HERE)
-            assert stream.pid is not None
-            os.kill(stream.pid, number)
-            while True:
-                await stream.send(HERE)
-
-    with pytest.raises(WorkerFailed, match=f"killed by signal {number}"):
-        await program()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 from collections.abc import AsyncIterator, Iterator
 from typing import Literal
 
@@ -41,13 +39,11 @@ from aioduco.testing import (
     WrongMethod,
     WrongSeqid,
     cancel_at,
-    eventually,
     eventually_async,
     no_leaks,
 )
 from aioduco.testing.cancel import How
 
-from .conftest import runs, shared_files
 from .robot_motions import KINDS, START
 
 PROCESS = WorkerOptions(timeout=0.2)
@@ -246,47 +242,6 @@ async def test_a_worker_that_is_killed(robot: aioduco.Robot, sim: Simulator, kin
         with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
             await program()
     await see_it_stand(sim)
-
-
-PROGRAM = """
-import sys
-import anyio
-import aioduco
-
-async def main(host, port, guard):
-    async with aioduco.connect(host, int(port), guard=guard or None) as robot:
-        await robot.recover()
-        start = await robot.state.get_actual_joints_position()
-        options = aioduco.WorkerOptions(away_limit=20.0)
-        async with robot.servo.joints(v=1.0, a=8.0, options=options) as stream:
-            for n in range(100_000):
-                await stream.send([start[0] + 2e-4 * n, *start[1:]])
-                if n == 150:
-                    print(stream.pid, flush=True)
-
-anyio.run(main, *sys.argv[1:])
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("guard", ["", "process"], ids=["alone", "guarded"])
-def test_a_program_that_is_killed(sim: Simulator, guard: str) -> None:
-    with no_leaks():
-        program = subprocess.Popen(
-            [sys.executable, "-c", PROGRAM, sim.host, str(sim.port), guard],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        assert program.stdout is not None
-        worker = int(program.stdout.readline())
-        shared = shared_files(program.pid, worker)
-        program.kill()
-        program.communicate()
-        eventually(lambda: not runs(worker), timeout=10)
-        eventually(lambda: not sim.connections)
-        assert not sim.view.moving
-        eventually(lambda: not sim.tasks)
-    assert not any(file.exists() for file in shared)
 
 
 # -- cancellation ------------------------------------------------------------------------------
