@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import random
 import threading
 from collections.abc import Callable, Coroutine
 from functools import partial
@@ -243,64 +242,6 @@ async def test_an_answer_that_meets_a_cancellation_goes_to_nobody_else() -> None
 def begun(lane: WireLane, task: asyncio.Task[Any]) -> bool:
     """Whether the call is on its way: its connection may have to be opened first."""
     return task.done() or (lane.statistics().busy == 1 and channel(lane)._stream is not None)
-
-
-def doubling_unless_negative(peer: Peer) -> None:
-    """Answer each task id by its double, and a negative one not at all."""
-    while (call := peer.receive()) is not None:
-        if call.args[0] >= 0:
-            peer.answer(call, 2 * call.args[0])
-
-
-@pytest.mark.slow
-async def test_random_cancellations_never_mix_answers_up() -> None:
-    """Many calls, each with an answer of its own, a third of them cancelled at some moment.
-
-    That moment may be before the call is sent or after its answer, as the machine has time; one in
-    twelve calls has no answer, and is cancelled when the server has it.
-    """
-    chance = random.Random(7)
-    wrong = []
-    answered = cancelled = 0
-
-    async def unanswered(lane: WireLane, server: ScriptedServer, number: int) -> None:
-        task = start(lane.rpc.get_noneblock_taskstate(number))
-        await eventually_async(lambda: any(call.args == (number,) for call in server.calls))
-        task.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await task
-
-    async def caller(lane: WireLane, server: ScriptedServer, name: int) -> None:
-        nonlocal answered, cancelled
-        for turn in range(120):
-            if turn % 12 == name:
-                await unanswered(lane, server, -1 - name - 12 * turn)
-                continue
-            number = chance.randrange(1_000_000)
-            ticks = chance.choice([None, None, *range(6)])
-            with anyio.CancelScope() as scope:
-                async with anyio.create_task_group() as group:
-                    if ticks is not None:
-                        group.start_soon(cancel_after, ticks, scope)
-                    value = await lane.rpc.get_noneblock_taskstate(number)
-                    if value != 2 * number:
-                        wrong.append((number, value))
-                    answered += 1
-                    group.cancel_scope.cancel()
-            cancelled += scope.cancel_called
-
-    async with opened(doubling_unless_negative, size=4, call_timeout=PATIENCE) as (lane, server):
-        async with anyio.create_task_group() as group:
-            for name in range(12):
-                group.start_soon(caller, lane, server, name)
-        assert wrong == []
-        assert answered > 100  # how many are cancelled in time depends on the machine
-        assert cancelled > 100
-        await works(lane)
-        figures = lane.statistics()
-        assert figures.abandoned >= 120
-        assert figures.connections <= 4
-        await eventually_async(lambda: server.connections - server.finished <= 4)
 
 
 async def cancel_after(ticks: int, scope: anyio.CancelScope) -> None:
