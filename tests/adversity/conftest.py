@@ -1,8 +1,15 @@
-"""How many faults, from which seed."""
+"""How many faults, from which seed; the guard of a module."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from queue import SimpleQueue
+
 import pytest
+
+from aioduco._process.platform import missing_guard_features
+from aioduco.supervision.guard.client import shared
+from aioduco.supervision.guard.messages import Release
 
 #: tests among which the faults are divided
 PARTS = 10
@@ -22,3 +29,23 @@ def faults(request: pytest.FixtureRequest) -> int:
     number = request.config.getoption("faults")
     assert isinstance(number, int)
     return max(1, number // PARTS)
+
+
+@pytest.fixture(scope="module")
+def guards() -> Iterator[None]:
+    """All robots of a module with a guard have the same: it is started once.
+
+    Where there can be none, tests without it are run all the same.
+    """
+    if missing_guard_features():
+        yield
+        return
+    link = shared.acquire()
+    try:
+        answers: SimpleQueue[str | None] = SimpleQueue()
+        # it answers to what it does not know, too, as soon as it runs
+        assert link.ask(lambda token: Release(0, token), answers.put)
+        assert answers.get(timeout=30.0) is not None
+        yield
+    finally:
+        shared.release(link)

@@ -24,17 +24,13 @@ from aioduco.supervision.settings import GuardKind
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
 
 from .arm import idle, ready, see_it_stand, unrest
-from .guards import BOTH, one_guard
+from .guards import BOTH
 from .program import LEFT, RIGHT
+
+pytestmark = pytest.mark.usefixtures("guards")
 
 #: s
 HEARTBEAT = 1.0
-
-
-@pytest.fixture(scope="module", autouse=True)
-def guards() -> Iterator[None]:
-    with one_guard():
-        yield
 
 
 @pytest.fixture

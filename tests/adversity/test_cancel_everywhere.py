@@ -16,8 +16,9 @@ from aioduco.testing import Cancelled, Resources, cancel_at_every_await, eventua
 from aioduco.testing.cancel import How
 
 from .arm import see_it_stand, unrest
-from .guards import one_guard
 from .program import LEFT, RIGHT
+
+pytestmark = pytest.mark.usefixtures("guards")
 
 Script = Callable[[aioduco.Robot], Awaitable[None]]
 
@@ -26,12 +27,6 @@ Script = Callable[[aioduco.Robot], Awaitable[None]]
 def sim() -> Iterator[Simulator]:
     with Simulator(speed=20.0) as sim:
         yield sim
-
-
-@pytest.fixture(scope="module", autouse=True)
-def guards() -> Iterator[None]:
-    with one_guard():
-        yield
 
 
 async def move(robot: aioduco.Robot) -> None:

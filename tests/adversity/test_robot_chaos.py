@@ -29,20 +29,15 @@ from aioduco.testing import (
 )
 
 from .arm import idle, see_it_stand, unrest
-from .guards import one_guard
 from .menu import MENU
+
+pytestmark = pytest.mark.usefixtures("guards")
 
 #: a controller that says that it refused what it does is not to be helped
 TRUTHFUL: tuple[Fault, ...] = tuple(
     fault for fault in MENU if not (isinstance(fault, ApplicationError) and fault.forward)
 )
 ROUNDS = 4
-
-
-@pytest.fixture(scope="module", autouse=True)
-def guards() -> Iterator[None]:
-    with one_guard():
-        yield
 
 
 @pytest.fixture

@@ -19,15 +19,10 @@ from aioduco.supervision.settings import GuardKind
 from aioduco.testing import no_leaks
 
 from .arm import see_it_stand
-from .guards import one_guard
+
+pytestmark = pytest.mark.usefixtures("guards")
 
 MOTIONS = 25
-
-
-@pytest.fixture(scope="module", autouse=True)
-def guards() -> Iterator[None]:
-    with one_guard():
-        yield
 
 
 @pytest.fixture

@@ -13,17 +13,13 @@ from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually_async, no_leaks
 
 from .arm import ready
-from .guards import BOTH, one_guard
+from .guards import BOTH
 from .program import LEFT
+
+pytestmark = pytest.mark.usefixtures("guards")
 
 #: s for which the loop is blocked, well below the limit, which is one second if nothing is said
 SHORT = 0.3
-
-
-@pytest.fixture(scope="module", autouse=True)
-def guards() -> Iterator[None]:
-    with one_guard():
-        yield
 
 
 @pytest.fixture

@@ -180,6 +180,11 @@ class Bench(RecordingServer):
             return int(TaskState.IDLE if task is None else self._advance(task, time.monotonic()))
 
     @property
+    def stops(self) -> int:
+        """How often the arm was stopped."""
+        return len(self.received("stop"))
+
+    @property
     def commands(self) -> list[str]:
         """The functions that were called, without reads, supervision and heartbeat.
 

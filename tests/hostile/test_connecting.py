@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -19,7 +19,7 @@ from aioduco._wire.connection import Connection
 from aioduco.compat import DucoCobot
 from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, ParameterError, WorkerFailed
 from aioduco.streaming.shared.options import WorkerOptions
-from aioduco.testing import eventually_async, no_leaks
+from aioduco.testing import eventually_async
 
 LACKS = {
     errno.EMFILE: "no file descriptor left .EMFILE",
@@ -27,12 +27,6 @@ LACKS = {
     errno.ENOBUFS: "no memory left for sockets .ENOBUFS",
     errno.EACCES: "does not permit it .EACCES",
 }
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with no_leaks(), Bench() as bench:
-        yield bench
 
 
 def denied(number: int) -> Callable[..., Any]:

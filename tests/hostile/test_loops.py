@@ -20,7 +20,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco import WrongLoop
 from aioduco._wire.lane import WireLane
-from aioduco.testing import eventually, eventually_async, no_leaks
+from aioduco.testing import eventually, eventually_async
 
 #: s after which a call that hangs has failed the test
 PATIENCE = 30.0
@@ -84,12 +84,6 @@ def new_loop(request: pytest.FixtureRequest) -> Callable[[], asyncio.AbstractEve
 def _pipe_for_signals() -> None:
     """The first loop of libuv opens a pipe that the process keeps: no leak of what is tested."""
     run(uvloop.new_event_loop, anyio.lowlevel.checkpoint)
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with no_leaks(), Bench() as bench:
-        yield bench
 
 
 def run(new_loop: Callable[[], Any], work: Callable[[], Coroutine[Any, Any, Any]]) -> Any:

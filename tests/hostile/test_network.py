@@ -11,7 +11,6 @@ import pytest
 from aioduco.testing import eventually
 
 from .cable.network import CONTROLLER, KINDS, Network, network, why_not
-from .cable.proxy import GAP, Outage, delayed, held, late
 
 _SERVER = f"""
 import socket, sys
@@ -105,13 +104,3 @@ def test_a_network_leaves_no_process_and_no_namespace(cable: Network) -> None:
     for stream in (process.stdin, process.stdout):
         assert stream is not None
         stream.close()
-
-
-def test_a_proxy_delivers_a_held_motion_last_and_a_late_one_alone() -> None:
-    outage = Outage(begin=10.0, seconds=3.0)
-    assert held(outage, 11.0, motion=False, request=True) == 13.0
-    assert held(outage, 11.0, motion=True, request=True) == 13.0 + GAP
-    assert delayed(outage, 11.0, motion=False, request=True) == 14.0
-    assert late(outage, 11.0, motion=True, request=True) == 14.0
-    assert late(outage, 11.0, motion=False, request=True) == 11.0
-    assert late(outage, 11.0, motion=True, request=False) == 11.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Iterator
 
 import pytest
 from client.bench import HOME, Bench
@@ -28,16 +27,6 @@ MOVED = (
 BEAT = 0.2
 
 
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with Bench() as bench:
-        yield bench
-
-
-def stops(bench: Bench) -> int:
-    return len(bench.received("stop"))
-
-
 @pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 @pytest.mark.parametrize("deed", ["pass", MOVED], ids=["looked on", "moved before"])
@@ -50,7 +39,7 @@ async def test_a_killed_program_that_moves_nothing_stops_nobodys_arm(
             task = await mover.motion.movej2(HOME, v=1.0, a=1.0).start()
             onlooker.end(signal.SIGKILL)
             await eventually_async(lambda: not running(onlooker.guard), timeout=30.0)
-            assert stops(bench) == 0
+            assert bench.stops == 0
             assert not task.done
 
 
@@ -60,7 +49,7 @@ def test_a_killed_program_that_moves_has_its_arm_stopped(bench: Bench) -> None:
     with started(bench.host, bench.port, MOVE, heartbeat=60.0) as mover:
         mover.end(signal.SIGKILL)
         eventually(lambda: not running(mover.guard), timeout=30.0)
-        assert stops(bench) >= 1
+        assert bench.stops >= 1
         assert not bench.moving()
 
 
@@ -80,8 +69,8 @@ async def test_a_hung_program_has_only_its_own_motion_stopped(
             await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         eventually(lambda: heart.state is HeartbeatState.STALLED, timeout=30.0)  # blocks the loop
         if moves:
-            eventually(lambda: stops(bench) >= 1, timeout=30.0)
-    assert (stops(bench) >= 1) is moves
+            eventually(lambda: bench.stops >= 1, timeout=30.0)
+    assert (bench.stops >= 1) is moves
 
 
 @pytest.mark.linux("the guard's process")
@@ -102,7 +91,7 @@ def test_a_guard_that_was_frozen_at_its_programs_death_stops_nobody_elses_motion
         eventually(lambda: time.monotonic() - frozen_at > 3 * BEAT, timeout=30.0)
         os.kill(mover.guard, signal.SIGCONT)
         eventually(lambda: not running(mover.guard), timeout=30.0)
-    assert stops(bench) == (0 if heartbeat else 1)
+    assert bench.stops == (0 if heartbeat else 1)
     # A beat would have the controller wait for the next one, and stop the arm when none comes.
     assert len(bench.received("rpc_heartbeat")) <= beats + 1
 
@@ -155,10 +144,10 @@ async def test_another_guard_knows_what_moves(bench: Bench) -> None:
     )
     bench.motion_time = 600.0
     with started(bench.host, bench.port, code, heartbeat=None) as mover:
-        before = stops(bench)
+        before = bench.stops
         mover.end(signal.SIGKILL)
         await eventually_async(lambda: not running(mover.guard), timeout=30.0)
-        assert stops(bench) > before
+        assert bench.stops > before
         assert not bench.moving()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
 
 import pytest
 from client.bench import HOME, Bench
@@ -11,12 +10,6 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco import HeartbeatState
 from aioduco.supervision.settings import GuardKind
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with Bench() as bench:
-        yield bench
 
 
 @pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])

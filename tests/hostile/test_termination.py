@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 
 import pytest
 from client.bench import HOME, Bench
@@ -17,16 +16,6 @@ from aioduco.testing import eventually, eventually_async
 from .programs import PROGRAM, frozen, running, started
 
 MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with Bench() as bench:
-        yield bench
-
-
-def stops(bench: Bench) -> int:
-    return len(bench.received("stop"))
 
 
 @pytest.mark.usefixtures("hangups")
@@ -45,7 +34,7 @@ def test_a_signal_to_program_and_guard_leaves_a_standing_arm(
             os.kill(pid, number)
         program.process.wait(30.0)
         eventually(lambda: not running(program.guard), timeout=30.0)
-    assert stops(bench) >= 1
+    assert bench.stops >= 1
     assert not bench.moving()
 
 
@@ -64,7 +53,7 @@ async def test_a_guard_that_is_told_to_end_stops_the_arm_and_goes_on(
             task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
             os.kill(pid, number)
             assert await task.wait() is aioduco.Outcome.STOPPED
-            assert stops(bench) == round_
+            assert bench.stops == round_
         await robot.stop()
         assert guard.pid == pid
         assert guard.losses == 0
@@ -84,7 +73,7 @@ async def test_a_guard_that_is_told_to_end_stops_nobody_elses_arm(bench: Bench) 
         assert guard.pid is not None
         os.kill(guard.pid, signal.SIGTERM)
         await onlooker.aclose()  # the guard has come to the signal before it comes to an end
-        assert stops(bench) == 0
+        assert bench.stops == 0
         assert not task.done
 
 

@@ -56,10 +56,6 @@ def state(robot: aioduco.Robot) -> HeartbeatState:
     return robot.heartbeat.state
 
 
-def stops(bench: Bench) -> int:
-    return len(bench.received("stop"))
-
-
 def running(pid: int) -> bool:
     try:
         os.kill(pid, 0)
@@ -128,7 +124,7 @@ async def test_the_guard_beats_and_ends_with_its_robots(bench: Bench, robot: aio
     await robot.stop()
     with pytest.raises(aioduco.TaskStopped):
         await task
-    assert stops(bench) == 1
+    assert bench.stops == 1
     await robot.aclose()
     eventually(lambda: not running(pid))
 
@@ -145,7 +141,7 @@ async def test_one_guard_for_all_robots(bench: Bench) -> None:
         await one.aclose()
         assert running(pid)
         await other.stop()
-        assert stops(bench) == 1
+        assert bench.stops == 1
     eventually(lambda: not running(pid))
 
 
@@ -260,7 +256,7 @@ async def test_a_guard_that_hangs_does_not_hold_up_a_stop(
         await robot.stop()
         robot.stop_now()
         assert robot.statistics().stops == 2  # accepted; a busy machine repeats what is late
-        assert stops(bench) >= 2
+        assert bench.stops >= 2
         # its heart does not beat, so the controller stops the arm, and nothing is moved
         await eventually_async(lambda: state(robot) is HeartbeatState.LOST)
         with pytest.raises(aioduco.HeartbeatLost):
@@ -275,8 +271,8 @@ async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
     ) as robot:
         bench.motion_time = 30.0
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        before = stops(bench)
-        eventually(lambda: stops(bench) > before)  # the loop does not run
+        before = bench.stops
+        eventually(lambda: bench.stops > before)  # the loop does not run
         await eventually_async(lambda: state(robot) is HeartbeatState.STALLED)
         with pytest.raises(aioduco.HeartbeatLost):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
@@ -300,7 +296,7 @@ def test_a_killed_program_leaves_a_standing_arm(bench: Bench, cut: bool) -> None
         if cut:
             proxy.on("stop", Cut(Place.BEFORE_REQUEST))
         _kill_in_mid_motion(bench, proxy.host, proxy.port)
-        assert len(proxy.calls("stop")) > stops(bench) or not cut
+        assert len(proxy.calls("stop")) > bench.stops or not cut
 
 
 def _kill_in_mid_motion(bench: Bench, host: str, port: int) -> None:
@@ -321,6 +317,6 @@ anyio.run(main)
     with subprocess.Popen([sys.executable, "-c", program], start_new_session=True) as child:
         assert child.wait() == -signal.SIGKILL
         try:
-            eventually(lambda: stops(bench) >= 1 and not bench.moving())
+            eventually(lambda: bench.stops >= 1 and not bench.moving())
         finally:
             os.killpg(child.pid, signal.SIGKILL)

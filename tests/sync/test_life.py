@@ -104,19 +104,11 @@ async def test_inside_a_running_loop(desk: Desk) -> None:
         assert robot.motion.movej2(HOME, v=1.0, a=1.0) is Outcome.FINISHED
 
 
-def test_any_thread_may_call(robot: Robot, desk: Desk) -> None:
+@pytest.mark.parametrize("way", ["stop", "stop_now"])
+def test_any_thread_may_stop(robot: Robot, desk: Desk, way: str) -> None:
     desk.motion_time = 30.0
     with (
-        meanwhile(lambda: eventually(desk.moving), robot.stop),
-        pytest.raises(aioduco.TaskStopped),
-    ):
-        robot.motion.movej2(HOME, v=1.0, a=1.0)
-
-
-def test_stop_now_from_another_thread(robot: Robot, desk: Desk) -> None:
-    desk.motion_time = 30.0
-    with (
-        meanwhile(lambda: eventually(desk.moving), robot.stop_now),
+        meanwhile(lambda: eventually(desk.moving), getattr(robot, way)),
         pytest.raises(aioduco.TaskStopped),
     ):
         robot.motion.movej2(HOME, v=1.0, a=1.0)
