@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+import itertools
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,10 +17,30 @@ import pytest
 
 from aioduco.api.streams.servo import Servo
 from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.stream import Stream
 from aioduco.supervision.gate import Gate
 from aioduco.testing import RecordingServer, eventually
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
+
+
+async def fed(
+    stream: Stream, points: Iterable[Any], then: Callable[[], object] | None = None
+) -> None:
+    """Open a stream, send it these, do what comes then, and leave it."""
+    async with stream:
+        for point in points:
+            await stream.send(point)
+        if then is not None and inspect.isawaitable(done := then()):
+            await done
+
+
+def at(number: int, act: Callable[[], object]) -> Iterator[list[float]]:
+    """Where the arm is, again and again; before the one of this number something happens."""
+    for n in itertools.count():
+        if n == number:
+            act()
+        yield HERE
 
 
 def runs(pid: int) -> bool:

@@ -31,7 +31,7 @@ from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller, Cycles
+from .conftest import HERE, Controller, Cycles, at, fed
 
 #: a busy machine may take long over an answer
 PROCESS, THREAD = (
@@ -182,15 +182,8 @@ async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
     opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=5.0, hold=0.05, options=THREAD
     )
-
-    async def program() -> None:
-        async with opened as stream:
-            for n in range(200):
-                await stream.send(near(2e-6 * n * n))
-            await stream.ended()
-
     with pytest.raises(StreamStarved):
-        await program()
+        await fed(opened, (near(2e-6 * n * n) for n in range(200)), opened.ended)
     places = positions(queue)
     assert np.abs(np.diff(np.diff(places, axis=0), axis=0)).max() / CYCLE**2 <= 5.0 * (1 + 1e-6)
     assert (places[-40:] == places[-1]).all()
@@ -203,14 +196,8 @@ async def test_a_halt_leaves_realtime_mode_and_sends_no_stop(
     opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=5.0, options=THREAD
     )
-
-    async def program() -> None:
-        async with opened as stream:
-            await stream.send(HERE)
-            stream.halt()
-
     with pytest.raises(StreamStopped):
-        await program()
+        await fed(opened, [HERE], opened.halt)
     assert controller.names()[-1] == "end_realtime_mode"
 
 
@@ -219,13 +206,8 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
 ) -> None:
     controller.server.answer("start_realtime_mode", 7)
     opened = RealtimeStreams(controller.endpoint).stream("pose", v=0.1, a=0.5, options=THREAD)
-
-    async def program() -> None:
-        async with opened as stream:
-            await stream.send([0.5, 0.1, 0.4, 3.0, 0.0, 1.0])
-
     with pytest.raises(StreamRefused, match="start_realtime_mode answered 7"):
-        await program()
+        await fed(opened, [[0.5, 0.1, 0.4, 3.0, 0.0, 1.0]])
     assert controller.server.received("get_tcp_pose_coord")[0].args == ("", "")
 
 
@@ -240,16 +222,9 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=5.0, options=options
     )
-
-    async def program() -> None:
-        async with opened as stream:
-            for n in range(5000):
-                await stream.send(HERE)
-                if n == 100:
-                    controller.server.answer("get_realtime_data_queue_size", 40)
-
+    full = at(100, lambda: controller.server.answer("get_realtime_data_queue_size", 40))
     with pytest.raises(StreamRefused, match=r"takes no points.*error list: no data for 0\.02 s"):
-        await program()
+        await fed(opened, full)
     assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
 
 
@@ -452,15 +427,8 @@ async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controlle
     opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, hold=0.05, options=THREAD
     )
-
-    async def program() -> None:
-        async with opened as stream:
-            for n in range(20):
-                await stream.send(near(1e-4 * n))
-            await stream.ended()
-
     with pytest.raises(StreamStarved):
-        await program()
+        await fed(opened, (near(1e-4 * n) for n in range(20)), opened.ended)
     assert "trackClearQueue" in controller.names()
     assert controller.names()[-1] == "stop"
 
@@ -502,29 +470,16 @@ async def test_a_full_pool_is_said(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1)
     pool.points = [None] * 950
     controller.server.answer("trackClearQueue", 4)
-
-    async def program() -> None:
-        opened = TrackStreams(controller.endpoint).stream(
-            "joints", speed=0.5, acc=1.0, options=THREAD
-        )
-        async with opened as stream:
-            await stream.play([near(1e-4 * n) for n in range(300)])
-
+    opened = TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
+    points = [near(1e-4 * n) for n in range(300)]
     with pytest.raises(StreamRefused, match="the pool is full"):
-        await program()
+        await fed(opened, [], lambda: opened.play(points))
 
 
 async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1)
-
-    async def program() -> None:
-        opened = TrackStreams(controller.endpoint).stream(
-            "joints", speed=0.5, acc=1.0, options=THREAD
-        )
-        async with opened as stream:
-            await stream.send(near(0.2))
-
+    opened = TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
     with pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
-        await program()
+        await fed(opened, [near(0.2)])
     assert not pool.points
     assert pool.starts == 0

@@ -39,7 +39,7 @@ from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.stream import Stream
 from aioduco.testing import eventually_async, no_leaks
 
-from .conftest import HERE, Controller
+from .conftest import HERE, Controller, at, fed
 
 WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
 THREAD = WorkerOptions(run_in="thread")
@@ -203,15 +203,8 @@ async def test_starving_brings_the_arm_to_rest_and_stops_it(
     controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, hold=0.05, options=options)
-
-    async def program() -> None:
-        async with stream:
-            for n in range(100):
-                await stream.send(near(5e-6 * n * n))
-            await stream.ended()
-
     with pytest.raises(StreamStarved, match="longer than the hold time"):
-        await program()
+        await fed(stream, (near(5e-6 * n * n) for n in range(100)), stream.ended)
     places = np.array(controller.points())[:, 0]
     changes = np.diff(np.diff(places)) * 500**2
     assert np.abs(changes).max() <= 5.0 * (1 + 1e-6)
@@ -325,16 +318,8 @@ async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
     controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=200, options=options)
-
-    async def program() -> None:
-        async with stream:
-            for n in range(1000):
-                if n == 20:
-                    controller.server.answer("servoj", -1)
-                await stream.send(HERE)
-
     with pytest.raises(StreamRefused, match="servoj answered -1"):
-        await program()
+        await fed(stream, at(20, lambda: controller.server.answer("servoj", -1)))
     assert controller.names()[-1] == "stop"
 
 
@@ -352,16 +337,8 @@ async def test_the_worker_sees_when_the_controller_does_not_follow_any_more(
 ) -> None:
     options = WorkerOptions(run_in="thread", watch=0.02)
     stream = controller.servo.joints(v=1.0, a=5.0, options=options)
-
-    async def program() -> None:
-        async with stream:
-            for n in range(1000):
-                if n == 20:
-                    controller.server.answer(function, answer)
-                await stream.send(HERE)
-
     with pytest.raises(error):
-        await program()
+        await fed(stream, at(20, lambda: controller.server.answer(function, answer)))
     assert bool(controller.server.received("stop")) == stops
 
 
@@ -488,14 +465,8 @@ async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_
     options = WorkerOptions(run_in="thread", timeout=0.1)
     stream = controller.servo.joints(v=1.0, a=5.0, options=options)
     try:
-
-        async def program() -> None:
-            async with stream:
-                while True:
-                    await stream.send(HERE)
-
         with pytest.raises(StreamLost, match="servoj"):
-            await program()
+            await fed(stream, itertools.repeat(HERE))
         assert controller.names()[-1] == "stop"
     finally:
         gate.set()

@@ -12,7 +12,7 @@ from aioduco.api.streams.speed import Speed
 from aioduco.errors import ParameterError, StreamStarved
 from aioduco.streaming.shared.options import WorkerOptions
 
-from .conftest import Controller
+from .conftest import Controller, fed
 
 THREAD = WorkerOptions(run_in="thread")
 
@@ -39,14 +39,8 @@ async def test_joint_speeds_carry_the_dead_man_time_and_end_by_speed_stop(
 
 async def test_a_tool_speed_without_a_hand_on_it_ends_at_zero(controller: Controller) -> None:
     opened = Speed(controller.endpoint).linear(a=0.5, dead_man=0.2, hold=0.06, options=THREAD)
-
-    async def program() -> None:
-        async with opened as stream:
-            await stream.send([0.05, 0.0, 0.0, 0.0, 0.0, 0.2])
-            await stream.ended()
-
     with pytest.raises(StreamStarved):
-        await program()
+        await fed(opened, [[0.05, 0.0, 0.0, 0.0, 0.0, 0.2]], opened.ended)
     speeds = np.array([call.args[0] for call in controller.server.received("speedl")])
     assert np.linalg.norm(np.diff(speeds[:, :3], axis=0), axis=1).max() <= 0.5 / 50 * (1 + 1e-6)
     assert not speeds[-1].any()
