@@ -223,28 +223,6 @@ async def test_one_whose_heartbeat_was_lost_is_stopped_and_says_so(
     assert not desk.moving()
 
 
-async def test_after_a_stop_nothing_that_waited_for_a_read_is_sent(desk: Desk) -> None:
-    """A robot's first motion reads the error list; the stop comes, and returns, meanwhile."""
-    read = desk.hold("get_last_error", [])
-    async with aioduco.connect(desk.host, desk.port) as robot:
-        raised: list[BaseException] = []
-
-        async def moved() -> None:
-            try:
-                await robot.blocking.movej2(HOME, v=1.0, a=1.0)
-            except aioduco.DucoError as exc:
-                raised.append(exc)
-
-        async with anyio.create_task_group() as group:
-            group.start_soon(moved)
-            await eventually_async(lambda: desk.received("get_last_error"))
-            await robot.stop()
-            read.set()
-        assert isinstance(raised[0], aioduco.TaskStopped)
-        assert "was not sent" in str(raised[0])
-    assert "movej2" not in desk.commands
-
-
 async def test_after_a_stop_nothing_that_waited_for_a_connection_is_sent(desk: Desk) -> None:
     desk.motion_time = 30.0
     errors: list[BaseException] = []

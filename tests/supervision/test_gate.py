@@ -272,28 +272,6 @@ async def test_motions_awaited_before_a_stop_are_not_sent_after_it(
         assert "movej2" not in bench.commands
 
 
-async def test_a_motion_that_reads_a_pose_first_is_not_sent_after_a_stop(bench: Bench) -> None:
-    bench.answer("speedl", 1234)
-    held = bench.hold("get_tcp_pose", POSE)
-    async with (
-        aioduco.connect(bench.host, bench.port) as robot,
-        anyio.create_task_group() as tg,
-    ):
-        outcomes: list[str] = []
-
-        async def ask() -> None:
-            down = robot.motion.speedl([0, 0, -0.02, 0, 0, 0], a=0.5, time=5.0, frame="base")
-            outcomes.append(await outcome(down.start()))
-
-        tg.start_soon(ask)
-        await eventually_async(lambda: bool(bench.received("get_tcp_pose")))
-        await robot.stop()
-        held.set()
-        await eventually_async(lambda: bool(outcomes))
-        assert outcomes == ["TaskStopped"]
-        assert not bench.received("speedl")
-
-
 async def test_a_motion_behind_a_lost_one_is_not_sent_after_the_stop(bench: Bench) -> None:
     bench.motion_time = 30.0
     held = bench.hold("movej2", -1)

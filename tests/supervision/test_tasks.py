@@ -310,24 +310,3 @@ async def test_a_motion_has_no_errors_of_the_one_before(robot: aioduco.Robot, be
         with pytest.raises(aioduco.TaskFailed):
             await task
         assert task.errors == (f"new {number}",)
-
-
-async def test_a_stop_before_it_is_sent_keeps_it_from_being_sent(
-    robot: aioduco.Robot, bench: Bench
-) -> None:
-    gate = bench.hold("get_last_error", [])
-    errors: list[BaseException] = []
-
-    async def program() -> None:
-        try:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0)
-        except aioduco.TaskStopped as exc:
-            errors.append(exc)
-
-    async with anyio.create_task_group() as group:
-        group.start_soon(program)
-        await eventually_async(lambda: bench.received("get_last_error"))
-        await robot.stop()
-        gate.set()
-    assert not bench.received("movej2")
-    assert "was not sent" in str(errors[0])
