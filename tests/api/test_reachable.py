@@ -1,10 +1,9 @@
-"""Every function of the manual and of the wire is there, documented, with its arguments checked."""
+"""Every function of the manual and of the wire is there, and documented."""
 
 from __future__ import annotations
 
 import inspect
 import re
-import sys
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -13,7 +12,6 @@ import pytest
 
 import aioduco
 from aioduco._wire import idl
-from aioduco.api import arguments
 from aioduco.api.section import Section
 from api.cases import DATA, MANUAL, NOBODY
 
@@ -30,8 +28,6 @@ ELSEWHERE = {
     "close": aioduco.Robot.aclose,
     "get_version": aioduco.__version__,
 }
-#: what says in which frame something is given; tests/streaming/test_directions.py sees it refused
-TURNED = {(name, of) for name in ("speedl", "servo_tcp") for of in ("frame", "wobj")}
 #: streams of set-points, which are no functions of the wire
 STREAMS = {"stream"}
 #: says that a function, or what is said of it, is not in manual 3.8
@@ -98,23 +94,6 @@ def test_it_is_documented(name: str) -> None:
             assert re.search(rf"^    \*?{parameter}: ", text, re.MULTILINE), parameter
     if "\n" in text and inspect.signature(method).return_annotation not in {"None", None}:
         assert "Returns:" in text or len(parameters) <= 1
-
-
-@pytest.mark.parametrize("name", WIRE)
-def test_each_parameter_is_checked(name: str) -> None:
-    """Each has its name in a check; that the checks refuse what they should, other tests see."""
-    method = reachable()[name]
-    source = inspect.getsource(sys.modules[method.__module__])
-    for parameter in inspect.signature(method).parameters:
-        # `Section` checks the one; the frames of velocities are checked where they are turned
-        if parameter != "timeout" and (name, parameter) not in TURNED:
-            alone = rf'\(\s*"{parameter}",'
-            together = rf'(ranges\.[a-z_]+|directions_of)\([^"()]*\b{parameter}\b'
-            # what motions have in common
-            group = rf'\b({"|".join(arguments.__all__)})\([^"()]*\b{parameter}\b'
-            if not re.search(f"{alone}|{together}", source):
-                assert re.search(group, source), parameter
-                assert re.search(alone, inspect.getsource(arguments)), parameter
 
 
 @pytest.mark.parametrize("name", WIRE)

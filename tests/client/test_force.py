@@ -6,7 +6,6 @@ import math
 from collections.abc import AsyncIterator, Iterator
 
 import pytest
-from moments import cancelled_once
 
 import aioduco
 from aioduco import Outcome, Pose
@@ -14,7 +13,6 @@ from aioduco.errors import ParameterError, RobotStateError, TaskError
 from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Table
-from aioduco.testing import eventually_async
 
 Z = (False, False, True, False, False, False)
 DAMPING = (1000.0,) * 3 + (57.0,) * 3
@@ -80,18 +78,6 @@ async def test_a_guard_is_an_error_of_the_motion_and_brought_up_again(
     await arm.force.fc_guard_deact()
     await arm.bring_up()
     assert await arm.motion.movel(begin, v=0.1, a=0.5) is Outcome.FINISHED
-
-
-async def test_cancelling_fc_move_leaves_a_standing_arm(arm: aioduco.Robot, sim: Simulator) -> None:
-    await arm.force.fc_config(Z, pressing(20.0), DAMPING, SLOW)
-    await arm.force.fc_start()
-    async with cancelled_once(lambda: sim.tasks) as scope:
-        await arm.force.fc_move()
-    assert scope.cancelled_caught
-    assert not sim.tasks
-    await eventually_async(lambda: not sim.moving)
-    assert await arm.force.fc_mode_is_active()
-    await arm.force.fc_stop()
 
 
 async def test_what_makes_no_sense_is_not_sent(arm: aioduco.Robot) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import gc
 import threading
-from typing import Literal
 
 import anyio
 import pytest
@@ -17,7 +16,6 @@ from aioduco.errors import ParameterError
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.supervisor import Supervisor
 from aioduco.testing import FaultProxy, eventually_async
-from aioduco.testing.cancel import cancel_at
 
 
 def threads() -> set[str]:
@@ -77,34 +75,6 @@ async def test_an_exception_inside(bench: Bench) -> None:
     with pytest.raises(ZeroDivisionError):
         await program()
     await left_standing(bench)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("how", ["scope", "task"])
-@pytest.mark.parametrize("again", [0, 5])
-async def test_cancelled_at_every_await_from_opening_to_closing(
-    bench: Bench, how: Literal["scope", "task"], again: int
-) -> None:
-    bench.motion_time = 0.03
-
-    async def program() -> None:
-        async with aioduco.connect(bench.host, bench.port) as robot:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0)
-            bench.motion_time = 30.0
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-
-    at = 0
-    while True:
-        at += 1
-        bench.motion_time = 0.03
-        run = await cancel_at(program, at, how=how, again=again)
-        await left_standing(bench)
-        if not run.struck:
-            break
-        # By a scope, the way out is shielded: it returns, and the next await is cancelled.
-        assert run.ended == "cancelled" or (how == "scope" and run.error is None), run
-    assert at > 10
-    assert run.ended == "returned"
 
 
 async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> None:
