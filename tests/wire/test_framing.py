@@ -12,7 +12,7 @@ from thriftpy2.thrift import TType
 
 from aioduco._wire import codec, idl, rpc
 from aioduco._wire.framing import MAX_REPLY, Malformed, StructScanner
-from aioduco.errors import ControllerError, ParameterError, UnknownFunction
+from aioduco.errors import ControllerError, UnknownFunction
 from aioduco.testing.message_parser import Message, MessageType
 
 from .servers import exception, reply
@@ -281,27 +281,6 @@ def test_texts_is_known_of_each_result(name: str) -> None:
         "get_system_value_str",
     }
     assert FUNCTIONS[name].texts is (name in textual)
-
-
-@pytest.mark.parametrize(
-    ("name", "args", "parameter"),
-    [
-        ("get_noneblock_taskstate", (2**31,), "id"),
-        ("get_noneblock_taskstate", ("1",), "id"),
-        ("get_noneblock_taskstate", (None,), "id"),
-        ("get_tcp_force_tool", (7,), "tool"),
-        ("get_tcp_force_tool", ("\ud800",), "tool"),
-        ("tool_write_data_485", ([200],), "data[0]"),
-        ("servoj", ([0.0, "x"], 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), "joints_list[1]"),
-        ("movej2", ([0.0] * 6, 1.0, 1.0, 0.0, True, rpc.Op(trig_io_1=300), False), "op.trig_io_1"),
-    ],
-)
-def test_a_value_that_does_not_fit_is_named(
-    name: str, args: tuple[Any, ...], parameter: str
-) -> None:
-    with pytest.raises(ParameterError, match="nothing was sent") as raised:
-        codec.encode(FUNCTIONS[name], args)
-    assert raised.value.parameter == parameter
 
 
 def test_a_wrong_number_of_arguments_names_the_parameters() -> None:
