@@ -11,10 +11,7 @@ from typing import Any
 
 import anyio
 import pytest
-import thriftpy2
-from thriftpy2.rpc import make_client
 
-from aioduco._wire import idl
 from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco.errors import (
@@ -28,7 +25,7 @@ from aioduco.testing import eventually_async, no_leaks
 from aioduco.testing.message_parser import Message, MessageType
 
 from .lanes import SHORT, channel, opened
-from .servers import PATIENCE, Peer, ScriptedServer, honest, reply
+from .servers import PATIENCE, Peer, ScriptedServer, reply
 
 Script = Callable[[Peer], None]
 
@@ -346,12 +343,3 @@ async def test_a_lane_comes_back_with_its_controller() -> None:
             assert lane.statistics().opened == 2
             assert channel(lane).life.state is ConnectionState.IDLE
             await lane.aclose()
-
-
-def test_honest_is_honest() -> None:
-    """The server of these tests, by thriftpy2's own client."""
-    module = thriftpy2.load(str(idl.path()), module_name="honest_thrift")
-    with ScriptedServer(honest) as server:
-        client = make_client(module.RPCRobot, server.host, server.port)
-        assert client.get_robot_version() == "3.8"
-        client.close()
