@@ -87,6 +87,7 @@ def test_too_few_poses_are_said() -> None:
     assert "check --motions" in found.missing[0]
 
 
+@pytest.mark.slow
 def test_another_model_is_refused() -> None:
     random = np.random.default_rng(6)
     poses = poses_of(ArmProfile("gcr10_1300"), configurations(random, 40))
