@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import logging
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 import anyio
@@ -133,6 +134,8 @@ class TaskFollower:
         #: when each task is polled next; the earliest is next. Under overload all due times have
         #: passed, and the earliest is that of the task that was not polled for longest
         self._due: dict[Task, float] = {}
+        #: tasks whose ending call is under way; set when it is over
+        self._endings: dict[Task, anyio.Event] = {}
         self._alarm = Alarm()
         #: when the controller last said something of each live task
         self._seen: dict[Task, float] = {}
@@ -298,6 +301,7 @@ class TaskFollower:
             and not task.life.end_seen
         ):
             task.life.end_sent()
+            self._endings[task] = anyio.Event()
             self._background.start(self._end_due(task), "aioduco end of a motion")
         remaining = None if task.expected_end is None else task.expected_end - arm_time
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
@@ -378,7 +382,7 @@ class TaskFollower:
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
             # What this program has sent meanwhile would move an arm that somebody else has stopped.
             again = not told and await self._goes_on(task)
-            step = self._arm.halt if again else self._arm.standstill
+            step = self._arm.halt if again else partial(self._standstill, task)
             self._background.start(
                 self._see(task, step, "%r was stopped, but %s"),
                 "aioduco standstill",
@@ -389,6 +393,12 @@ class TaskFollower:
             self._stop_lost(task, lambda: self._mark_ended(task, errors, now))
             return
         self._mark_ended(task, errors, now)
+
+    async def _standstill(self, task: Task) -> None:
+        """Wait until the arm stands, and before that for the call that ends the motion."""
+        if (ending := self._endings.get(task)) is not None:
+            await ending.wait()
+        await self._arm.standstill()
 
     async def _goes_on(self, task: Task) -> bool:
         """Whether a motion was sent after one that this program did not stop, and was not ended."""
@@ -481,6 +491,8 @@ class TaskFollower:
                 "%r was not ended by %s: %s",
                 *(task, task.continuous.ending, exc),
             )
+        finally:
+            self._endings.pop(task).set()
 
     async def _stop_overdue(self, task: Task) -> None:
         if await self._see(task, self._arm.halt, "%r is overdue: %s"):

@@ -315,6 +315,21 @@ async def test_hand_guiding_for_a_time_is_ended_by_the_program(
     assert desk.commands == ["teach_mode", "end_teach_mode"]
 
 
+async def test_hand_guiding_for_a_time_lasts_until_its_end_is_answered(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    """Also if the controller says before that its task is over, and the arm stands."""
+    desk.early = True
+    answer = desk.hold("end_teach_mode", desk._ending("end_teach_mode"))
+    task = await robot.motion.teach_mode(time=0.05).start()
+    await eventually_async(lambda: bool(desk.received("end_teach_mode")))
+    with anyio.move_on_after(0.2) as scope:
+        await task.wait()
+    assert scope.cancelled_caught
+    answer.set()
+    assert await task is Outcome.FINISHED
+
+
 async def test_hand_guiding_ended_from_elsewhere(robot: aioduco.Robot, desk: Desk) -> None:
     task = await guiding(robot).start()
     await robot.motion.end_teach_mode()
