@@ -521,7 +521,12 @@ class StopCoordinator:
         await run_to_completion(self.halt)
         await run_to_completion(self.follower.motions_ended)
 
-    async def end(self, name: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
+    async def end(
+        self,
+        name: str,
+        step: Callable[[], Awaitable[None]] | None = None,
+        answered: Callable[[], None] | None = None,
+    ) -> None:
         """End a continuous motion by its own function, and wait until the arm stands.
 
         If this program's motion, or its mode, cannot be ended this way, or if this is cancelled,
@@ -530,6 +535,7 @@ class StopCoordinator:
         Args:
             name: the function of the wire.
             step: calls the function; None if it answers with the id of a task.
+            answered: called when the function was answered, or has failed, before the arm stands.
         """
         if name == "stop":
             step = self.halt
@@ -543,7 +549,11 @@ class StopCoordinator:
         of_mode = name in self.modes
         concerned = bool(continuous) or of_mode
         try:
-            await (step() if step is not None else self._controlled(name))
+            try:
+                await (step() if step is not None else self._controlled(name))
+            finally:
+                if answered is not None:
+                    answered()
             await self._come_to_rest(name, () if of_mode else continuous)
         except BaseException:
             if concerned:

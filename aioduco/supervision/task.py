@@ -64,8 +64,11 @@ class TaskControl(Protocol):
         """Resume all tasks."""
         ...
 
-    async def end(self, name: str) -> None:
-        """End continuous motions by the function `name` of the wire; wait until the arm stands."""
+    async def end(self, name: str, *, answered: Callable[[], None] | None = None) -> None:
+        """End continuous motions by the function `name` of the wire; wait until the arm stands.
+
+        `answered` is called before that, when the function was answered or has failed.
+        """
         ...
 
     async def halt(self) -> None:

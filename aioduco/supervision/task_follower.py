@@ -134,7 +134,7 @@ class TaskFollower:
         #: when each task is polled next; the earliest is next. Under overload all due times have
         #: passed, and the earliest is that of the task that was not polled for longest
         self._due: dict[Task, float] = {}
-        #: tasks whose ending call is under way; set when it is over
+        #: tasks that are being ended; set when the call that ends one was answered, or has failed
         self._endings: dict[Task, anyio.Event] = {}
         self._alarm = Alarm()
         #: when the controller last said something of each live task
@@ -481,7 +481,7 @@ class TaskFollower:
     async def _end_due(self, task: Task) -> None:
         assert task.continuous is not None
         try:
-            await self._arm.end(task.continuous.ending)
+            await self._arm.end(task.continuous.ending, answered=self._endings[task].set)
         except DucoError as exc:
             # The arm was stopped instead, or that failed too.
             if isinstance(exc, StopUnconfirmed):
@@ -492,7 +492,7 @@ class TaskFollower:
                 *(task, task.continuous.ending, exc),
             )
         finally:
-            self._endings.pop(task).set()
+            self._endings.pop(task).set()  # if it was not asked
 
     async def _stop_overdue(self, task: Task) -> None:
         if await self._see(task, self._arm.halt, "%r is overdue: %s"):

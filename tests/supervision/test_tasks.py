@@ -102,10 +102,10 @@ kept.motion = aioduco.connect("127.0.0.1", 1).motion.movej2([0.0] * 6, v=1.0, a=
 def keep(): return kept
 keep.itself = keep
 """
-    done = python("-c", program)
-    assert done.stderr == (
-        "sys:1: RuntimeWarning: the motion <movej2> was never awaited or started: the arm did not "
-        "move\n"
+    where, _, warning = python("-c", program).stderr.partition(": ")
+    assert where in ("sys:1", "<sys>:0")  # from Python 3.13 on the latter
+    assert warning == (
+        "RuntimeWarning: the motion <movej2> was never awaited or started: the arm did not move\n"
     )
 
 
