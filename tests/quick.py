@@ -46,15 +46,18 @@ CASES = {
 WAITS = {
     "": 1,
     "adversity/": 4,
-    "api/": 3,
-    "client/": 2,
-    "devices/": 2,
-    "hostile/": 2,
-    "programs/": 10,
-    "shipped/": 10,
+    "api/": 4,
+    "client/": 3,
+    "devices/grippers/": 6,
+    "hostile/": 3,
+    "integrations/fleet/": 10,
+    "integrations/panel/": 2,
+    "programs/": 6,
+    "shipped/": 16,
     "streaming/": 3,
     "supervision/": 5,
-    "sync/": 5,
+    "sync/": 6,
+    "wire/": 2,
 }
 #: beginnings of the paths of tests that take long, mostly since they start programs
 LONG = (
