@@ -1,9 +1,9 @@
 """The quick run: every kind of test, with a few cases.
 
-A test that takes more than a tenth of a second of a processor is left to the thorough run by
-`pytest.mark.slow`, if a quicker one tests what is like it. Of the others, what a case costs decides
-how many are taken. A test says so itself by `pytest.mark.cases(n)`; otherwise the table below does,
-by the longest beginning of its file's path.
+A test that takes more than a twentieth of a second of a processor, or waits for more than a second,
+is left to the thorough run by `pytest.mark.slow`, if a quicker one tests what is like it. Of the
+others, what a case costs decides how many are taken. A test says so itself by
+`pytest.mark.cases(n)`; otherwise the table below does, by the longest beginning of its file's path.
 """
 
 from __future__ import annotations

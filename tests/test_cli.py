@@ -194,6 +194,7 @@ def test_sim_says_so_when_the_port_is_taken() -> None:
     assert f"cannot listen on 127.0.0.1:{port}" in answer.output
 
 
+@pytest.mark.slow
 def test_panel_says_whether_its_page_or_the_controller_is_missing() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]

@@ -74,6 +74,7 @@ def test_a_command_finds_its_robot_in_the_cell(tmp_path: Path) -> None:
         assert (broken.exit_code, "did you mean 'normal'" in told(broken)) == (1, True)
 
 
+@pytest.mark.slow
 def test_a_command_that_moves_keeps_the_limits_of_the_cell(tmp_path: Path) -> None:
     with ready_arm() as sim:
         file = written(tmp_path, sim)
@@ -104,6 +105,7 @@ def test_points_of_a_cell_are_taught_in_their_file(tmp_path: Path) -> None:
     assert file.read_text().splitlines()[:7] == before.splitlines()[:7]
 
 
+@pytest.mark.slow
 def test_a_pose_that_another_tool_than_the_cells_is_taught_by_is_said(tmp_path: Path) -> None:
     with ready_arm() as sim:
         file = written(tmp_path, sim)

@@ -172,6 +172,7 @@ def test_status_says_how_the_arm_is() -> None:
     assert run("status", gone).exit_code == 1
 
 
+@pytest.mark.slow
 def test_a_safety_stop_without_its_cause_is_not_ready() -> None:
     """After a collision was reset, the safety stop remains, and the controller refuses motions."""
     with ready_arm() as sim:

@@ -54,6 +54,7 @@ def count(folder: Path, *args: str) -> tuple[int, list[str]]:
     return done.returncode, [line.strip() for line in done.stdout.splitlines()]
 
 
+@pytest.mark.slow
 def test_code_classes_protocols_and_circles(tmp_path: Path) -> None:
     texts = {"low/one": PLAIN, "low/two": OTHER, "high/three": THREE}
     for name, text in texts.items():

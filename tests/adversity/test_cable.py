@@ -143,6 +143,7 @@ async def test_for_a_moment(
     await see_it_stand(sim, "the program")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pull", [freeze, cut])
 @BOTH
 async def test_for_longer_than_the_heartbeat(

@@ -91,6 +91,7 @@ async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(s
             book.check(server, lag)
 
 
+@pytest.mark.slow
 @BOTH
 async def test_stop_now_from_a_signal_handler_of_a_busy_program(guard: GuardKind | None) -> None:
     async with no_leaks():

@@ -63,6 +63,7 @@ async def test_an_unknown_host() -> None:
     assert "no-such-controller.invalid:7003: unknown host" in str(error)
 
 
+@pytest.mark.slow
 async def test_an_address_that_leads_nowhere_is_tried_once(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -44,6 +44,7 @@ async def test_a_read_waits_for_the_connection(bench: Bench) -> None:
             assert answers == [False]
 
 
+@pytest.mark.slow
 async def test_but_not_beyond_its_deadline(bench: Bench) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(proxy.host, proxy.port, call_timeout=1.0) as robot:

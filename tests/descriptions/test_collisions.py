@@ -51,7 +51,7 @@ def collisions(
     return found
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("model", models())
 def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: bool) -> None:
     number = 30_000 if thorough else 1_000
@@ -69,6 +69,7 @@ def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: boo
     assert all(0 < found[pair] < number for pair in pairs - set(reasons))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["gcr5_910", "gcr3_618"])
 def test_a_tool_is_kept_from_the_links_that_it_reaches(model: str, thorough: bool) -> None:
     number = 30_000 if thorough else 1_000

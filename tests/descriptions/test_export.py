@@ -42,7 +42,7 @@ def of_scene() -> dict[str, str]:
     return {"gcr7_910.xml": mjcf("gcr7_910"), "scene.xml": mjcf_scene("gcr7_910", "gcr7_910.xml")}
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "expected"),
     [

@@ -79,6 +79,7 @@ def test_pinocchio_loads_two_arms_with_a_tool() -> None:
     assert np.abs(last.lever - centre).max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "described",
     [ArmDescription(model) for model in models()]

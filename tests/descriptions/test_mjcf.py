@@ -56,6 +56,7 @@ def test_it_stands_at_home_on_a_floor(model: str, tmp_path: Path) -> None:
     assert np.abs(data.qvel).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_it_follows_the_conventions_of_menagerie() -> None:
     root = ET.fromstring(mjcf("gcr5_910"))
     order = ["compiler", "option", "default", "asset", "worldbody", "contact", "actuator"]
@@ -94,6 +95,7 @@ def test_an_arm_without_a_world_is_at_the_origin() -> None:
     assert alone == on_floor
 
 
+@pytest.mark.slow
 def test_models_are_put_into_one_by_mujoco() -> None:
     cell = mujoco.MjSpec()
     cell.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST

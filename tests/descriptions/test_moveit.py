@@ -72,6 +72,7 @@ def test_limits_are_those_of_the_arm_and_no_whole_numbers(model: str) -> None:
             assert type(value) is (bool if name.startswith("has_") else float), name
 
 
+@pytest.mark.slow
 def test_two_arms_have_groups_and_controllers_of_their_own() -> None:
     files = read(moveit(LEFT, RIGHT, name="cell"))
     joints = [side + joint for side in ("left_", "right_") for joint in JOINTS]

@@ -82,7 +82,7 @@ def test_urdfdom_accepts_it(model: str, tmp_path: Path) -> None:
     assert "root Link: world" in said
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("model", models())
 def test_urdfdom_draws_its_tree(model: str, tmp_path: Path) -> None:
     if shutil.which("urdf_to_graphviz") is None:
@@ -104,6 +104,7 @@ def test_urdfdom_draws_its_tree(model: str, tmp_path: Path) -> None:
             assert f'"{each.get("name")}"' in drawn
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arms",
     [

@@ -80,6 +80,7 @@ async def test_set_points_end_at_the_wall(robot: aioduco.Robot, seen: Seen, kind
     assert nearest(seen) > -LAG
 
 
+@pytest.mark.slow
 async def test_a_set_point_is_checked_on_the_way_of_each_joint(robot: aioduco.Robot) -> None:
     """Each joint turns at its own pace: the way bends, where that of a joint motion is straight."""
     bend, target = (0.4, *START[1:3], -0.4, *START[4:]), (0.9, *START[1:3], -0.4, *START[4:])
@@ -116,6 +117,7 @@ async def refuses_at_speed(robot: aioduco.Robot, samples: AsyncIterator[Snapshot
     return False
 
 
+@pytest.mark.slow
 async def test_a_weaker_acceleration_must_still_stop_the_arm(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
@@ -130,6 +132,7 @@ async def test_a_weaker_acceleration_must_still_stop_the_arm(
     assert nearest(seen) > -LAG
 
 
+@pytest.mark.slow
 async def test_a_loop_asks_the_controller_for_nothing_more(
     robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -385,6 +388,7 @@ async def test_a_motion_behind_an_unknown_one_is_checked(robot: aioduco.Robot) -
             await robot.motion.movej2(turned(0.6), v=3.0, a=40.0).start()
 
 
+@pytest.mark.slow
 async def test_a_stream_that_is_not_opened_leaves_the_watch_on(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
@@ -580,6 +584,7 @@ async def test_an_arm_that_moves_again_while_a_stop_is_confirmed_is_stopped_agai
             await task
 
 
+@pytest.mark.slow
 async def test_the_watch_waits_for_no_other_call(
     robot: aioduco.Robot, seen: Seen, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -103,6 +103,7 @@ async def test_names_of_tool_and_work_object_are_taken_into_account(robot: aiodu
         await robot.motion.movel(deeper, v=1.0, a=5.0, tool="long", wobj="bench")
 
 
+@pytest.mark.slow
 async def test_a_motion_is_sent_more_slowly(robot: aioduco.Robot, seen: Seen) -> None:
     robot.envelope = Envelope("gcr5_910", ToolSpeed(0.2, action="slow"), wall(0.1, "slow", 0.1))
     await robot.motion.movej2(turned(0.15), v=3.0, a=20.0)

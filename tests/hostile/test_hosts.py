@@ -109,6 +109,7 @@ def test_a_name_that_nobody_knows(names: Names, way: Callable[[str, int], None])
         way(NAME, 7003)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS[:4])
 def test_a_first_address_that_does_not_answer(
     names: Names, monkeypatch: pytest.MonkeyPatch, way: Callable[[str, int], None]
@@ -137,6 +138,7 @@ async def test_a_status_port_whose_first_address_does_not_answer(names: Names) -
             taken.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["silent", "closed"])
 def test_a_tap_whose_first_address_leads_nowhere(
     names: Names, monkeypatch: pytest.MonkeyPatch, first: str

@@ -67,6 +67,7 @@ def test_every_public_value_and_error_comes_back_the_same() -> None:
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.slow
 def test_every_public_value_takes_numbers_of_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
     """None fails, and what is checked to be a number is kept as one of Python's."""
     monkeypatch.setitem(making._SIMPLE, float, np.float32(0.5))

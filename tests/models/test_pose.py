@@ -43,6 +43,7 @@ def scipy_rotation(pose: Pose) -> Any:
     return scipy.spatial.transform.Rotation.from_euler("ZYX", [pose.rz, pose.ry, pose.rx])
 
 
+@pytest.mark.slow
 @given(POSES)
 def test_rotation_is_that_of_scipy(pose: Pose) -> None:
     expected = scipy_rotation(pose)

@@ -170,6 +170,7 @@ def test_a_key_that_is_nested_too_deep_is_refused_before_it_is_parsed(
         parse_toml(f"# a file\n{DEEP[kind]}\n")
 
 
+@pytest.mark.slow
 def test_what_only_looks_like_a_deep_key_is_read() -> None:
     dots = "a.b." * 20_000
     numbers = ", ".join(["0.5"] * 20_000)

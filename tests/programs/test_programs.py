@@ -148,6 +148,7 @@ def test_a_laboratorys_command_line(make: Make, sim: Simulator) -> None:
     assert "must be" in errors[-1]
 
 
+@pytest.mark.slow
 def test_jogging_then_home(make: Make, sim: Simulator) -> None:
     """What follows speed_stop waits for the stop, and is not refused."""
     state, apart = jog_home.main(make.cobot, sim.host, sim.port)

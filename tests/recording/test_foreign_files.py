@@ -153,6 +153,7 @@ def test_a_small_file_does_not_hold_millions_of_messages(tmp_path: Path) -> None
         read(path)
 
 
+@pytest.mark.slow
 def test_a_long_recording_is_within_the_bound(tmp_path: Path) -> None:
     """Thousands of messages that differ in their time alone, as of an arm that stands."""
     path = tmp_path / "run.mcap"

@@ -304,6 +304,7 @@ def test_the_end_of_a_file_says_how_many_messages_it_has(whole: Path, run: Recor
     assert int(told["aioduco.end"]["written"]) == messages
 
 
+@pytest.mark.slow
 def test_an_index_is_added_and_nothing_else(whole: Path, run: RecordedRun, tmp_path: Path) -> None:
     path = run.to_mcap(tmp_path / "indexed.mcap")
     found = read(path)

@@ -196,6 +196,7 @@ def test_a_more_sensitive_level_stops_it_with_less_force(started: Started) -> No
     assert forces[1] < 0.5 * forces[0] < 200.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("real_cycle")
 def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(started: Started) -> None:
     sim, robot = started()

@@ -145,6 +145,7 @@ def test_an_unknown_generation() -> None:
         Simulator(generation="5.0")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("generation", ["3.8", "4.3"])
 async def test_external_axes_move_with_the_arm(generation: Any) -> None:
     with Simulator(speed=float("inf"), generation=generation, external_axes=RAIL) as sim:

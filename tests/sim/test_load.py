@@ -71,6 +71,7 @@ def test_an_arm_may_have_lengths_of_its_own() -> None:
         assert longer.arm.name == "gcr5_910"
 
 
+@pytest.mark.slow
 def test_a_tool_is_carried_as_heavy_as_it_is_told_to_be(sim: Simulator, robot: Program) -> None:
     settle(sim)
     before = robot.get_actual_joints_torque()

@@ -91,6 +91,7 @@ def weave(robot: Program) -> None:
     assert robot.enable_combine_motion() == TaskState.FINISHED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [1.0, math.inf])
 def test_a_stop_ends_what_is_being_planned(
     speed: float, started: Started, aside: Aside, parking: Parking

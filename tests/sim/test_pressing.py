@@ -90,7 +90,7 @@ class Cell:
         return np.array(self.forces[begun:])
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [5_000.0, 100_000.0, None])
 def test_pressing_settles_at_the_target(stiffness: float | None) -> None:
     cell = Cell(table(0.005, stiffness))

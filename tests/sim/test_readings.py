@@ -30,6 +30,7 @@ def test_readings_are_of_single_precision_on_request(started: Started, real: boo
     assert joints == pytest.approx(tuple(sim.joints), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_force_sensor_at_rest_shows_an_offset_and_noise_until_it_is_tared(
     connect: Connect,
 ) -> None:

@@ -110,6 +110,7 @@ def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:
     assert robot.to(*READY) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_positions_are_followed(sim: Simulator, robot: Program) -> None:
     count = 800
     points = [[0.05 * (1 - math.cos(math.pi * i / count)), *READY[1:]] for i in range(count)]

@@ -199,7 +199,7 @@ def test_a_replay_in_a_work_object_moves_with_it(cell: Simulator, program: Progr
     program.set_wobj("none", [0.0] * 6)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [0, 1])
 def test_pause_and_stop_act_on_a_replay(
     cell: Simulator, program: Program, aside: Aside, mode: int
@@ -253,6 +253,7 @@ def test_some_joints_give_way(cell: Simulator, program: Program) -> None:
     assert max(turned[1:]) < 0.01
 
 
+@pytest.mark.slow
 def test_some_directions_give_way(cell: Simulator, program: Program) -> None:
     directions = [False, False, True, False, False, False]
     answer = program.set_hand_teach_parameter(1, [1] * 6, [1] * 6, 1, directions)

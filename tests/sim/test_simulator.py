@@ -364,6 +364,7 @@ def test_a_collision_is_told_and_reset(sim: Simulator, robot: Program) -> None:
         sim.collide(7)
 
 
+@pytest.mark.slow
 def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Connect) -> None:
     with Simulator() as sim:
         robot, heart = connect(sim), connect(sim)

@@ -61,7 +61,7 @@ WAYS = {
 }
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("into", WAYS)
 def test_an_arm_that_is_blocked_pushes_and_does_not_fly_apart(any_arm: Arm, into: str) -> None:
     start, goal = WAYS[into]

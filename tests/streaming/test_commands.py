@@ -27,6 +27,7 @@ def test_doctor_measures_and_plot_draws_it(controller: Controller, tmp_path: Pat
     assert (tmp_path / "figures.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_doctor_without_a_controller_says_so() -> None:
     shown = CliRunner().invoke(app, ["doctor", "127.0.0.1", "--port", "1", "--seconds", "0.2"])
     assert shown.exit_code == 1

@@ -112,7 +112,7 @@ def test_ctrl_c_ends_the_program_and_its_stream_in_order(controller: Controller)
     assert "stop" not in controller.names()
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "told"),
     [

@@ -106,6 +106,7 @@ async def test_the_robot_ends_the_mode_of_a_worker_that_was_killed(bench: Queue)
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.slow
 async def test_nothing_moves_the_arm_in_a_mode_that_could_not_be_ended(bench: Queue) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(proxy.host, proxy.port) as robot:

@@ -282,7 +282,7 @@ async def test_a_lease_that_is_over_ends_it(arm: Controller, kind: str) -> None:
     assert "heartbeat was lost" in str(endings[0])
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @kinds
 async def test_a_worker_that_was_away_sends_no_set_point_any_more(
     arm: Controller, kind: str

@@ -146,7 +146,7 @@ async def ended_by(
             eventually(lambda: opened.quiet)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "options"), [*((kind, PROCESS) for kind in FOLLOWED), ("servoj", THREAD)]
 )
@@ -225,6 +225,7 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
     assert not sim.view.moving
 
 
+@pytest.mark.slow
 async def test_what_it_had_sent_is_not_left_paused(sim: Simulator) -> None:
     """Whoever resumes would move the arm on, long after the program has ended."""
     for _ in range(10):  # a busy machine may have no set-point left to pause at that moment
@@ -359,6 +360,7 @@ async def test_no_stream_of_a_robot_that_is_not_open(sim: Simulator) -> None:
             raise AssertionError("entered")
 
 
+@pytest.mark.slow
 async def test_a_loop_that_is_held_up_starves_the_stream_and_the_arm_stands(
     robot: aioduco.Robot, sim: Simulator
 ) -> None:

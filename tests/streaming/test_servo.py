@@ -312,7 +312,7 @@ async def test_a_step_too_large_is_refused_and_the_stream_goes_on(controller: Co
     assert controller.points()[-1] == pytest.approx(near(0.001))
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @workers
 async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
     controller: Controller, options: WorkerOptions
@@ -620,6 +620,7 @@ async def test_a_stream_says_what_chunks_need(controller: Controller) -> None:
             await stream.send_chunk([near(0.0)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["refuses a set-point", "refuses the stop"])
 async def test_the_envelope_stays_the_reason_whatever_fails_after_it(
     controller: Controller, then: str

@@ -56,6 +56,7 @@ def test_a_ring_holds_four_seconds_or_only_the_newest() -> None:
     assert Feeding(rate=500.0, source_rate=30.0, upsample="cubic").capacity == 256
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run_in", ["thread", "process"])
 async def test_what_the_system_does_not_allow_is_said_and_the_stream_runs(
     controller: Controller, run_in: Any

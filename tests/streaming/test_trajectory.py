@@ -63,6 +63,7 @@ def test_points_alone_are_joined_without_overshoot(curve: tuple[Any, Any, Any]) 
     np.testing.assert_allclose(Spline(times, points).velocity(times[[0, -1]]), 0.0, atol=1e-9)
 
 
+@pytest.mark.slow
 @given(curves())
 def test_inside_the_slopes_are_those_of_pchip(curve: tuple[Any, Any, Any]) -> None:
     times, points, _ = curve
@@ -70,6 +71,7 @@ def test_inside_the_slopes_are_those_of_pchip(curve: tuple[Any, Any, Any]) -> No
     np.testing.assert_allclose(Spline(times, points).velocity(times)[1:-1], theirs, atol=1e-6)
 
 
+@pytest.mark.slow
 @given(curves())
 def test_velocities_given_are_had(curve: tuple[Any, Any, Any]) -> None:
     times, points, velocities = curve
@@ -166,6 +168,7 @@ async def test_a_trajectory_is_followed_to_its_goal_with_feedback(controller: Co
     assert controller.stops == []
 
 
+@pytest.mark.slow
 async def test_a_first_time_above_zero_leads_up_from_where_the_arm_is(
     controller: Controller,
 ) -> None:

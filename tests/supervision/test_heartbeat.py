@@ -236,6 +236,7 @@ KEPT = """
 """
 
 
+@pytest.mark.slow
 def test_a_lock_of_a_thread_that_has_ended_holds_up_no_end(bench: Bench) -> None:
     """As the interpreter ends, its daemons end wherever they are."""
     script = textwrap.dedent(KEPT.format(host=bench.host, port=bench.port))

@@ -16,6 +16,7 @@ from aioduco.testing import eventually_async
 END = "aioduco end of a motion"
 
 
+@pytest.mark.slow
 async def test_a_motion_that_follows_a_jog_is_not_taken_for_it(
     duco_robot: aioduco.Robot, duco_simulator: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -65,6 +65,7 @@ async def test_a_motion_with_an_expected_end_is_asked_about_less_often(
     assert len(bench.received("get_actual_joints_position")) == 1
 
 
+@pytest.mark.slow
 async def test_many_tasks_are_asked_about_in_turn(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 600.0  # the first goes on until all wait behind it
     tasks = [await robot.motion.movel(POSE, v=0.2, a=1.0, r=0.01).start()]

@@ -60,6 +60,7 @@ with aioduco.sync.connect(sys.argv[1], int(sys.argv[2])) as robot:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.linux("os.fork")
 def test_a_forked_child_is_refused_and_leaves_its_parents_robot_alone(desk: Desk) -> None:
     desk.motion_time = 0.5

@@ -99,6 +99,7 @@ def test_leaving_a_block_ends_what_goes_on(robot: aioduco.sync.Robot, desk: Desk
     assert desk.commands == ["speedl", "speed_stop"]
 
 
+@pytest.mark.slow
 def test_motions_made_beforehand_blend(robot: aioduco.sync.Robot, desk: Desk) -> None:
     legs = [robot.motion.movej2.prepare(HOME, v=1.0, a=1.0, r=r) for r in (0.02, 0.0)]
     assert desk.commands == []

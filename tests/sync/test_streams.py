@@ -198,6 +198,7 @@ def test_an_error_in_the_block_brings_the_arm_to_rest_at_once(robot: Robot) -> N
     assert not robot.state.robotmoving()
 
 
+@pytest.mark.slow
 def test_an_interrupt_in_a_call_brings_the_arm_to_rest(
     robot: Robot, sim: Simulator, interrupts: Interrupts
 ) -> None:

@@ -28,6 +28,7 @@ async def test_a_robot_that_is_ready(duco_robot: Robot, duco_simulator: Simulato
     assert duco_simulator.joints.array == pytest.approx(HOME, abs=1e-3)
 
 
+@pytest.mark.slow
 async def test_a_robot_behind_a_proxy(duco_robot: Robot, duco_proxy: FaultProxy) -> None:
     assert duco_robot.port == duco_proxy.port
     duco_proxy.on("movej2", Cut(Place.BEFORE_REPLY))

@@ -306,6 +306,7 @@ def test_a_timeout_is_a_timeout_error() -> None:
         connection.call("get_tcp_pose", (), SHORT)
 
 
+@pytest.mark.slow
 def test_a_drip_feeding_controller_does_not_stretch_the_deadline() -> None:
     """Each byte comes long before any time-out on a single read, for as long as one likes."""
 

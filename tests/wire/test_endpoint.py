@@ -30,6 +30,7 @@ def names(monkeypatch: pytest.MonkeyPatch) -> Iterator[Names]:
 # Shares
 
 
+@pytest.mark.slow
 async def test_an_address_that_does_not_answer_leaves_time_for_the_next(names: Names) -> None:
     with ScriptedServer() as server, black_hole() as nobody:
         names.addresses = [nobody, (server.host, server.port)]

@@ -123,6 +123,7 @@ async def test_a_gripper_that_is_not_polled_any_more_carries_nothing() -> None:
         hand.check_held()
 
 
+@pytest.mark.slow
 async def test_time_in_which_the_event_loop_stood_still_does_not_count() -> None:
     async with Hand(max_age=1.0) as hand:
         await hand.close()

@@ -89,7 +89,7 @@ async def test_what_is_too_heavy_for_the_force_stays(
     assert not trial.lifted
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "driver", "stroke"),
     [
@@ -140,6 +140,7 @@ async def test_the_arm_moves_while_the_gripper_is_silent() -> None:
         assert gripper.state is known
 
 
+@pytest.mark.slow
 async def test_signals_of_a_gripper_on_outputs() -> None:
     async with (
         Simulator(speed=math.inf, gripper="parallel") as sim,

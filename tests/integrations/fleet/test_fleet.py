@@ -331,6 +331,7 @@ async def test_a_client_that_cannot_be_declared_leaves_nothing_open(
     assert [session.is_closed() for session in sessions] == [True]
 
 
+@pytest.mark.slow
 async def test_a_client_that_is_entered_again_leaves_no_session_open(sessions: list[Any]) -> None:
     client = FleetClient(FleetSettings("plant", listen=(free_endpoint(),)))
     async with client:

@@ -104,6 +104,7 @@ async def told_by(
     stack.callback(declared.clear)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("answer", [forged, of_another_key, of_an_old_stop, of_another_request])
 async def test_nobody_answers_for_a_gateway_that_is_dead(
     answer: Callable[[Any], None], tmp_path: Path
@@ -161,7 +162,8 @@ def of_another_arm(query: Any) -> None:
     query.reply(query.key_expr, answer, attachment=proof_of(KEY, asked, request, answer))
 
 
-@pytest.mark.parametrize("hangs", [True, False])
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("hangs", [False, True])
 async def test_a_stop_waits_for_each_of_two_gateways_of_one_name(
     hangs: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -50,7 +50,7 @@ FLOODS = {
 }
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FLOODS)
 async def test_a_flood_is_cut_off_and_another_page_stops_the_arm(bench: Bench, kind: str) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
@@ -171,6 +171,7 @@ async def test_a_stop_that_fails_says_so(bench: Bench) -> None:
         await eventually_async(lambda: lines(page, "stop failed"))
 
 
+@pytest.mark.slow
 async def test_the_picture_is_behind_the_pages_port_and_viser_has_none(bench: Bench) -> None:
     psutil = pytest.importorskip("psutil")
 

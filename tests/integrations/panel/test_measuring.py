@@ -65,6 +65,7 @@ def test_what_is_missing_is_said() -> None:
     assert "hardly turn the tool" in str(measured.as_json()["tool"])
 
 
+@pytest.mark.slow
 async def test_a_tool_is_measured_and_written() -> None:
     measured = Measurement(GCR5)
     options: dict[str, Any] = {"heartbeat": None}

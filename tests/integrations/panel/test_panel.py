@@ -82,7 +82,7 @@ async def page_of(panel: Panel, **options: Any) -> AsyncIterator[Page]:
         group.cancel_scope.cancel()
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("verb", ["bring_up", "recover"])
 async def test_after_a_collision_a_page_is_told_to_tare_again(bench: Bench, verb: str) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
@@ -140,6 +140,7 @@ async def test_one_page_commands_and_the_others_watch(
         await eventually_async(lambda: "free" in repr(panel))
 
 
+@pytest.mark.slow
 async def test_the_plots_go_on_when_the_clock_is_set_back(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -262,6 +263,7 @@ async def test_a_jog_lasts_as_long_as_its_button_is_held(how: str) -> None:
             assert page.state["holder"] == page.number, "the lease is kept"
 
 
+@pytest.mark.slow
 async def test_what_is_measured_is_told_to_every_page(bench: Bench) -> None:
     bench.answer("get_flange_pose", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as watcher:

@@ -240,6 +240,7 @@ async def test_an_arm_that_is_not_ready_refuses_goals(node: ArmNode, sim: Simula
     assert "bring_up" in client.text
 
 
+@pytest.mark.slow
 async def test_services_do_what_they_say(node: ArmNode, sim: Simulator) -> None:
     services = node.services
     assert "tare" not in (await services.bring_up()).message

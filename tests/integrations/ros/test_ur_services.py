@@ -86,6 +86,7 @@ async def test_no_service_raises_without_a_connection(name: str) -> None:
     assert reply.message
 
 
+@pytest.mark.slow
 async def test_power_and_brakes(node: ArmNode) -> None:
     assert await done(node, "dashboard_client/get_robot_mode") == "ENABLE"
     assert await done(node, "dashboard_client/get_safety_mode") == "RUN"

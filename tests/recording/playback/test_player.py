@@ -254,6 +254,7 @@ async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -
             assert [str(each.message) for each in said] == []
 
 
+@pytest.mark.slow
 async def test_an_arm_goes_through_waypoints() -> None:
     with Simulator(speed=10, joints=HOME) as sim:
         async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:

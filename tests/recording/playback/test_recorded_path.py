@@ -50,6 +50,7 @@ def test_a_path_is_what_the_arm_did_from_when_it_moved(tmp_path: Path) -> None:
     assert sharpest(quick) == pytest.approx(4 * sharpest(path), rel=0.05)
 
 
+@pytest.mark.slow
 def test_samples_that_were_received_late_make_no_shaking_path(tmp_path: Path) -> None:
     chance = np.random.default_rng(5)
 
@@ -66,6 +67,7 @@ def test_samples_that_were_received_late_make_no_shaking_path(tmp_path: Path) ->
     assert sharpest(path) == pytest.approx(sharpest(smooth), rel=0.1)
 
 
+@pytest.mark.slow
 def test_pauses_stay_and_gaps_are_refused(tmp_path: Path) -> None:
     def twice(times: Any) -> Any:
         return np.where(times[:, None] < 3.0, nod(times), nod(times, 4.0))
@@ -105,7 +107,7 @@ def busy(seed: int) -> tuple[Array, Any]:
     return taken, lambda _: asked - taken + chance.uniform(0.0, 1e-4, len(asked))
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_recording_of_a_busy_computer_is_played_as_the_arm_moved(
     seed: int, tmp_path: Path
@@ -209,6 +211,7 @@ def kinds(path: RecordedPath, **options: Any) -> list[str]:
     return [each.kind for each in check_path(path, ARM, **options)]
 
 
+@pytest.mark.slow
 def test_what_speaks_against_a_path_is_said_with_its_place(tmp_path: Path) -> None:
     run = read(write(tmp_path / "run.mcap"))
     path = RecordedPath.of(run)

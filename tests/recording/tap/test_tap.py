@@ -142,7 +142,7 @@ def test_who_does_not_read_what_it_tells_holds_up_nothing(listener: socket.socke
         assert any("passed unseen" in text for text in texts)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("who", ["client", "controller"])
 def test_a_reset_of_one_side_is_one_of_the_other(listener: socket.socket, who: str) -> None:
     with told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
@@ -157,6 +157,7 @@ def test_a_reset_of_one_side_is_one_of_the_other(listener: socket.socket, who: s
         eventually(lambda: f"closed by the {who}" in found.notes(), PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_controller_that_is_not_there(listener: socket.socket) -> None:
     port = listener.getsockname()[1]
     listener.close()
@@ -169,6 +170,7 @@ def test_a_controller_that_is_not_there(listener: socket.socket) -> None:
         eventually(lambda: any("was not reached" in note for note in found.notes()), PATIENCE)
 
 
+@pytest.mark.slow
 def test_its_end_ends_what_is_connected_and_tells_what_passed(listener: socket.socket) -> None:
     with told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
         stack = ExitStack()
@@ -286,7 +288,7 @@ def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
         assert result.exit_code == status, result.output
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.linux("limits of another process")
 @pytest.mark.parametrize("spare", [0, 1, 2, 3])
 def test_without_descriptors_the_connections_that_are_open_go_on(spare: int) -> None:

@@ -17,6 +17,7 @@ def hidden(seed: int) -> tuple[np.random.Generator, np.ndarray, np.ndarray, np.n
     return random, lag, random.uniform(0.4, 0.95, 6) / lag, random.uniform(3e-5, 5e-5, 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5, 8))
 def test_lag_is_found_within_a_millisecond_and_gain_within_its_interval(seed: int) -> None:
     random, lag, gain, noise = hidden(seed)
@@ -32,6 +33,7 @@ def test_lag_is_found_within_a_millisecond_and_gain_within_its_interval(seed: in
         assert left.values[f"joint{joint + 1}"].value == pytest.approx(noise[joint], rel=0.25)
 
 
+@pytest.mark.slow
 def test_samples_at_any_rate_and_times_will_do() -> None:
     random, lag, gain, noise = hidden(5)
     motions = turns(random, lag, gain, noise, rate=20)

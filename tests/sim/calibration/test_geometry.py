@@ -95,6 +95,7 @@ def test_another_model_is_refused() -> None:
         estimate_geometry(MODEL, [poses])
 
 
+@pytest.mark.slow
 def test_poses_of_a_moving_arm_are_refused() -> None:
     random = np.random.default_rng(7)
     joints = configurations(random, 40)

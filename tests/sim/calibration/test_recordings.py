@@ -133,6 +133,7 @@ def test_recordings_of_two_arms_are_refused() -> None:
         profile_of([one, two])
 
 
+@pytest.mark.slow
 def test_a_model_that_is_not_known_is_asked_for() -> None:
     random = np.random.default_rng(2)
     run = replace(empty(), arm="", poses=poses_of(ArmProfile(MODEL), configurations(random, 30)))

@@ -63,6 +63,7 @@ def test_friction_needs_more_motions_than_values() -> None:
     assert fit_by_motion(columns, within, torque, np.repeat([0, 1, 2], 9)) is None
 
 
+@pytest.mark.slow
 def test_the_load_is_found_with_its_centre() -> None:
     random = np.random.default_rng(3)
     run = torqued(random, (np.zeros(6), np.zeros(6)), (2.0, CENTRE))

@@ -69,6 +69,7 @@ def test_joints_pass_smoothly_and_within_their_limits(name: str) -> None:
     np.testing.assert_allclose(each.fkine(mover.setpoint.q), each.fkine(ASIDE), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_path_may_begin_and_end_at_a_singularity() -> None:
     straight = np.array([0.0, 0.3, 1.2, 0.0, 0.0, 0.0])
     for q0, q1 in ((straight, BEHIND), (BEFORE, straight)):

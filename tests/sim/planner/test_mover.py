@@ -194,6 +194,7 @@ def test_a_motion_that_cannot_be_planned_leaves_the_queue_as_it_was() -> None:
     assert run.kinds == [(1, "started"), (1, "finished")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("when", [1, 100, 400, 750, 1200, 1450, 1499])
 @pytest.mark.parametrize("plan", [joints(1.0, 0.5), line(0.02, 0.29, v=0.2, a=2.0)])
 def test_pause_and_resume_keep_to_the_path_and_the_limits(

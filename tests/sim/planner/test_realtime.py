@@ -79,6 +79,7 @@ def test_speeds_of_joints_are_brought_up_by_the_filter_and_go_on() -> None:
     assert rows[-1, 0] - Q == pytest.approx(goal * 0.31, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_pose_and_a_twist_move_the_tool_in_the_work_object() -> None:
     wobj = Pose(0.1, 0.2, 0.0, 0.0, 0.0, np.pi / 2).matrix
     tool = Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0).matrix

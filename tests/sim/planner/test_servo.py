@@ -31,6 +31,7 @@ def run(servo: ServoFollower, cycles: int = 20_000) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", [0.5, 5.0, 50.0, np.inf])
 def test_it_ends_at_the_target_within_its_limits_and_does_not_pass_it(a: float) -> None:
     servo = ServoFollower(ARM, Q, CYCLE)

@@ -225,6 +225,7 @@ def test_joints_keep_to_what_they_can_and_the_path_slows_down() -> None:
     np.testing.assert_allclose(FIVE.fkine(q[-1])[:3, 3], START[:3, 3] + WAY, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_speed_along_the_path_is_that_asked_for() -> None:
     mover = Mover(FIVE, HOME, CYCLE)
     mover.append(1, lambda _q: woven(PLAIN))

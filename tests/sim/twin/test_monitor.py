@@ -82,6 +82,7 @@ def test_an_arm_in_good_order_is_left_alone() -> None:
     assert figures.mass == pytest.approx(0.0, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("torques", "cause"),
     [
