@@ -337,8 +337,6 @@ class WireLane:
         begin = call.begun
         further = [self._functions[name] for name in names[1:]]
         call.further = [(function, codec.encode(function, ())) for function in further]
-        if current_effective_deadline() == -math.inf:
-            await checkpoint_if_cancelled()  # as in `call`
         try:
             self.send(call)
             answers: list[codec.ReadResult] = await call.answer()

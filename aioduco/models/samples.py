@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from aioduco._wire import newer, rpc
@@ -37,6 +38,11 @@ _ARRAYS: Final = {
     "expected_tool_speed": "cartExpectVelocity",
     "expected_tool_acceleration": "cartExpectAccelera",
 }
+
+
+#: of a status and of an I/O status, all at once: the feed reads them often
+_status_lists: Final = attrgetter(*_ARRAYS.values())
+_io_lists: Final = attrgetter(*rpc.IOStatus.__match_args__)
 
 
 class Samples:
@@ -79,7 +85,7 @@ class Samples:
             StaleState: positions are missing: the controller is still starting.
         """
         at = time.monotonic() if at is None else at
-        arrays = vectors(*(getattr(wire, name) for name in _ARRAYS.values()))
+        arrays = vectors(*_status_lists(wire))
         return RobotStatus(
             sequence=next(self._status),
             received_at=at,
@@ -108,8 +114,7 @@ class Samples:
     def io(self, wire: rpc.IOStatus, at: float | None = None) -> IOStatus:
         """Make a sample from the result of getRobotIOStatus, whose lists are in the same order."""
         at = time.monotonic() if at is None else at
-        lists = (getattr(wire, name) for name in rpc.IOStatus.__match_args__)
-        return IOStatus(next(self._io), at, *map(tuple, lists))
+        return IOStatus(next(self._io), at, *map(tuple, _io_lists(wire)))
 
 
 def _torques(wire: newer.RobotStatus) -> JointTorques:

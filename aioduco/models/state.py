@@ -48,14 +48,13 @@ def vector(values: Sequence[float], length: int | None = 6) -> Vector:
 
 def vectors(*lists: Sequence[float], length: int = 6) -> list[Vector]:
     """Return each list as `vector` does; for many lists this takes a third of the time."""
-    array = np.array([_fitted(values, length) for values in lists], dtype=np.float64)
+    fitted = [values if len(values) == length else _fitted(values, length) for values in lists]
+    array = np.array(fitted, dtype=np.float64)
     array.setflags(write=False)
     return list(array)
 
 
 def _fitted(values: Sequence[float], length: int) -> Sequence[float]:
-    if len(values) == length:
-        return values
     return [*values[:length], *[math.nan] * (length - len(values))]
 
 
