@@ -222,6 +222,7 @@ class RunRecorder:
             for each in error.exceptions:
                 self.failed(each)
             return
+        self.finish()  # a task that failed is told of before the error that it made
         where = lines.of_error(error)
         kind = type(error).__name__
         self._note(
