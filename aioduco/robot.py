@@ -26,6 +26,7 @@ from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import PORT
 from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.models.similar import MisspeltRefused
 from aioduco.models.trace import ProcedureFinished, emit
 from aioduco.supervision.concurrency import DaemonThread
 from aioduco.supervision.settings import RobotSettings
@@ -280,7 +281,7 @@ async def stop_all(robots: Iterable[Robot]) -> None:
         raise StopsUnconfirmed.of(places, errors) from first
 
 
-class Robot(Uncopied, ManualNames):
+class Robot(Uncopied, ManualNames, MisspeltRefused):
     """A robot arm and its controller. Created by `connect`, used in `async with`.
 
     Entering the block connects, reads the controller's state and version, and starts the

@@ -62,7 +62,6 @@ class Mirror:
         left_out: what is by hand, or for the package alone.
         on_loop: properties that must be read on the event loop.
         direct: functions that any thread may call at once.
-        settable: attributes that may be set.
     """
 
     source: type
@@ -72,11 +71,10 @@ class Mirror:
     left_out: set[str] = field(default_factory=set)
     on_loop: set[str] = field(default_factory=set)
     direct: set[str] = field(default_factory=set)
-    settable: set[str] = field(default_factory=set)
 
 
 OBJECTS = (
-    Mirror(StateFeed, "Feed", left_out={"close"}, settable={"forces"}),
+    Mirror(StateFeed, "Feed", left_out={"close"}),
     Mirror(Events, "Events", left_out={"close", "tell"}),
     Mirror(Recording, "Recording", "Started", left_out={"start", "stop"}),
     Mirror(Publication, "Publication", "Started", left_out={"start", "stop"}),
@@ -471,7 +469,7 @@ class Generator:
         source = self.source(owner.__module__)
         if doc:
             annotation: ast.expr | None = source.attribute(owner.__name__, name)
-            settable = name in mirror.settable
+            settable = False
         else:
             annotation = source.function(owner.__name__, name).returns
             settable = getattr(owner, name).fset is not None

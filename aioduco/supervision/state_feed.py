@@ -29,6 +29,7 @@ from aioduco.errors import (
 from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.rules import Integer, condition_holds
+from aioduco.models.similar import MisspeltRefused
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.models.words import one_of
 from aioduco.supervision.concurrency import Alarm, every, on_grid
@@ -211,7 +212,7 @@ class FeedStatistics(NamedTuple):
     dropped: int
 
 
-class StateFeed(Uncopied):
+class StateFeed(Uncopied, MisspeltRefused):
     """Samples of the robot's state. It starts on first use.
 
     Args:
@@ -219,9 +220,6 @@ class StateFeed(Uncopied):
         samples: makes samples.
         background: runs the feed.
         rate: samples per second [Hz].
-
-    Attributes:
-        forces: whether samples have forces, too: two more reads from the controller for each.
     """
 
     def __init__(
@@ -240,13 +238,22 @@ class StateFeed(Uncopied):
         self._count = 0
         self._failures = 0
         self._rate = rate
-        self.forces = False
+        self._forces = False
         #: number of recordings and publications that want forces, whatever the program wants
         self.force_readers = 0
 
     def __repr__(self) -> str:
         figures = self.statistics()
         return f"<StateFeed {figures.rate:g} Hz, {figures.measured_rate:.1f} Hz measured>"
+
+    @property
+    def forces(self) -> bool:
+        """Whether samples have forces, too: two more reads from the controller for each."""
+        return self._forces
+
+    @forces.setter
+    def forces(self, forces: bool) -> None:
+        self._forces = forces
 
     @property
     def rate(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from aioduco._process.copying import Uncopied
+from aioduco.models.similar import MisspeltRefused
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -17,7 +18,7 @@ __all__ = ["Block", "Blocking", "Started"]
 T = TypeVar("T")
 
 
-class Blocking(Uncopied):
+class Blocking(Uncopied, MisspeltRefused):
     """An object whose functions return when they are done: they run on the robot's event loop.
 
     Args:
