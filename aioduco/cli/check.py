@@ -247,7 +247,7 @@ def _points(
             near = next(taught, Joints.deg(30, -15, 105, 0, -90, 0))
         base = None if wobj is None else numbers("wobj", wobj, 6)
         report = look(points, arm=model, near=near, tool=tip, wobj=base)
-    except (OSError, ParameterError) as error:
+    except ParameterError as error:
         fail(str(error), 2)
     say(str(report))
     if not report.ok:

@@ -161,7 +161,7 @@ def _settings(file: Path) -> FleetSettings:
         settings = FleetSettings.read(file)
         if settings.keys:
             read_keys(settings.keys)
-    except (FleetFileError, OSError) as error:
+    except FleetFileError as error:
         fail(str(error), USAGE)
     return settings
 

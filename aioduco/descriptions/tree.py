@@ -113,7 +113,8 @@ class ArmDescription:
         tool: tool at the flange; None for no tool.
 
     Raises:
-        ParameterError: there is no such model or mounting; the prefix is not a word.
+        ParameterError: there is no such model or mounting; the prefix is not a word; the tool is
+            no `ToolDescription`.
     """
 
     model: str | Arm
@@ -124,6 +125,8 @@ class ArmDescription:
     def __post_init__(self) -> None:
         if not isinstance(self.prefix, str) or (self.prefix and not WORD.fullmatch(self.prefix)):
             raise ParameterError("prefix", self.prefix, "letters, digits and _, a letter first")
+        if not isinstance(self.tool, (ToolDescription, type(None))):
+            raise ParameterError("tool", self.tool, "a ToolDescription, or None for no tool")
         self.tree()
 
     @property

@@ -117,12 +117,13 @@ class TaughtPoints(MutableMapping[str, Point]):
             path: the file.
 
         Raises:
-            OSError: the file cannot be read.
-            ParameterError: the file is not TOML, or a point, which the error names, is not as
-                described above.
+            ParameterError: the file cannot be read, is not TOML, or a point, which the error names,
+                is not as described above.
         """
         try:
             tables = read_toml(path)
+        except OSError as exc:
+            raise ParameterError("path", str(path), f"a file that can be read: {exc}") from exc
         except ValueError as exc:
             raise ParameterError("path", str(path), f"a TOML file: {exc}") from exc
         return cls({name: point_of(name, table) for name, table in tables.items()})

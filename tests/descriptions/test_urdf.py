@@ -238,6 +238,8 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
         ArmDescription("gcr5_910", mounting="roof")  # type: ignore[arg-type]  # what is tested
     with pytest.raises(ParameterError, match="prefix"):
         ArmDescription("gcr5_910", prefix="my arm/")
+    with pytest.raises(ParameterError, match="tool is 'x', but must be a ToolDescription"):
+        ArmDescription("gcr5_910", tool="x")  # type: ignore[arg-type]  # what is tested
     with pytest.raises(ParameterError, match="a different one for each arm"):
         srdf("gcr5_910", "gcr3_618")
     with pytest.raises(ParameterError, match="at least one arm"):

@@ -192,7 +192,8 @@ def test_what_is_no_action_is_refused_and_does_nothing(made: Callable[..., Any])
     with pytest.raises(RuntimeError, match="reset"):
         env.step(np.zeros(3))
     before, _ = env.reset(seed=1)
-    for bad in (np.zeros(4), np.array((0.0, np.nan, 0.0))):
+    bad: Any
+    for bad in (np.zeros(4), np.array((0.0, np.nan, 0.0)), "abc", {}, [[0.0], [0.0, 1.0]]):
         with pytest.raises(ParameterError, match="action"):
             env.step(bad)
     after, reward, *_ = env.step(np.zeros(3))

@@ -85,6 +85,17 @@ def test_every_reader_refuses_what_is_no_toml(name: str, data: bytes, tmp_path: 
         read(path)
 
 
+@pytest.mark.parametrize("name", [name for name in READERS if name != "robots"])
+def test_every_reader_says_that_a_file_is_missing(name: str, tmp_path: Path) -> None:
+    read, _, error = READERS[name]
+    with pytest.raises(error, match=r"file\.toml.* read.*No such file"):
+        read(tmp_path / "file.toml")
+
+
+def test_robots_need_no_file(tmp_path: Path) -> None:
+    assert robots(tmp_path / "file.toml") == ({}, "")
+
+
 def saved_waypoints(path: Path) -> None:
     file = WaypointFile.read(path)
     file.add("b", HOME)

@@ -118,11 +118,12 @@ class FleetSettings:
         """Read a file. The files that it names are found from its own folder.
 
         Raises:
-            FleetFileError: the file is not valid; the text says why.
-            OSError: it cannot be read.
+            FleetFileError: the file cannot be read, or is not valid; the text says why.
         """
         try:
             table = read_toml(path)
+        except OSError as error:
+            raise FleetFileError(f"{path} cannot be read: {error}") from error
         except ValueError as error:
             raise FleetFileError(f"{path}: {error}") from error
         read = cls.of(table)

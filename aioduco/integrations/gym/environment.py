@@ -145,9 +145,13 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         Raises:
             ParameterError: the action is not valid; nothing was done.
         """
-        given = np.asarray(action, dtype=np.float64)
-        if given.shape != self.action_space.shape or not np.isfinite(given).all():
-            raise ParameterError("action", action, f"finite, of shape {self.action_space.shape}")
+        shape = self.action_space.shape
+        try:
+            given = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError) as exc:
+            raise ParameterError("action", action, f"numbers, of shape {shape}") from exc
+        if given.shape != shape or not np.isfinite(given).all():
+            raise ParameterError("action", action, f"finite, of shape {shape}")
         if not self._begun:
             raise RuntimeError("there is no episode: call reset() first")
         self._aim(np.clip(given, -1.0, 1.0))
