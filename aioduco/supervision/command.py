@@ -33,7 +33,9 @@ class MotionCommand(Uncopied):
     - `await motion` sends it and waits for its end; it raises unless it finished.
     - `task = await motion.start()` returns as soon as the controller has accepted it.
     - `async with motion as task:` ties it to a block: when the block is left, the motion has
-      ended, by itself, or by a stop if the block raised or was cancelled.
+      ended, by itself, or by a stop if the block raised or was cancelled. Leaving a block that did
+      not raise raises the motion's error, as `await task` does, also one that the block has
+      handled: a `try` around the block handles both.
 
     It is no coroutine, so `asyncio.create_task` does not accept it: `start` returns a task.
 

@@ -35,8 +35,9 @@ T = TypeVar("T")
 class Task(TaskCalls):
     """A task that the controller accepted. `with task:` ties it to a block.
 
-    Leaving the block waits for a motion with an end of its own, and ends a motion without one. If
-    the block raises, the arm is stopped, paused or left moving, as `on_cancel` says.
+    Leaving the block waits for a motion with an end of its own, and ends a motion without one; then
+    it raises the motion's error, as `wait` does, also one that the block has handled. If the block
+    raises, the arm is stopped, paused or left moving, as `on_cancel` says.
 
     The controller stops, pauses and resumes all its tasks together, never one alone. So `cancel`,
     `pause` and `resume` act on all of them.
@@ -212,7 +213,8 @@ class MotionPath(MotionPathCalls):
     """A path of motions that blend, for use in `with`. `robot.motion.path` makes it.
 
     When the block is left, the arm has reached the end of the last motion. If the block raises, the
-    arm is stopped, paused or left moving, as `on_cancel` says.
+    arm is stopped, paused or left moving, as `on_cancel` says. Leaving a block that did not raise
+    raises the error of the first motion that failed, also one that the block has handled.
     """
 
     def add(self, motion: MotionCommand) -> Task:

@@ -155,6 +155,17 @@ async def test_a_motion_tied_to_a_block_that_raises_is_stopped(
     assert not bench.moving()
 
 
+async def test_leaving_a_block_raises_the_error_of_its_motion_also_a_handled_one(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    with pytest.raises(aioduco.TaskStopped):
+        async with robot.motion.movej2(HOME, v=1.0, a=1.0) as task:
+            await robot.stop()
+            with pytest.raises(aioduco.TaskStopped):
+                await task
+
+
 async def test_a_motion_is_tied_to_one_block_at_a_time(robot: aioduco.Robot) -> None:
     motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
     async with motion:
