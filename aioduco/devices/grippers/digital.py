@@ -27,6 +27,8 @@ class OutputGripper(PolledGripper):
     gripper's by the names of its arguments; None for one that it does not have.
     """
 
+    _HALTED = "its outputs stay as they are, and it may still move"
+
     def __init__(
         self,
         robot: Robot,

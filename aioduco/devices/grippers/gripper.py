@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from contextlib import AbstractAsyncContextManager
     from types import TracebackType
-    from typing import Self
+    from typing import ClassVar, Self
 
     from aioduco.models.gripper_models import GripperModel
 
@@ -150,6 +150,9 @@ class PolledGripper(Uncopied, ABC):
     Raises:
         ParameterError: a time is out of range.
     """
+
+    #: what `_halt` has done, for errors
+    _HALTED: ClassVar[str] = "it was halted"
 
     def __init__(
         self,
@@ -378,7 +381,7 @@ class PolledGripper(Uncopied, ABC):
             if isinstance(error, DucoError):  # the gripper did not answer: nothing more is sent
                 raise
             halted = await self._halt_shielded()
-            done = "it was halted" if halted else "it could not be halted, and may still move"
+            done = self._HALTED if halted else "it could not be halted, and may still move"
             raise GripperTimeout(
                 f"{self} did not come to rest within {self._timeout:g} s; {done}"
             ) from error
