@@ -74,7 +74,8 @@ class Frames(Section):
 
         Raises:
             ParameterError: a number is out of range; nothing was sent.
-            TaskError, Refused: it was not set.
+            TaskError, Refused: it was not set. The manual says that the function returns nothing,
+                so an answer of 0 is no refusal.
 
         Manual section 1.3.7.
         """
@@ -94,7 +95,8 @@ class Frames(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError, Refused: it was not defined.
+            TaskError, Refused: it was not defined. No manual gives 0 a meaning here, so an answer
+                of 0 is no refusal; `get_wobj` reads the work object in use.
         """
         name_, wobj_ = ranges.NAME("name", name), ranges.POSE("wobj", wobj)
         await self._accept(calls.set_wobj(name_, wobj_))
@@ -111,7 +113,8 @@ class Frames(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError, Refused: it was not set.
+            TaskError, Refused: it was not set. The manual says that the function returns nothing,
+                so an answer of 0 is no refusal.
 
         Manual section 1.3.7.
         """

@@ -433,6 +433,8 @@ def _accepted(answer: int) -> bool:
     """Whether an answer is that of a function that returns nothing according to the manual.
 
     The wire nevertheless returns a number. A negative number is a failure, and so is the end
-    state of a task that failed; any other number means only that the call was accepted.
+    state of a task that failed; any other number means only that the call was accepted. So does 0:
+    the manual gives it no meaning here, and a function without a value may well answer with it.
+    Programs of the vendor's class do not look at it; to refuse it would refuse what has been done.
     """
     return _finished(answer) or (answer >= 0 and not TaskState(answer).ended)

@@ -32,8 +32,8 @@ class MotionPath(Uncopied):
 
     The controller gets a few motions ahead, so that it has each one before the previous one comes
     to its blend. When the block is left, the arm has reached the end of the last motion. If the
-    block raises or is cancelled, the arm is stopped, or the action of `on_cancel` is done. Leaving a
-    block that did not raise raises the error of the first motion that failed, also one that the
+    block raises or is cancelled, the arm is stopped, or the action of `on_cancel` is done. Leaving
+    a block that did not raise raises the error of the first motion that failed, also one that the
     block has handled.
 
     Attributes:

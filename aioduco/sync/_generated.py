@@ -4890,7 +4890,8 @@ class Frames(_Section):
 
         Raises:
             ParameterError: a number is out of range; nothing was sent.
-            TaskError, Refused: it was not set.
+            TaskError, Refused: it was not set. The manual says that the function returns nothing,
+                so an answer of 0 is no refusal.
 
         Manual section 1.3.7.
         """
@@ -4910,7 +4911,8 @@ class Frames(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError, Refused: it was not defined.
+            TaskError, Refused: it was not defined. No manual gives 0 a meaning here, so an answer
+                of 0 is no refusal; `get_wobj` reads the work object in use.
         """
         self._call(self._made.set_wobj(name, wobj))
 
@@ -4926,7 +4928,8 @@ class Frames(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError, Refused: it was not set.
+            TaskError, Refused: it was not set. The manual says that the function returns nothing,
+                so an answer of 0 is no refusal.
 
         Manual section 1.3.7.
         """

@@ -208,7 +208,7 @@ async def test_a_sample_from_before_a_movement_does_not_say_how_it_ended() -> No
             bench.hold("getRobotIOStatus", off)
             await eventually_async(lambda: len(bench.received("getRobotIOStatus")) > asked)
             gripper._timeout = 0.3
-            with pytest.raises(errors.GripperTimeout, match="its outputs stay .* may still move"):
+            with pytest.raises(errors.GripperTimeout, match=r"its outputs stay .* may still move"):
                 await gripper.close()
 
 
