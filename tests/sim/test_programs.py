@@ -37,6 +37,10 @@ def broken() -> Generator[list[Any], Any, None]:
     raise KeyError("a bug")
 
 
+def wrong_op() -> Generator[list[Any], Any, None]:
+    yield ["movej2", LEFT, 1.0, 5.0, 0.0, True, 5]
+
+
 PROGRAMS: dict[str, Any] = {
     "pick": [
         ["movej2", LEFT, 1.0, 5.0],
@@ -63,6 +67,8 @@ PROGRAMS: dict[str, Any] = {
     ],
     "ask": ask,
     "broken": broken,
+    "wrong op": wrong_op,
+    "no op": [["movej2", LEFT, 1.0, 5.0, 0.0, True, None, True]],
     "parts/a": [],
 }  # fmt: skip
 
@@ -220,12 +226,17 @@ def test_a_lost_heartbeat_ends_it(cell: Simulator, connect: Connect) -> None:
         ("wrong", "'wrong': movej2 ended with ILLEGAL"),
         ("itself", "'itself': run_program ended with ILLEGAL"),
         ("broken", "'broken': KeyError('a bug')"),
+        ("wrong op", "'wrong op': movej2: op is 5, but must be a mapping of the fields of Op"),
     ],
 )
 def test_what_goes_wrong_in_it_is_its_end(program: Program, name: str, message: str) -> None:
     assert program.run_program(name, True) == TaskState.ERROR
     assert any(message in error for error in program.get_last_error())
     assert program.get_robot_state() == [6, 0, 5, 1]
+
+
+def test_a_struct_may_be_left_out_by_none(program: Program) -> None:
+    assert program.run_program("no op", True) == TaskState.FINISHED
 
 
 def test_a_program_can_stop_itself(cell: Simulator, program: Program) -> None:
@@ -295,6 +306,7 @@ def test_links_out_of_the_folder_are_refused(tmp_path: Path) -> None:
         ('[["stop", true, 3]]', "stop takes 1 arguments, not 2"),
         ('[["sleep", -1]]', "sleep takes a time"),
         ('[["movej2", [], 1, 1, 0, true, {"jump": 1}]]', "Op has no 'jump'"),
+        ('[["movej2", [], 1, 1, 0, true, 5]]', "movej2: op is 5, but must be a mapping"),
     ],
 )
 def test_a_file_that_is_no_program(tmp_path: Path, content: str, message: str) -> None:

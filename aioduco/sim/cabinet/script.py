@@ -110,7 +110,7 @@ def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
     specs = function.args.thrift_spec.values()
     for index, (_, parameter, spec, *_) in enumerate(specs):
         if index < len(given):
-            values[parameter] = _typed(spec, given[index])
+            values[parameter] = _typed(f"{name}: {parameter}", spec, given[index])
         else:
             values[parameter] = True if parameter == "block" else function.zeros[index]()
         if parameter in ("r", "rad") and name in BLENDING:
@@ -121,18 +121,25 @@ def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
     return name, tuple(values.values()), blends
 
 
-def _typed(spec: Any, value: Any) -> Any:
-    """Replace each mapping that stands for a struct by the struct.
+def _typed(where: str, spec: Any, value: Any) -> Any:
+    """Replace each mapping that stands for a struct by the struct, None by one of zeros.
 
     The field spec of a struct is its class. That of a list is a pair; its second item is the spec
     of the elements.
     """
-    if isinstance(spec, type) and isinstance(value, Mapping):
+    if isinstance(spec, type) and not isinstance(value, spec):
+        if not isinstance(value, (Mapping, type(None))):
+            raise ProgramError(
+                f"{where} is {value!r}, but must be a mapping of the fields of {spec.__name__}"
+            )
+        given = value or {}
         fields = {entry[1]: entry[2] for entry in vars(spec)["thrift_spec"].values()}
-        unknown = sorted(set(value) - set(fields))
+        unknown = sorted(set(given) - set(fields))
         if unknown:
             raise ProgramError(f"{spec.__name__} has no {unknown[0]!r}")
-        return spec(**{name: _typed(fields[name], each) for name, each in value.items()})
+        return spec(
+            **{name: _typed(f"{where}.{name}", fields[name], each) for name, each in given.items()}
+        )
     if isinstance(spec, tuple) and isinstance(value, list):
-        return [_typed(spec[1], each) for each in value]
+        return [_typed(f"{where}[{index}]", spec[1], each) for index, each in enumerate(value)]
     return value
