@@ -419,7 +419,11 @@ class WireLane:
 
     def _require_open(self, name: str) -> None:
         if not self._open:
-            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
+            state = "closed" if self.closed else "not open yet"
+            raise ConnectionLost(
+                f"{name} was not sent, since its connection to {host_port(self.host, self.port)} "
+                f"is {state}: use the robot inside its block"
+            )
 
     def _take(self, call: LaneCall) -> Channel | PoolThread | None:
         """Give a call to a free connection, or queue it; return the connection if it must send."""
@@ -467,7 +471,8 @@ class WireLane:
             call.carrier.expire(call)
             return
         self._waiting.remove(call)
-        call.end(error=NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
+        place = host_port(self.host, self.port)
+        call.end(error=NotSent(f"{call.name} was not sent: no connection to {place} was free"))
 
     def _moved(self) -> bool:
         """Forget the connections if their loop was closed; return whether it was."""
