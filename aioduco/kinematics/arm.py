@@ -86,7 +86,8 @@ class Arm:
         """Return the pose of the flange (正解).
 
         Args:
-            q: joint angles [rad]. Shape (..., 6).
+            q: joint angles [rad]. Shape (..., 6). Angles beyond the joint limits are allowed, since
+                solvers try them; so degrees are not detected here. `within_limits` tells.
 
         Returns:
             Homogeneous matrices in the base frame. Shape (..., 4, 4).
