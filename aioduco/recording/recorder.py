@@ -229,6 +229,8 @@ class RobotObserver(Uncopied):
         if not self._finished:
             self._finished = True
             self._writer.finish()
+        if not self._writer.begun:  # its start was cancelled before
+            self._ended.set()
         with anyio.move_on_after(_CLOSE_LIMIT):
             await self._ended.wait()
         # The thread reports its end as its last action.

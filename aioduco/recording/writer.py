@@ -109,6 +109,11 @@ class MessageWriter(ABC, Generic[C]):
         return self._accepts
 
     @property
+    def begun(self) -> bool:
+        """Whether its thread was started."""
+        return self._thread is not None
+
+    @property
     @abstractmethod
     def target(self) -> str:
         """Description of the target, for messages."""

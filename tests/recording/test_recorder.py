@@ -249,6 +249,21 @@ async def test_closing_the_robot_ends_its_recordings(bench: Bench, tmp_path: Pat
         assert data(run, "/tasks")[-1]["outcome"] == "STOPPED"
 
 
+async def test_a_recording_whose_start_is_cancelled_is_over(
+    robot: aioduco.Robot, bench: Bench, tmp_path: Path
+) -> None:
+    """Its writer has not begun yet: closing the robot must not wait for that."""
+    recording = robot.record(tmp_path / "a.mcap")
+    gate = bench.hold("get_robot_type", ["", ""])
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(recording.start)
+        await eventually_async(lambda: bool(bench.received("get_robot_type")))
+        tasks.cancel_scope.cancel()
+    await recording.stop()
+    assert recording.over
+    gate.set()
+
+
 async def test_a_file_that_cannot_be_made_is_said_before_the_program_begins(
     bench: Bench, tmp_path: Path
 ) -> None:
