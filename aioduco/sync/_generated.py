@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from typing import Literal, Unpack
 
     from aioduco.api.blocking import BlockingMotions as AioBlockingMotions
-    from aioduco.api.bus import Bus as AioBus
-    from aioduco.api.bus.can import CanFrame
+    from aioduco.api.bus import Bus as AioBus, CanFrame
     from aioduco.api.compound import Compound as AioCompound
     from aioduco.api.external_axes import ExternalAxes as AioExternalAxes
     from aioduco.api.force import Force as AioForce

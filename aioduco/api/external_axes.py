@@ -1,7 +1,19 @@
-"""Motions of external axes, alone or together with the arm."""
+"""External axes (外部轴, manual 1.3.14): schemes, and motions, alone or together with the arm.
+
+Controllers of manual 4.3 take the scheme, its target and its speed in lists, one of each for every
+scheme that moves. They are sent so, with one, to controllers whose version is 4.3 or later, and by
+their names up to 3.8 and where the version has no number, as of old controllers. How any other
+version takes them is not known, nor `move_circle_eaxis` in 4.3: there the motion is refused with
+`LayoutUnknown`, before anything is sent. What is sent in the other form is passed over: the arm
+would move, and its external axes would not.
+
+The manual contradicts itself about `def_acc` here. By its name, and by section 1.3.5, the
+controller chooses the acceleration if it is true; the text of section 1.3.14 says the opposite.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from aioduco._wire import newer
@@ -10,10 +22,17 @@ from aioduco.api.arguments import frames, limits, outputs
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.errors import LayoutUnknown
 from aioduco.models import ranges
+from aioduco.models.external_axis import (
+    ExternalAxis,
+    ExternalAxisScheme,
+    ExternalAxisState,
+    checked,
+)
 from aioduco.models.jog import directions_of
 from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:
+    from aioduco._wire import rpc
     from aioduco._wire.rpc import WireCall
     from aioduco.models.jog import JogDirections
     from aioduco.models.op import Op
@@ -22,8 +41,10 @@ if TYPE_CHECKING:
     from aioduco.models.version import ControllerVersion
     from aioduco.supervision.command import HeldMotion, MotionCommand
 
-__all__ = ["AxisMotions"]
+__all__ = ["ExternalAxes"]
 
+#: time-out of calls that the controller answers only after it has switched drives [s]
+_SWITCHING = 10.0
 #: on the wire of 3.8 alone: no manual has it
 _NOT_IN_4_3 = ("move_circle_eaxis",)
 #: what is known, for a version between the manuals, and for a function that manual 4.3 lacks
@@ -33,21 +54,130 @@ _KNOWN = (
 )
 
 
-class AxisMotions(Section):
-    """Motions of external axes, alone or together with the arm.
+class ExternalAxes(Section):
+    """External axes (外部轴, manual 1.3.14): turntables, rails, in schemes of up to three values.
 
-    Controllers of manual 4.3 take the scheme, its target and its speed in lists, one of each for
-    every scheme that moves. They are sent so, with one, to controllers whose version is 4.3 or
-    later, and by their names up to 3.8 and where the version has no number, as of old controllers.
-    How any other version takes them is not known, nor `move_circle_eaxis` in 4.3: there the motion
-    is refused with `LayoutUnknown`, before anything is sent. What is sent in the other form is
-    passed over: the arm would move, and its external axes would not.
+        await robot.external_axes.enable_eaxis_scheme("rail")
+        await robot.external_axes.movel_eaxis(
+            target, v=0.2, a=0.5, scheme_name="rail", epose=[1.5, 0, 0], eaxis_v=0.1
+        )
 
-    The manual contradicts itself about `def_acc` here. By its name, and by section 1.3.5, the
-    controller chooses the acceleration if it is true; the text of section 1.3.14 says the opposite.
+    A stop stops the arm and these axes. But the wire does not report whether an axis stands: where
+    this package says that the arm stands, that says nothing about the axes.
     """
 
     __slots__ = ()
+
+    async def enable_eaxis_scheme(self, scheme_name: str, *, timeout: float = _SWITCHING) -> None:
+        """Activate a scheme of external axes (启动外部轴方案).
+
+        Args:
+            scheme_name: name of the scheme.
+            timeout: seconds within which the controller must have finished.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            TaskError, Refused: it was not activated.
+            OutcomeUnknown: the controller did not answer within `timeout`.
+
+        Manual section 1.3.14.
+        """
+        name = ranges.LONG_NAME("scheme_name", scheme_name)
+        await self._finish_within(calls.enable_eaxis_scheme(name), timeout)
+
+    async def disable_eaxis_scheme(self, scheme_name: str, *, timeout: float = _SWITCHING) -> None:
+        """Deactivate a scheme of external axes (结束外部轴方案).
+
+        Args:
+            scheme_name: name of the scheme.
+            timeout: seconds within which the controller must have finished.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            TaskError, Refused: it was not deactivated.
+            OutcomeUnknown: the controller did not answer within `timeout`.
+
+        Manual section 1.3.14.
+        """
+        name = ranges.LONG_NAME("scheme_name", scheme_name)
+        await self._finish_within(calls.disable_eaxis_scheme(name), timeout)
+
+    async def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
+        """Read the state of each scheme of external axes (外部轴反馈信息).
+
+        The wire of 3.8 has this function, and manual 4.3 describes it. Section 1.2 of manual 3.8
+        describes the struct. Controllers of manual 4.3 also send speed and acceleration.
+        """
+        schemes = await self._rpc.get_eaxis_info()
+        return tuple(
+            ExternalAxisState(one.scheme_name, one.status, one.pos, *_rates(one)) for one in schemes
+        )
+
+    async def set_eaxis_param(self, num: int, param: ExternalAxis) -> None:
+        """Set the parameters of an external axis.
+
+        Args:
+            num: number of the axis, from 0.
+            param: its parameters.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError, Refused: they were not set.
+
+        Not in the manual, only on the wire. Check what the controller's own page shows before and
+        after the call.
+        """
+        num_ = ranges.EAXIS_NUMBER("num", num)
+        checked("param", param, ExternalAxis)
+        await self._finish(calls.set_eaxis_param(num_, param.wire(), True))
+
+    async def set_eaxiss_scheme_param(self, num: int, param: ExternalAxisScheme) -> None:
+        """Set the parameters of a scheme of external axes.
+
+        Args:
+            num: number of the scheme, from 0.
+            param: its parameters.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError, Refused: they were not set.
+
+        Not in the manual, only on the wire. Check what the controller's own page shows before and
+        after the call.
+        """
+        num_ = ranges.EAXIS_NUMBER("num", num)
+        checked("param", param, ExternalAxisScheme)
+        await self._finish(calls.set_eaxiss_scheme_param(num_, param.wire(), True))
+
+    async def add_eaxis_scheme(self, num: int) -> None:
+        """Add a scheme of external axes.
+
+        Args:
+            num: number of the scheme, from 0.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            TaskError, Refused: it was not added.
+
+        Not in the manual, only on the wire.
+        """
+        num_ = ranges.EAXIS_NUMBER("num", num)
+        await self._finish(calls.add_eaxis_scheme(num_, True))
+
+    async def delete_eaxis_scheme(self, num: int) -> None:
+        """Delete a scheme of external axes.
+
+        Args:
+            num: number of the scheme, from 0.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            TaskError, Refused: it was not deleted.
+
+        Not in the manual, only on the wire.
+        """
+        num_ = ranges.EAXIS_NUMBER("num", num)
+        await self._finish(calls.delete_eaxis_scheme(num_, True))
 
     def _with_axes(self, call: WireCall[int], r: float = 0.0) -> MotionCommand:
         """Make a motion whose schemes are sent as the controller's version takes them."""
@@ -399,3 +529,11 @@ def _as_taken(call: WireCall[int], version: ControllerVersion) -> WireCall[int]:
     if manual == "4.3" or (manual is None and version.known):
         raise LayoutUnknown(call.name, version.text, _KNOWN[manual == "4.3"])
     return call
+
+
+def _rates(scheme: rpc.EAxissInfo) -> tuple[float, float]:
+    """Speed and acceleration of a scheme; NaN for one that was not sent."""
+    if not isinstance(scheme, newer.EAxissInfo):
+        return math.nan, math.nan
+    vel, acc = (math.nan if rate is None else rate for rate in (scheme.vel, scheme.acc))
+    return vel, acc
