@@ -9,6 +9,7 @@ import html
 import json
 import math
 import re
+from importlib import resources
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -260,7 +261,8 @@ def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) ->
     }
     parts = {"@TITLE@": html.escape(_title(run, other)), "@DATA@": script_value(content)}
     # in one pass: a name may contain the placeholder of the other
-    page = re.sub("|".join(parts), lambda found: parts[found[0]], _PAGE)
+    page = resources.files("aioduco.recording").joinpath("figures.html").read_text("utf-8")
+    page = re.sub("|".join(parts), lambda found: parts[found[0]], page)
     path.write_text(page, encoding="utf-8", errors="replace")
 
 
@@ -287,135 +289,3 @@ def _points(times: NDArray[Any], values: NDArray[Any]) -> dict[str, Sequence[flo
         "x": [round(float(time), 4) for time in times],
         "y": [float(f"{value:.7g}") if np.isfinite(value) else None for value in values],
     }
-
-
-_PAGE: Final = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>@TITLE@</title>
-<style>
-body { font: 14px system-ui, sans-serif; margin: 1em; color: #222; background: #fff }
-canvas { width: 100%; height: 190px; display: block; cursor: crosshair; touch-action: none }
-h1 { font-size: 1.1em } h2 { font-size: 1em; margin: .8em 0 .1em }
-h2 span { font-weight: normal; margin-left: 1em; font-size: .85em }
-p { color: #555 }
-</style></head><body>
-<h1>@TITLE@</h1>
-<p>Drag to zoom in, turn the wheel to zoom, drag with Shift to move, double-click for all of it.
-Grey lines are commands and events. <output id="at"></output></p>
-<div id="plots"></div>
-<script>
-"use strict";
-const data = @DATA@;
-let low = Infinity, high = -Infinity;
-for (const p of data.panels) for (const c of p.curves) if (c.x.length) {
-  low = Math.min(low, c.x[0]); high = Math.max(high, c.x[c.x.length - 1]);
-}
-if (!(high > low)) high = low + 1;
-let from = low, to = high, drag = null;
-const out = document.getElementById("at"), plots = [];
-const LEFT = 64, BOTTOM = 20;
-function step(span, count) {
-  const raw = span / count, ten = 10 ** Math.floor(Math.log10(raw)), part = raw / ten;
-  return ten * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
-}
-function near(x, at) {
-  let a = 0, b = x.length;
-  while (a < b) { const m = (a + b) >> 1; if (x[m] < at) a = m + 1; else b = m; }
-  return a;
-}
-function label(v, s) { return v.toFixed(Math.max(0, Math.min(9, -Math.floor(Math.log10(s))))); }
-function draw(plot) {
-  const c = plot.canvas, r = window.devicePixelRatio || 1;
-  const w = c.clientWidth, h = c.clientHeight;
-  c.width = w * r; c.height = h * r;
-  const g = c.getContext("2d"); g.scale(r, r); g.font = "11px system-ui, sans-serif";
-  let a = Infinity, b = -Infinity;
-  for (const k of plot.panel.curves) {
-    const end = Math.min(k.x.length, near(k.x, to) + 1);
-    for (let i = Math.max(0, near(k.x, from) - 1); i < end; i++) if (k.y[i] !== null) {
-      a = Math.min(a, k.y[i]); b = Math.max(b, k.y[i]);
-    }
-  }
-  if (!(b >= a)) { a = 0; b = 1; }
-  if (b - a < 1e-9) { a -= 0.5e-3; b += 0.5e-3; }
-  const pad = (b - a) * 0.06; a -= pad; b += pad;
-  const X = t => LEFT + (t - from) / (to - from) * (w - LEFT - 6);
-  const Y = v => 4 + (b - v) / (b - a) * (h - BOTTOM - 4);
-  plot.time = x => from + (x - LEFT) / (w - LEFT - 6) * (to - from);
-  g.strokeStyle = "#eee"; g.fillStyle = "#555"; g.lineWidth = 1;
-  const sx = step(to - from, 10), sy = step(b - a, 5);
-  g.textAlign = "center";
-  for (let t = Math.ceil(from / sx) * sx; t <= to; t += sx) {
-    g.beginPath(); g.moveTo(X(t), 4); g.lineTo(X(t), h - BOTTOM); g.stroke();
-    g.fillText(label(t, sx) + " s", X(t), h - 6);
-  }
-  g.textAlign = "right";
-  for (let v = Math.ceil(a / sy) * sy; v <= b; v += sy) {
-    g.beginPath(); g.moveTo(LEFT, Y(v)); g.lineTo(w - 6, Y(v)); g.stroke();
-    g.fillText(label(v, sy), LEFT - 4, Y(v) + 4);
-  }
-  g.save(); g.beginPath(); g.rect(LEFT, 0, w - LEFT - 6, h - BOTTOM); g.clip();
-  g.strokeStyle = "#ccc";
-  for (const [t] of data.marks) { g.beginPath(); g.moveTo(X(t), 0); g.lineTo(X(t), h); g.stroke(); }
-  for (const k of plot.panel.curves) {
-    g.strokeStyle = k.colour; g.setLineDash(k.second ? [5, 4] : []); g.lineWidth = 1.2;
-    g.beginPath();
-    let pen = false;
-    const end = Math.min(k.x.length, near(k.x, to) + 1);
-    for (let i = Math.max(0, near(k.x, from) - 1); i < end; i++) {
-      if (k.y[i] === null) { pen = false; continue; }
-      if (pen) g.lineTo(X(k.x[i]), Y(k.y[i])); else g.moveTo(X(k.x[i]), Y(k.y[i]));
-      pen = true;
-    }
-    g.stroke();
-  }
-  if (drag && !drag.move) {
-    g.setLineDash([]); g.fillStyle = "rgba(0,114,178,.15)";
-    g.fillRect(X(drag.start), 0, X(drag.now) - X(drag.start), h);
-  }
-  g.restore();
-}
-function all() { for (const plot of plots) draw(plot); }
-function show(a, b) {
-  const span = Math.max(b - a, 1e-3);
-  from = Math.max(low, Math.min(a, high - span)); to = Math.min(high, from + span); all();
-}
-for (const panel of data.panels) {
-  const head = document.createElement("h2"), canvas = document.createElement("canvas");
-  head.textContent = panel.title + " [" + panel.unit + "]";
-  for (const k of panel.curves) if (!k.second) {
-    const s = document.createElement("span"); s.textContent = k.name; s.style.color = k.colour;
-    head.append(s);
-  }
-  document.getElementById("plots").append(head, canvas);
-  const plot = {panel, canvas, time: x => x}; plots.push(plot);
-  const at = e => plot.time(e.clientX - canvas.getBoundingClientRect().left);
-  canvas.addEventListener("pointerdown", e => {
-    drag = {start: at(e), now: at(e), move: e.shiftKey}; canvas.setPointerCapture(e.pointerId);
-  });
-  canvas.addEventListener("pointermove", e => {
-    const t = at(e);
-    if (drag && drag.move) show(from + drag.start - t, to + drag.start - t);
-    else if (drag) { drag.now = t; all(); }
-    const mark = data.marks.filter(m => Math.abs(m[0] - t) < (to - from) / 150).map(m => m[1]);
-    const said = panel.curves.map(k => {
-      const i = Math.min(near(k.x, t), k.x.length - 1);
-      return k.name + (k.second ? "′ " : " ") + (k.y[i] === null ? "–" : k.y[i].toPrecision(5));
-    });
-    out.textContent = t.toFixed(3) + " s: " + said.concat(mark).join(", ");
-  });
-  canvas.addEventListener("pointerup", () => {
-    const d = drag; drag = null;
-    if (d && !d.move && Math.abs(d.now - d.start) > (to - from) / 200)
-      show(Math.min(d.start, d.now), Math.max(d.start, d.now));
-    else all();
-  });
-  canvas.addEventListener("dblclick", () => show(low, high));
-  canvas.addEventListener("wheel", e => {
-    e.preventDefault();
-    const t = at(e), f = Math.exp(e.deltaY * 0.002);
-    show(t - (t - from) * f, t + (to - t) * f);
-  }, {passive: false});
-}
-window.addEventListener("resize", all); all();
-</script></body></html>
-"""
