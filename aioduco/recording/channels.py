@@ -15,6 +15,7 @@ import json
 import math
 import struct
 import time
+from importlib import resources
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import foxglove
@@ -89,87 +90,11 @@ _LEVELS: Final = (
     (0, LogLevel.Debug),
 )
 
-_NUMBER: Final = {"type": "number"}
-_NUMBERS: Final = {"type": "array", "items": {"type": "number"}}
-_FLAG: Final = {"type": "boolean"}
 _FLAGS: Final = {"type": "array", "items": {"type": "boolean"}}
-_TEXT: Final = {"type": "string"}
-_TEXTS: Final = {"type": "array", "items": {"type": "string"}}
-_ANY: Final[dict[str, Any]] = {}
-_XYZ: Final = {"type": "object", "properties": {"x": _NUMBER, "y": _NUMBER, "z": _NUMBER}}
-
-#: fields of the JSON channels, by channel
-_FIELDS: Final[dict[str, dict[str, Any]]] = {
-    "/wrench": {"force": _XYZ, "torque": _XYZ, "external_torques": _NUMBERS},
-    "/drives": {"currents": _NUMBERS, "temperatures": _NUMBERS, "driver_temperatures": _NUMBERS},
-    "/io": {
-        **dict.fromkeys(
-            ("digital_inputs", "digital_outputs", "tool_inputs", "tool_outputs", "tool_buttons"),
-            _FLAGS,
-        ),
-        **dict.fromkeys(
-            (
-                *("analog_current_inputs", "analog_current_outputs"),
-                *("analog_voltage_inputs", "analog_voltage_outputs"),
-            ),
-            _NUMBERS,
-        ),
-    },
-    "/registers": {
-        **dict.fromkeys(
-            ("bool_inputs", "bool_outputs", "function_inputs", "function_outputs"), _FLAGS
-        ),
-        **dict.fromkeys(("word_inputs", "word_outputs", "float_inputs", "float_outputs"), _NUMBERS),
-    },
-    "/state": {
-        **dict.fromkeys(("robot", "program", "safety", "mode"), _TEXT),
-        "enabled": _FLAGS,
-        "collision": _FLAG,
-        "collision_axis": _NUMBER,
-        "emergency_stop": _FLAG,
-        "error": _NUMBER,
-    },
-    "/commands": {
-        "function": _TEXT,
-        "arguments": {"type": "array", "items": _ANY},
-        "result": _ANY,
-        "error": _TEXT,
-        "duration": _NUMBER,
-        "lane": _TEXT,
-    },
-    "/tasks": {
-        "id": _NUMBER,
-        "name": _TEXT,
-        "state": _TEXT,
-        "outcome": _TEXT,
-        "done": _FLAG,
-        "motion": _FLAG,
-        "duration": _NUMBER,
-        "errors": _TEXTS,
-    },
-    "/events": {"event": _TEXT, "what": _ANY},
-    "/streams": {
-        **dict.fromkeys(("stream", "state", "reason"), _TEXT),
-        **dict.fromkeys(
-            ("rate", "ticks", "sent", "missed", "starved", "limited", "overwritten"), _NUMBER
-        ),
-        **{
-            name: {
-                "type": "object",
-                "properties": dict.fromkeys(("samples", "p50", "p99", "p999", "max"), _NUMBER),
-            }
-            for name in ("lateness", "interval", "round_trip", "age")
-        },
-    },
-    "/twin": {
-        **dict.fromkeys(
-            ("mass", "force", "friction", "torque", "tracking", "position", "path", "delay"),
-            _NUMBER,
-        ),
-        "blind": _TEXT,
-    },
-    "/stream_setpoints": {"stream": _TEXT, "taken": _NUMBER, "point": _NUMBERS},
-}
+#: fields of the JSON channels as JSON Schema, by channel
+_FIELDS: Final[dict[str, dict[str, Any]]] = json.loads(
+    resources.files("aioduco.recording").joinpath("json_channels.json").read_text("utf-8")
+)
 
 
 class Writable(Protocol):
@@ -403,7 +328,7 @@ class MessageChannels:
             self._last[topic] = (at, values)
             kinds = _FIELDS[topic].items()
             found = {
-                name: value if kind is _FLAGS else _rounded(value, 4)
+                name: value if kind == _FLAGS else _rounded(value, 4)
                 for (name, kind), value in zip(kinds, values, strict=True)
             }
             self._json(topic, at, found)
