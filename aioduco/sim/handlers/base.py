@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from aioduco._wire.rpc import Functions
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim import trial
@@ -20,7 +23,15 @@ if TYPE_CHECKING:
     from aioduco.sim.runtime import SimulationRuntime
 
 
-__all__ = ["ZERO_OUT_OF_RANGE", "HandlerContext", "HandlerSection", "QueueFull"]
+__all__ = [
+    "ZERO_OUT_OF_RANGE",
+    "HandlerContext",
+    "HandlerSection",
+    "QueueFull",
+    "arguments_of",
+    "as_on_the_wire",
+    "task",
+]
 
 T = TypeVar("T")
 #: functions of 1.3.7, whose first note says that they return 0 for an argument out of its range;
@@ -146,3 +157,41 @@ class HandlerSection:
         with self._runtime.command() as controller:
             controller.note_error(f"{name}: {reason}")
         return answer
+
+
+def task(*, block: bool = True) -> Callable[[Callable[..., int | None]], Callable[..., int]]:
+    """Make a handler of a command to the controller: it makes a task, as `_task` does.
+
+    The command has the function's name, and takes the controller and the function's arguments,
+    except `block`.
+
+    Args:
+        block: whether the call waits for the end of the task, if no argument says so.
+    """
+
+    def handler_of(command: Callable[..., int | None]) -> Callable[..., int]:
+        name = command.__name__
+        names = arguments_of(name)
+
+        def answer(self: HandlerSection, *values: Any) -> int:
+            given = dict(zip(names, values, strict=True))
+            waits = given.pop("block", block)
+            return self._task(name, waits, lambda c: command(self, c, **given))
+
+        return as_on_the_wire(command, answer)
+
+    return handler_of
+
+
+def as_on_the_wire(
+    function: Callable[..., object], answer: Callable[..., int]
+) -> Callable[..., int]:
+    """A handler with the signature of the wire, and the description of a function."""
+    handler = functools.wraps(getattr(Functions, function.__name__))(answer)
+    handler.__doc__ = function.__doc__
+    return handler
+
+
+def arguments_of(name: str) -> list[str]:
+    """The names of a function's arguments, in their order on the wire."""
+    return list(inspect.signature(getattr(Functions, name)).parameters)[1:]

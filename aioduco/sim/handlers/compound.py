@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.planner.weaving import Weave
 from aioduco.sim.refusal import illegal, mismatch
 
@@ -25,8 +25,10 @@ _WIDEST = 10.0  # stands for an amplitude without a limit [m]
 class CompoundHandlers(HandlerSection):
     """combine_motion_config, enable_combine_motion, disable_combine_motion."""
 
+    @task()
     def combine_motion_config(
         self,
+        controller: Controller,
         type: int,  # noqa: A002 - the name on the wire
         ref_plane: int,
         fq: float,
@@ -37,49 +39,39 @@ class CompoundHandlers(HandlerSection):
         time: Sequence[int],
         path_dwell: bool,
         op_list: Sequence[Op],
-    ) -> int:
+    ) -> None:
         """Set the weave that the next enable_combine_motion switches on."""
+        arguments.choice("type", type, tuple(WeaveShape), "from 1 to 5")
+        arguments.choice("ref_plane", ref_plane, tuple(WeavePlane), "from 0 to 5")
+        if not all(map(math.isfinite, (el_offset, az_offset, up_height))):
+            raise mismatch("el_offset, az_offset and up_height must be finite")
+        left, right = _dwells(time)
+        for op in op_list:
+            # No source says when they are due: they are only checked.
+            point_trigger(op, self._signals, self._forgiving)
+        controller.weaving.chosen = Weave(
+            WeaveShape(type),
+            WeavePlane(ref_plane),
+            arguments.positive("fq", fq, _HIGHEST, "Hz"),
+            arguments.number("amp", amp, 0.0, _WIDEST, "m"),
+            left,
+            right,
+            path_dwell,
+        )
 
-        def command(controller: Controller) -> None:
-            arguments.choice("type", type, tuple(WeaveShape), "from 1 to 5")
-            arguments.choice("ref_plane", ref_plane, tuple(WeavePlane), "from 0 to 5")
-            if not all(map(math.isfinite, (el_offset, az_offset, up_height))):
-                raise mismatch("el_offset, az_offset and up_height must be finite")
-            left, right = _dwells(time)
-            for op in op_list:
-                # No source says when they are due: they are only checked.
-                point_trigger(op, self._signals, self._forgiving)
-            controller.weaving.chosen = Weave(
-                WeaveShape(type),
-                WeavePlane(ref_plane),
-                arguments.positive("fq", fq, _HIGHEST, "Hz"),
-                arguments.number("amp", amp, 0.0, _WIDEST, "m"),
-                left,
-                right,
-                path_dwell,
-            )
-
-        return self._task("combine_motion_config", True, command)
-
-    def enable_combine_motion(self) -> int:
+    @task()
+    def enable_combine_motion(self, controller: Controller) -> None:
         """Add the weave that was set last to later paths."""
+        _check_idle(controller)
+        if controller.weaving.chosen is None:
+            raise illegal("no combined motion has been set")
+        controller.weaving.active = controller.weaving.chosen
 
-        def command(controller: Controller) -> None:
-            _check_idle(controller)
-            if controller.weaving.chosen is None:
-                raise illegal("no combined motion has been set")
-            controller.weaving.active = controller.weaving.chosen
-
-        return self._task("enable_combine_motion", True, command)
-
-    def disable_combine_motion(self) -> int:
+    @task()
+    def disable_combine_motion(self, controller: Controller) -> None:
         """Add no weave to later paths."""
-
-        def command(controller: Controller) -> None:
-            _check_idle(controller)
-            controller.weaving.active = None
-
-        return self._task("disable_combine_motion", True, command)
+        _check_idle(controller)
+        controller.weaving.active = None
 
 
 def _check_idle(controller: Controller) -> None:

@@ -10,17 +10,19 @@ from aioduco._wire.rpc import EAxissInfo
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.paths import PathSection
+from aioduco.sim.handlers.base import task
+from aioduco.sim.handlers.paths import PathSection, motion
 from aioduco.sim.planner.segments import stay
 from aioduco.sim.refusal import illegal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam, Op
+    from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
+    from aioduco.sim.handlers.motion_call import MotionCall
     from aioduco.sim.planner.segments import Segment
 
 
@@ -37,17 +39,17 @@ class ExternalAxisHandlers(PathSection):
 
     # -- set-up --------------------------------------------------------------------------------
 
-    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
+    @task()
+    def set_eaxis_param(self, controller: Controller, num: int, param: EAxisParam) -> None:
         """Set up an axis; parameters of drives and encoders have no effect here."""
-        return self._task(
-            "set_eaxis_param", block, lambda c: c.external_axes.set_axis(num, _axis(param))
-        )
+        controller.external_axes.set_axis(num, _axis(param))
 
-    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
+    @task()
+    def set_eaxiss_scheme_param(
+        self, controller: Controller, num: int, param: EAxisSchemeParam
+    ) -> None:
         """Set which axes belong to a scheme; their placement has no effect here."""
-        return self._task(
-            "set_eaxiss_scheme_param", block, lambda c: c.external_axes.link(num, param.axis_link)
-        )
+        controller.external_axes.link(num, param.axis_link)
 
     def add_eaxis_scheme(self, num: int, block: bool) -> int:
         """Add a scheme. It is called "scheme<num>" and has no axes yet."""
@@ -57,21 +59,17 @@ class ExternalAxisHandlers(PathSection):
         """Delete a scheme that is not active."""
         return self._task("delete_eaxis_scheme", block, lambda c: c.external_axes.delete(num))
 
-    def enable_eaxis_scheme(self, scheme_name: str) -> int:
+    @task()
+    def enable_eaxis_scheme(self, controller: Controller, scheme_name: str) -> None:
         """启动外部轴方案."""
-        return self._task(
-            "enable_eaxis_scheme", True, lambda c: c.external_axes.enable(scheme_name)
-        )
+        controller.external_axes.enable(scheme_name)
 
-    def disable_eaxis_scheme(self, scheme_name: str) -> int:
+    @task()
+    def disable_eaxis_scheme(self, controller: Controller, scheme_name: str) -> None:
         """结束外部轴方案, only while nothing moves."""
-
-        def command(controller: Controller) -> None:
-            if not controller.idle:
-                raise illegal("motions are running")
-            controller.external_axes.disable(scheme_name)
-
-        return self._task("disable_eaxis_scheme", True, command)
+        if not controller.idle:
+            raise illegal("motions are running")
+        controller.external_axes.disable(scheme_name)
 
     def get_eaxis_info(self) -> list[EAxissInfo]:
         """Name of each scheme, whether it is active, and the position of its first axis."""
@@ -80,162 +78,57 @@ class ExternalAxisHandlers(PathSection):
 
     # -- motions -------------------------------------------------------------------------------
 
-    def move_eaxis(
-        self, scheme_name: str, epose: Sequence[float], v: float, block: bool, op: Op
-    ) -> int:
+    @motion(line=False)
+    def move_eaxis(self, call: MotionCall) -> Plan:
         """Move the axes alone; the arm stays where it is."""
+        call.eaxis_v = call.v
+        return self._with_axes(lambda start: stay(self._arm, start), call)
 
-        def plan() -> Plan:
-            return self._with_axes(lambda start: stay(self._arm, start), scheme_name, epose, v)
-
-        return self._motion("move_eaxis", plan, op, block, line=False)
-
-    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
+    @task()
+    def move_jog_eaxis(self, controller: Controller, name: str, direction: int, vel: float) -> int:
         """Jog the first axis of a scheme, until stop_manual_move or the end of its range."""
+        arguments.choice("direction", direction, (-1, 1), "-1 or 1")
+        share = arguments.positive("vel", vel, 100.0, "%") / 100.0
+        axes = controller.external_axes.jog(name, direction, share)
+        return controller.jog(
+            "move_jog_eaxis",
+            lambda start: replace(stay(self._arm, start), axes=axes),
+            TaskState.FINISHED,
+        )
 
-        def command(controller: Controller) -> int:
-            arguments.choice("direction", direction, (-1, 1), "-1 or 1")
-            share = arguments.positive("vel", vel, 100.0, "%") / 100.0
-            axes = controller.external_axes.jog(name, direction, share)
-            return controller.jog(
-                "move_jog_eaxis",
-                lambda start: replace(stay(self._arm, start), axes=axes),
-                TaskState.FINISHED,
-            )
-
-        return self._task("move_jog_eaxis", block, command)
-
-    def movej2_eaxis(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
+    @motion(line=False)
+    def movej2_eaxis(self, call: MotionCall) -> Plan:
         """Move to joint angles, together with the axes."""
+        return self._with_axes(self._to_joints(call, self._joint_pace(call)), call)
 
-        def plan() -> Plan:
-            moved = self._to_joints(joints_list, self._joint_pace(v, a, def_acc), rad)
-            return self._with_axes(moved, scheme_name, epose, eaxis_v)
-
-        return self._motion("movej2_eaxis", plan, op, block, line=False)
-
-    def movej2_pose_eaxis(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
+    @motion(line=False)
+    def movej2_pose_eaxis(self, call: MotionCall) -> Plan:
         """Move to a pose of the tool in joint space, together with the axes."""
+        return self._with_axes(self._to_pose(call, self._joint_pace(call)), call)
 
-        def plan() -> Plan:
-            pace = self._joint_pace(v, a, def_acc)
-            moved = self._to_pose(p, qnear, tool, wobj, pace, rad)
-            return self._with_axes(moved, scheme_name, epose, eaxis_v)
-
-        return self._motion("movej2_pose_eaxis", plan, op, block, line=False)
-
-    def movel_eaxis(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
+    @motion(line=False)
+    def movel_eaxis(self, call: MotionCall) -> Plan:
         """Move along a line, together with the axes."""
+        return self._with_axes(self._to_line(call, self._tool_pace(call)), call)
 
-        def plan() -> Plan:
-            pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
-            moved = self._to_line(p, qnear, tool, wobj, pace, rad)
-            return self._with_axes(moved, scheme_name, epose, eaxis_v)
-
-        return self._motion("movel_eaxis", plan, op, block, line=False)
-
-    def movec_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-        mode: int,
-    ) -> int:
+    @motion(line=False)
+    def movec_eaxis(self, call: MotionCall) -> Plan:
         """Move along an arc, together with the axes."""
+        return self._with_axes(self._to_arc(call, self._tool_pace(call)), call)
 
-        def plan() -> Plan:
-            pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
-            moved = self._to_arc(p1, p2, mode, qnear, tool, wobj, pace, rad)
-            return self._with_axes(moved, scheme_name, epose, eaxis_v)
-
-        return self._motion("movec_eaxis", plan, op, block, line=False)
-
-    def move_circle_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        mode: int,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
+    @motion(line=False)
+    def move_circle_eaxis(self, call: MotionCall) -> Plan:
         """Move once round a circle, together with the axes."""
-
-        def plan() -> Plan:
-            pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
-            moved = self._to_arc(p1, p2, mode, qnear, tool, wobj, pace, rad, circle=True)
-            return self._with_axes(moved, scheme_name, epose, eaxis_v)
-
-        return self._motion("move_circle_eaxis", plan, op, block, line=False)
+        return self._with_axes(self._to_arc(call, self._tool_pace(call), circle=True), call)
 
     # -- shared parts --------------------------------------------------------------------------
 
-    def _with_axes(
-        self, plan: Plan, scheme_name: str, epose: Sequence[float], eaxis_v: float
-    ) -> Plan:
+    def _tool_pace(self, call: MotionCall) -> tuple[float, float]:
+        return self._line_pace(call, _TOOL_SPEED, _TOOL_ACCELERATION)
+
+    def _with_axes(self, plan: Plan, call: MotionCall) -> Plan:
         """Add a move of the axes of a scheme to a motion of the arm."""
+        scheme_name, epose, eaxis_v = self._scheme(call)
         target = arguments.numbers("epose", epose, 3)
         speed = arguments.number("eaxis_v", eaxis_v, *_SPEEDS)
         external = self._controller.external_axes
@@ -245,6 +138,10 @@ class ExternalAxisHandlers(PathSection):
             return replace(plan(start), axes=external.to(scheme_name, target, speed))
 
         return both
+
+    def _scheme(self, call: MotionCall) -> tuple[str, Sequence[float], float]:
+        """The scheme of a call, with the positions and the speed of its axes."""
+        return call.scheme_name, call.epose, call.eaxis_v
 
 
 def _axis(param: EAxisParam) -> Axis:

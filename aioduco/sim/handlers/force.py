@@ -13,7 +13,7 @@ from aioduco.sim.force.conditions import Condition
 from aioduco.sim.force.control import AdmittanceLaw, ForceGuard
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import choice, number, numbers
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.planner.follower import StandingFollower
 from aioduco.sim.refusal import Rejected, illegal, mismatch
 
@@ -33,25 +33,24 @@ _NO_SENSOR = "no force sensor is set up"
 class ForceHandlers(HandlerSection):
     """fc_start to fc_mode_is_active; those that make a task return its id."""
 
-    def fc_start(self) -> int:
+    @task(block=False)
+    def fc_start(self, controller: Controller) -> int:
         """开启机器人末端力控."""
-
-        def command(controller: Controller) -> int:
-            view = controller.view()
-            if view.robot is not RobotState.ENABLE or view.error:
-                raise illegal("not enabled, or a safety stop holds")
-            if not self._cabinet.force_sensor:
-                raise Rejected(TaskState.ERROR, _NO_SENSOR)
-            return controller.force.start()
-
-        return self._task("fc_start", False, command)
+        view = controller.view()
+        if view.robot is not RobotState.ENABLE or view.error:
+            raise illegal("not enabled, or a safety stop holds")
+        if not self._cabinet.force_sensor:
+            raise Rejected(TaskState.ERROR, _NO_SENSOR)
+        return controller.force.start()
 
     def fc_stop(self) -> int:
         """退出机器人末端力控."""
         return self._task("fc_stop", False, lambda controller: controller.force.stop())
 
+    @task(block=False)
     def fc_config(
         self,
+        controller: Controller,
         direction: Sequence[bool],
         ref_ft: Sequence[float],
         damp: Sequence[float],
@@ -60,78 +59,63 @@ class ForceHandlers(HandlerSection):
         tool: str,
         wobj: str,
         value: int,
-    ) -> int:
+    ) -> None:
         """配置机器人末端力控参数; `value` is the manual's `type`."""
+        on = _directions(direction)
+        damping = numbers("damp", damp, 6)
+        for i in range(6):
+            if on[i] and not damping[i] > 0.0:
+                raise mismatch(f"damp[{i}] is {damping[i]}, but must be above 0 where it is on")
+        controller.force.control.law = AdmittanceLaw(
+            on,
+            _within("ref_ft", ref_ft, _FORCE),
+            damping,
+            tuple(map(abs, _within("max_vel", max_vel, _SPEED))),
+            tuple(map(abs, _within("number_list", number_list, _FORCE))),
+            self._axes_of(tool, wobj, value),
+        )
 
-        def command(controller: Controller) -> None:
-            on = _directions(direction)
-            damping = numbers("damp", damp, 6)
-            for i in range(6):
-                if on[i] and not damping[i] > 0.0:
-                    raise mismatch(f"damp[{i}] is {damping[i]}, but must be above 0 where it is on")
-            controller.force.control.law = AdmittanceLaw(
-                on,
-                _within("ref_ft", ref_ft, _FORCE),
-                damping,
-                tuple(map(abs, _within("max_vel", max_vel, _SPEED))),
-                tuple(map(abs, _within("number_list", number_list, _FORCE))),
-                self._axes_of(tool, wobj, value),
-            )
-
-        return self._task("fc_config", False, command)
-
-    def fc_move(self, block: bool) -> int:
+    @task()
+    def fc_move(self, controller: Controller) -> int:
         """仅基于末端力控产生的补偿运动."""
+        if not controller.force.active:
+            raise illegal("force control is off: call fc_start first")
+        following = Following.behind(FC_MOVE, lambda q: StandingFollower(self._arm, q, self._cycle))
+        return controller.follow(FC_MOVE, following)
 
-        def command(controller: Controller) -> int:
-            if not controller.force.active:
-                raise illegal("force control is off: call fc_start first")
-            following = Following.behind(
-                FC_MOVE, lambda q: StandingFollower(self._arm, q, self._cycle)
-            )
-            return controller.follow(FC_MOVE, following)
-
-        return self._task(FC_MOVE, block, command)
-
+    @task(block=False)
     def fc_guard_act(
         self,
+        controller: Controller,
         direction: Sequence[bool],
         ref_ft: Sequence[float],
         tool: str,
         wobj: str,
         type: int,  # noqa: A002  # the wire's name
         force_property: int,
-    ) -> int:
+    ) -> None:
         """力安全监控."""
+        on, limit = _directions(direction), _amounts("ref_ft", ref_ft)
+        _choice("force_property", force_property, GuardedForce)
+        axes = self._axes_of(tool, wobj, type)
+        controller.force.control.guard = ForceGuard(
+            on, limit, axes, force_property == GuardedForce.WITH_LOAD
+        )
 
-        def command(controller: Controller) -> None:
-            on, limit = _directions(direction), _amounts("ref_ft", ref_ft)
-            _choice("force_property", force_property, GuardedForce)
-            axes = self._axes_of(tool, wobj, type)
-            controller.force.control.guard = ForceGuard(
-                on, limit, axes, force_property == GuardedForce.WITH_LOAD
-            )
-
-        return self._task("fc_guard_act", False, command)
-
-    def fc_guard_deact(self) -> int:
+    @task(block=False)
+    def fc_guard_deact(self, controller: Controller) -> None:
         """禁用力安全监控."""
+        controller.force.control.guard = None
 
-        def command(controller: Controller) -> None:
-            controller.force.control.guard = None
-
-        return self._task("fc_guard_deact", False, command)
-
-    def fc_force_set_value(self, direction: Sequence[bool], ref_ft: Sequence[float]) -> int:
+    @task(block=False)
+    def fc_force_set_value(
+        self, controller: Controller, direction: Sequence[bool], ref_ft: Sequence[float]
+    ) -> int:
         """机械臂末端力传感器读数设置为指定值."""
-
-        def command(controller: Controller) -> int:
-            on, value = _directions(direction), numbers("ref_ft", ref_ft, 6)
-            if not self._cabinet.force_sensor:
-                raise Rejected(TaskState.ERROR, _NO_SENSOR)
-            return controller.force.tare(on, value)
-
-        return self._task("fc_force_set_value", False, command)
+        on, value = _directions(direction), numbers("ref_ft", ref_ft, 6)
+        if not self._cabinet.force_sensor:
+            raise Rejected(TaskState.ERROR, _NO_SENSOR)
+        return controller.force.tare(on, value)
 
     def fc_wait_pos(
         self,
@@ -176,17 +160,14 @@ class ForceHandlers(HandlerSection):
         times = absolute, duration, timeout
         return self._condition("ft", lambda: _within("middle", middle, _FORCE), range, *times)
 
-    def fc_wait_logic(self, value: Sequence[int]) -> int:
+    @task(block=False)
+    def fc_wait_logic(self, controller: Controller, value: Sequence[int]) -> int:
         """条件判断间的逻辑关系."""
-
-        def command(controller: Controller) -> int:
-            if len(value) != 3:
-                raise mismatch(f"logic has {len(value)} numbers, but must have 3")
-            for how in value:
-                _choice("logic", how, ForceLogic)
-            return controller.force.combine(value)
-
-        return self._task("fc_wait_logic", False, command)
+        if len(value) != 3:
+            raise mismatch(f"logic has {len(value)} numbers, but must have 3")
+        for how in value:
+            _choice("logic", how, ForceLogic)
+        return controller.force.combine(value)
 
     def fc_get_ft(self) -> list[float]:
         """当前机器人末端传感器的原始反馈读数, after taring; along the flange's axes."""

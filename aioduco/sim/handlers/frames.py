@@ -11,7 +11,7 @@ from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool, WorkObject
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
@@ -23,27 +23,25 @@ if TYPE_CHECKING:
 class FrameHandlers(HandlerSection):
     """set_tool_data to get_wobj, cal_fkine, cal_ikine, set_load_data, get_tcp_force."""
 
+    @task()
     def set_tool_data(
         self,
+        controller: Controller,
         name: str,
         tool_offset: Sequence[float],
         payload: Sequence[float],
         inertia_tensor: Sequence[float],
-    ) -> int:
+    ) -> None:
         """Define a tool, and use it."""
-
-        def command(controller: Controller) -> None:
-            tool = Tool.at(
-                pose("tool_offset", tool_offset),
-                name_of("name", name, MAX_NAME),
-                load("payload", payload),
-            )
-            if inertia_tensor:  # which has no effect: a load is a point
-                numbers("inertia_tensor", inertia_tensor, 6)
-            controller.frames.set_tool(tool)
-            self._carry(controller)
-
-        return self._task("set_tool_data", True, command)
+        tool = Tool.at(
+            pose("tool_offset", tool_offset),
+            name_of("name", name, MAX_NAME),
+            load("payload", payload),
+        )
+        if inertia_tensor:  # which has no effect: a load is a point
+            numbers("inertia_tensor", inertia_tensor, 6)
+        controller.frames.set_tool(tool)
+        self._carry(controller)
 
     def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
         """Define a work object, and use it; on the wire, not in the manual."""
@@ -120,17 +118,14 @@ class FrameHandlers(HandlerSection):
         """A work object at a pose; the one in use if none is given."""
         return WorkObject.at(pose("wobj", frame)) if frame else self._runtime.snapshot.view.wobj
 
-    def set_load_data(self, value: Sequence[float]) -> int:
+    @task()
+    def set_load_data(self, controller: Controller, value: Sequence[float]) -> None:
         """抓取负载 [kg, m], centre of gravity in the tool's frame; the physics mount it, too."""
-
-        def command(controller: Controller) -> None:
-            mass, *centre = load("value", value)
-            tool = controller.frames.tool().matrix
-            at = tool[:3, :3] @ centre + tool[:3, 3]
-            self._cabinet.held = PointLoad(mass, tuple(at.tolist()))
-            self._carry(controller)
-
-        return self._task("set_load_data", True, command)
+        mass, *centre = load("value", value)
+        tool = controller.frames.tool().matrix
+        at = tool[:3, :3] @ centre + tool[:3, 3]
+        self._cabinet.held = PointLoad(mass, tuple(at.tolist()))
+        self._carry(controller)
 
     def get_tcp_force(self) -> list[float]:
         """Force and torque on the tool's tip along the base's axes [N, N m]."""

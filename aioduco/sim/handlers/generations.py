@@ -14,15 +14,16 @@ import numpy as np
 
 from aioduco._wire import newer
 from aioduco.sim.handlers import Handlers
+from aioduco.sim.handlers.base import arguments_of
 from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED
 from aioduco.sim.refusal import Refusal, illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire.rpc import EAxissInfo, MoveJogTaskParam, Op, RobotStatus
+    from aioduco._wire.rpc import EAxissInfo, MoveJogTaskParam, RobotStatus
     from aioduco.models.rotation import Array
-    from aioduco.sim.controller.motion_queue import Plan
+    from aioduco.sim.handlers.motion_call import MotionCall
     from aioduco.sim.handlers.paths import Range
     from aioduco.sim.planner.servo_follower import ServoTuning
 
@@ -112,26 +113,14 @@ class NewerHandlers(Handlers):
 
     # -- motions ---------------------------------------------------------------------------------
 
-    def movec(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-        arc_rad: float = 0.0,
-    ) -> int:
-        """Move along an arc through p1 to p2; a fixed radius is not simulated."""
-        if arc_rad != 0.0:
-            return self._task("movec", block, lambda _: _refuse_radius(arc_rad))
-        return super().movec(p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc)
+    def movec(self, *values: Any) -> int:
+        """Move along an arc through p1 to p2; a fixed radius, after the rest, is not simulated."""
+        names = arguments_of("movec")
+        given, added = values[: len(names)], values[len(names) :]
+        if added and added[0] != 0.0:
+            block = given[names.index("block")]
+            return self._task("movec", block, lambda _: _refuse_radius(added[0]))
+        return super().movec(*given)
 
     def _as_in_3_8(self, param: MoveJogTaskParam) -> MoveJogTaskParam:
         sign = _JOG_SIGNS.get(param.jog_direction)
@@ -141,15 +130,16 @@ class NewerHandlers(Handlers):
         step = param.step_jointValue if turns else param.step_cartvalue
         return replace(param, jog_direction=sign, step_cartvalue=step)
 
-    def _with_axes(self, plan: Plan, scheme_name: Any, epose: Any, eaxis_v: Any) -> Plan:
-        """Add a move of one scheme, which comes in lists; two at once are not simulated."""
-        if isinstance(scheme_name, str):  # in a program, whose calls are those of 3.8
-            return super()._with_axes(plan, scheme_name, epose, eaxis_v)
-        if not len(scheme_name) == len(epose) == len(eaxis_v) > 0:
+    def _scheme(self, call: MotionCall) -> tuple[str, Sequence[float], float]:
+        """The one scheme of a call, which comes in lists; two at once are not simulated."""
+        names, eposes, speeds = call.scheme_name, call.epose, call.eaxis_v
+        if isinstance(names, str):  # in a program, whose calls are those of 3.8
+            return super()._scheme(call)
+        if not len(names) == len(eposes) == len(speeds) > 0:
             raise mismatch("scheme_name, epose and eaxis_v must be lists of the same length")
-        if len(scheme_name) > 1:
+        if len(names) > 1:
             raise illegal("moves of several schemes are not simulated")
-        return super()._with_axes(plan, scheme_name[0], epose[0], eaxis_v[0])
+        return names[0], eposes[0], speeds[0]
 
     def _paces(self, name: str) -> tuple[Range, Range]:
         return (_TOOL_SPEED, _TOOL_ACCELERATION) if name in _BY_TOOL else super()._paces(name)

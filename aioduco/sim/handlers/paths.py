@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -14,7 +15,8 @@ from aioduco.models.enums import OperationMode
 from aioduco.sim import trial
 from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, arguments_of, as_on_the_wire
+from aioduco.sim.handlers.motion_call import MotionCall
 from aioduco.sim.planner.curves import StraightLine
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
@@ -28,7 +30,6 @@ from aioduco.sim.planner.segments import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco._wire.rpc import Op
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
@@ -59,25 +60,9 @@ class PathSection(HandlerSection):
     """Base of the handlers of motions that are planned as a whole."""
 
     def _motion(
-        self,
-        name: str,
-        plan: Callable[[], Plan],
-        op: Op,
-        block: bool,
-        *,
-        line: bool = True,
-        points: Sequence[tuple[Array, Callable[[], None]]] = (),
+        self, name: str, call: MotionCall, plan: Callable[[MotionCall], Plan], line: bool
     ) -> int:
-        """Queue a motion.
-
-        Args:
-            name: name of the function.
-            plan: makes the plan from the arguments; raises Rejected if they are wrong.
-            op: triggers along the path.
-            block: whether to wait for the end of the motion.
-            line: whether its path has a length in metres, for triggers by distance.
-            points: positions on the path with the action at each, in order; filled by `plan`.
-        """
+        """Queue a motion: see `motion`."""
 
         def command(controller: Controller) -> int:
             tool = self._frames.tool().matrix
@@ -85,40 +70,38 @@ class PathSection(HandlerSection):
             def tip(q: Array) -> Array:
                 return (self._arm.fkine(q) @ tool)[:3, 3]
 
-            planned = plan()
+            planned = plan(call)
             if trial.current is not None:
                 planned = trial.current.planned(name, self._arm, planned)
-            triggers = motion_triggers(op, self._signals, tip, self._forgiving, distance=line)
-            if points:
+            triggers = motion_triggers(call.op, self._signals, tip, self._forgiving, distance=line)
+            if call.points:
                 triggers = triggers or MotionTriggers(tip)
-                triggers.points.extend(points)
+                triggers.points.extend(call.points)
                 triggers.flange = lambda q: self._arm.fkine(q)[:3, 3]
             return controller.move(name, planned, triggers)
 
-        return self._task(name, block, command)
+        return self._task(name, call.block, command)
 
-    def _joint_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
+    def _joint_pace(self, call: MotionCall) -> tuple[float, float]:
         """Speed and acceleration of joints, as requested or optimized."""
-        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *JOINT_SPEED)
+        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *JOINT_SPEED)
         change = DEFAULT_JOINT_ACCELERATION
-        if not def_acc:
-            change = arguments.number("a", a, *JOINT_ACCELERATION)
+        if not call.def_acc:
+            change = arguments.number("a", call.a, *JOINT_ACCELERATION)
         fast, steep = self._optimized()
         return JOINT_SPEED[1] if fast else speed, math.inf if steep else change
 
     def _line_pace(
         self,
-        v: float,
-        a: float,
-        def_acc: bool,
+        call: MotionCall,
         speeds: Range = _LINE_SPEED,
         accelerations: Range = _LINE_ACCELERATION,
     ) -> tuple[float, float]:
         """Speed and acceleration of the tool, as requested or optimized."""
-        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *speeds)
+        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *speeds)
         change = DEFAULT_LINE_ACCELERATION
-        if not def_acc:
-            change = arguments.number("a", a, *accelerations)
+        if not call.def_acc:
+            change = arguments.number("a", call.a, *accelerations)
         fast, steep = self._optimized()
         return speeds[1] if fast else speed, _UNLIMITED_ACCELERATION if steep else change
 
@@ -137,25 +120,17 @@ class PathSection(HandlerSection):
         around = self._controller.optimization.avoids
         return {"weave": weave, "around": around}
 
-    def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
+    def _to_joints(self, call: MotionCall, pace: tuple[float, float]) -> Plan:
         """Plan a motion to joint angles; all joints arrive together."""
-        end = np.array(arguments.joints("joints_list", target))
-        radius = blend(r)
+        end = np.array(arguments.joints("joints_list", call.joints_list))
+        radius = blend(call.r)
         tip = self._frames.tool().matrix
         return lambda start: joint_move(self._arm, start, end, *pace, radius, tool=tip)
 
-    def _to_pose(
-        self,
-        p: Sequence[float],
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        pace: tuple[float, float],
-        r: float,
-    ) -> Plan:
+    def _to_pose(self, call: MotionCall, pace: tuple[float, float]) -> Plan:
         """Plan a motion to a pose of the tool in joint space; all joints arrive together."""
-        target, tip = self._target("p", p, tool, wobj)
-        reference, radius = near(q_near), blend(r)
+        target, tip = self._target("p", call.p, call)
+        reference, radius = near(call.q_near), blend(call.r)
 
         def inverse(start: Array) -> Segment:
             try:
@@ -169,48 +144,28 @@ class PathSection(HandlerSection):
 
         return inverse
 
-    def _to_line(
-        self,
-        p: Sequence[float],
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        pace: tuple[float, float],
-        r: float,
-    ) -> Plan:
+    def _to_line(self, call: MotionCall, pace: tuple[float, float]) -> Plan:
         """Plan a motion to a pose of the tool; the tip moves along a straight line."""
-        target, tip = self._target("p", p, tool, wobj)
-        radius, options = blend(r), self._path_options(wobj)
+        target, tip = self._target("p", call.p, call)
+        radius, options = blend(call.r), self._path_options(call.wobj)
         return self._verified(
             lambda start: line_move(self._arm, start, target, *pace, radius, tool=tip, **options),
-            q_near,
+            call.q_near,
         )
 
-    def _to_arc(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        pace: tuple[float, float],
-        r: float,
-        *,
-        circle: bool = False,
-    ) -> Plan:
+    def _to_arc(self, call: MotionCall, pace: tuple[float, float], *, circle: bool = False) -> Plan:
         """Plan a motion along an arc through p1 to p2, or once round the circle through them."""
-        via, tip = self._target("p1", p1, tool, wobj)
-        target, _ = self._target("p2", p2, tool, wobj)
+        via, tip = self._target("p1", call.p1, call)
+        target, _ = self._target("p2", call.p2, call)
         modes, names = ((1, 2), "1 or 2") if circle else ((0, 1, 2), "0, 1 or 2")
-        arguments.choice("mode", mode, modes, names)
-        radius, options = blend(r), self._path_options(wobj)
+        arguments.choice("mode", call.mode, modes, names)
+        radius, options = blend(call.r), self._path_options(call.wobj)
         move = circle_move if circle else arc_move
         return self._verified(
             lambda start: move(
-                self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **options
+                self._arm, start, via, target, *pace, radius, mode=call.mode, tool=tip, **options
             ),
-            q_near,
+            call.q_near,
         )
 
     def _verified(self, plan: Plan, q_near: Sequence[float]) -> Plan:
@@ -238,11 +193,35 @@ class PathSection(HandlerSection):
 
         return verified
 
-    def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Array, Array]:
+    def _target(self, name: str, p: Sequence[float], call: MotionCall) -> tuple[Array, Array]:
         """Pose of the flange in the base frame, and of the tool's tip in the flange's."""
-        used = self._frames.tool(tool)
-        base = self._frames.wobj(wobj)
+        used = self._frames.tool(call.tool)
+        base = self._frames.wobj(call.wobj)
         return base.matrix @ arguments.pose(name, p).matrix @ used.inverse, used.matrix
+
+
+def motion(
+    *, line: bool = True
+) -> Callable[[Callable[[Any, MotionCall], Plan]], Callable[..., int]]:
+    """Make a handler that queues a motion of what plans it.
+
+    The plan has the function's name, and is made from the call; it raises Rejected if an argument
+    is wrong.
+
+    Args:
+        line: whether its path has a length in metres, for triggers by distance.
+    """
+
+    def handler_of(plan: Callable[[Any, MotionCall], Plan]) -> Callable[..., int]:
+        names = arguments_of(plan.__name__)
+
+        def answer(self: PathSection, *values: Any) -> int:
+            call = MotionCall(names, values)
+            return self._motion(plan.__name__, call, partial(plan, self), line)
+
+        return as_on_the_wire(plan, answer)
+
+    return handler_of
 
 
 def near(q_near: Sequence[float]) -> Array | None:

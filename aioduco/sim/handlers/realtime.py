@@ -9,7 +9,7 @@ from aioduco.models.enums import SafetyState
 from aioduco.models.realtime import RealtimeMode
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.planner.realtime_follower import Follow, RealtimeCommand, RealtimeFollower
 from aioduco.sim.planner.realtime_follower import mismatch as differs
 from aioduco.sim.refusal import mismatch
@@ -30,23 +30,20 @@ _BANDWIDTH, _PATIENCE = 100.0, 0.02
 class RealtimeHandlers(HandlerSection):
     """start_realtime_mode to get_realtime_data_queue_size."""
 
-    def start_realtime_mode(self, mode: int, fileter_bandwidth: float, com_lost_time: float) -> int:
+    @task()
+    def start_realtime_mode(
+        self, controller: Controller, mode: int, fileter_bandwidth: float, com_lost_time: float
+    ) -> int | None:
         """Follow the queue, one point per cycle; the task is done as soon as that has begun."""
-
-        def command(controller: Controller) -> int | None:
-            if mode == RealtimeMode.JOINT_TORQUE:
-                raise mismatch("mode is 2, joint torques, which the manual calls reserved")
-            arguments.choice("mode", mode, tuple(Follow), "0, 1, 3 or 4")
-            what = Follow(mode)
-            bandwidth = arguments.positive(
-                "fileter_bandwidth", fileter_bandwidth or _BANDWIDTH, 1e6, "Hz"
-            )
-            patience = arguments.positive(
-                "com_lost_time", com_lost_time or _PATIENCE, math.inf, "s"
-            )
-            return self._start(controller, what, bandwidth, patience)
-
-        return self._task("start_realtime_mode", True, command)
+        if mode == RealtimeMode.JOINT_TORQUE:
+            raise mismatch("mode is 2, joint torques, which the manual calls reserved")
+        arguments.choice("mode", mode, tuple(Follow), "0, 1, 3 or 4")
+        what = Follow(mode)
+        bandwidth = arguments.positive(
+            "fileter_bandwidth", fileter_bandwidth or _BANDWIDTH, 1e6, "Hz"
+        )
+        patience = arguments.positive("com_lost_time", com_lost_time or _PATIENCE, math.inf, "s")
+        return self._start(controller, what, bandwidth, patience)
 
     def _start(
         self, controller: Controller, what: Follow, bandwidth: float, patience: float

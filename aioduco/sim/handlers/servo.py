@@ -3,135 +3,89 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, arguments_of, as_on_the_wire
+from aioduco.sim.handlers.motion_call import MotionCall
 from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED, TOO_FAST
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.handlers.paths import Range
+
+    #: gives the joints to go to, from the present target [rad]
+    Target: TypeAlias = Callable[[Array], Array]
 
 
 #: the vendor's values, for a client that leaves them out: all four are then zero on the wire
 _GAINS = (200.0, 25.0, 10.0, 1.0)
 
 
+def servo(target: Callable[[ServoHandlers, MotionCall], Target]) -> Callable[..., int]:
+    """Make a handler that follows a target, of what gives the target of a call.
+
+    That has the function's name, and raises Rejected if an argument is wrong.
+    """
+    name = target.__name__
+    names = arguments_of(name)
+
+    def answer(self: ServoHandlers, *values: Any) -> int:
+        return self._servo(name, MotionCall(names, values), partial(target, self))
+
+    return as_on_the_wire(target, answer)
+
+
 class ServoHandlers(HandlerSection):
     """servoj, servoj_pose, servo_tcp, servol."""
 
-    def servoj(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
+    @servo
+    def servoj(self, call: MotionCall) -> Target:
         """Move to joint angles, each joint independently."""
+        goal = np.array(arguments.joints("joints_list", call.joints_list))
+        return lambda _last: goal
 
-        def target() -> Callable[[Array], Array]:
-            goal = np.array(arguments.joints("joints_list", joints_list))
-            return lambda _last: goal
-
-        return self._servo("servoj", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
-
-    def servoj_pose(
-        self,
-        pose_list: Sequence[float],
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
+    @servo
+    def servoj_pose(self, call: MotionCall) -> Target:
         """Move to a pose of the tool, each joint independently."""
+        return self._at_pose(call)
 
-        def target() -> Callable[[Array], Array]:
-            return self._at_pose(pose_list, q_near, tool, wobj)
-
-        return self._servo("servoj_pose", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
-
-    def servo_tcp(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        tool: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
+    @servo
+    def servo_tcp(self, call: MotionCall) -> Target:
         """Move by an offset in the tool's frame, relative to the present target."""
+        used = self._frames.tool(call.tool)
+        step = used.matrix @ arguments.pose("pose_offset", call.pose_offset).matrix @ used.inverse
+        return lambda last: self._inverse(self._arm.fkine(last) @ step, last)
 
-        def target() -> Callable[[Array], Array]:
-            used = self._frames.tool(tool)
-            step = used.matrix @ arguments.pose("pose_offset", pose_offset).matrix @ used.inverse
-            return lambda last: self._inverse(self._arm.fkine(last) @ step, last)
-
-        return self._servo("servo_tcp", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
-
-    def servol(
-        self,
-        pose_list: Sequence[float],
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
+    @servo
+    def servol(self, call: MotionCall) -> Target:
         """Move to a pose of the tool, each joint independently, as the manual's text says."""
-
-        def target() -> Callable[[Array], Array]:
-            return self._at_pose(pose_list, q_near, tool, wobj)
-
-        return self._servo("servol", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
+        return self._at_pose(call)
 
     # -- shared parts --------------------------------------------------------------------------
 
-    def _servo(
-        self,
-        name: str,
-        target: Callable[[], Callable[[Array], Array]],
-        numbers: tuple[float, ...],
-        block: bool,
-    ) -> int:
+    def _servo(self, name: str, call: MotionCall, target: Callable[[MotionCall], Target]) -> int:
         def command(controller: Controller) -> int:
-            goal, tuning = target(), self._tuning(self._paces(name), *numbers)
+            goal, tuning = target(call), self._tuning(self._paces(name), call)
 
             def aim(follower: ServoFollower) -> None:
                 to = goal(follower.target)
                 follower.aim(to, self._by_joints(name, tuning, follower.setpoint.q, to))
 
-            servo = Following(name, lambda q: ServoFollower(self._arm, q, self._cycle), aim)
-            return controller.follow(name, servo)
+            following = Following(name, lambda q: ServoFollower(self._arm, q, self._cycle), aim)
+            return controller.follow(name, following)
 
-        return self._task(name, block, command)
+        return self._task(name, call.block, command)
 
     def _paces(self, name: str) -> tuple[Range, Range]:  # noqa: ARG002 - others differ by it
         """Return the ranges of v and a of a function."""
@@ -147,21 +101,13 @@ class ServoHandlers(HandlerSection):
         """Return the tuning with the v and a of the joints, for a target `to` from `at` [rad]."""
         return tuning
 
-    def _tuning(
-        self,
-        paces: tuple[Range, Range],
-        v: float,
-        a: float,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> ServoTuning:
+    def _tuning(self, paces: tuple[Range, Range], call: MotionCall) -> ServoTuning:
+        kp, kd, smooth_vel, smooth_acc = call.kp, call.kd, call.smooth_vel, call.smooth_acc
         if not (kp or kd or smooth_vel or smooth_acc):
             kp, kd, smooth_vel, smooth_acc = _GAINS
         return ServoTuning(
-            arguments.at_most(self._forgiving, TOO_FAST, "v", v, *paces[0]),
-            arguments.number("a", a, *paces[1]),
+            arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *paces[0]),
+            arguments.number("a", call.a, *paces[1]),
             # Without a proportional part the arm would never arrive.
             arguments.positive("kp", self._usual("kp", kp, _GAINS[0]), 1e6, ""),
             arguments.number("kd", kd, 0.0, 1e6, ""),
@@ -186,12 +132,10 @@ class ServoHandlers(HandlerSection):
             value = min(max(value, low), high)
         return arguments.number(name, value, low, high, "")
 
-    def _at_pose(
-        self, p: Sequence[float], q_near: Sequence[float], tool: str, wobj: str
-    ) -> Callable[[Array], Array]:
-        used, base = self._frames.tool(tool), self._frames.wobj(wobj)
-        flange = base.matrix @ arguments.pose("pose_list", p).matrix @ used.inverse
-        near = np.array(arguments.joints("q_near", q_near)) if q_near else None
+    def _at_pose(self, call: MotionCall) -> Target:
+        used, base = self._frames.tool(call.tool), self._frames.wobj(call.wobj)
+        flange = base.matrix @ arguments.pose("pose_list", call.pose_list).matrix @ used.inverse
+        near = np.array(arguments.joints("q_near", call.q_near)) if call.q_near else None
         return lambda last: self._inverse(flange, last if near is None else near)
 
     def _inverse(self, flange: Array, near: Array) -> Array:

@@ -11,7 +11,7 @@ from aioduco._wire.rpc import ReachabilityParam
 from aioduco.errors import Unreachable
 from aioduco.models.enums import OperationMode
 from aioduco.sim.handlers.arguments import choice, joints, number, pose
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.refusal import Rejected, illegal, mismatch
 
 if TYPE_CHECKING:
@@ -33,16 +33,13 @@ class SettingHandlers(HandlerSection):
         """全局速度的百分比 [%], in whole numbers on the wire."""
         return math.floor(self._runtime.snapshot.view.speed)
 
-    def switch_mode(self, mode: int) -> int:
+    @task()
+    def switch_mode(self, controller: Controller, mode: int) -> int:
         """Set manual (0) or automatic mode (1); refused if a switch at the cabinet decides it."""
-
-        def command(controller: Controller) -> int:
-            choice("mode", mode, (OperationMode.MANUAL, OperationMode.AUTO), "0 or 1")
-            if self._cabinet.mode_switch:
-                raise illegal("a switch at the cabinet decides the mode")
-            return controller.switch_mode(OperationMode(mode))
-
-        return self._task("switch_mode", True, command)
+        choice("mode", mode, (OperationMode.MANUAL, OperationMode.AUTO), "0 or 1")
+        if self._cabinet.mode_switch:
+            raise illegal("a switch at the cabinet decides the mode")
+        return controller.switch_mode(OperationMode(mode))
 
     def collision_detection_reset(self) -> int:
         """重置碰撞检测警告."""
@@ -66,33 +63,24 @@ class SettingHandlers(HandlerSection):
         """The same as get_origin_DH: a simulated arm is built as designed."""
         return self.get_origin_DH()
 
-    def set_teach_speed(self, v: int) -> int:
+    @task()
+    def set_teach_speed(self, _: Controller, v: int) -> None:
         """示教速度的百分比 [%]; it applies from the next jog on."""
-
-        def command(_: Controller) -> None:
-            self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
-
-        return self._task("set_teach_speed", True, command)
+        self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
 
     def get_teach_speed(self) -> int:
         """示教速度的百分比 [%]."""
         return self._cabinet.teach_speed
 
-    def collision_detect(self, value: int) -> int:
+    @task()
+    def collision_detect(self, controller: Controller, value: int) -> None:
         """碰撞检测等级: 0 for off, 1 to 5."""
+        controller.collisions.level = int(number("level", value, 0, 5, "in whole numbers"))
 
-        def command(controller: Controller) -> None:
-            controller.collisions.level = int(number("level", value, 0, 5, "in whole numbers"))
-
-        return self._task("collision_detect", True, command)
-
-    def set_teach_pendant(self, enable: bool) -> int:
+    @task()
+    def set_teach_pendant(self, _: Controller, enable: bool) -> None:
         """启用或禁用示教器的物理按键."""
-
-        def command(_: Controller) -> None:
-            self._cabinet.pendant_enabled = enable
-
-        return self._task("set_teach_pendant", True, command)
+        self._cabinet.pendant_enabled = enable
 
     def simulation(self, sim: bool, block: bool) -> int:
         """切换机器人到仿真或者真机模式; the arm must be completely at rest."""
@@ -138,15 +126,14 @@ class SettingHandlers(HandlerSection):
                 found.append(reached.tolist())
         return found
 
-    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
+    @task()
+    def set_dynamic_calibration_params(
+        self, _: Controller, params: Sequence[Sequence[float]]
+    ) -> None:
         """Store the parameters. They have no effect: a simulated arm is built as designed."""
-
-        def command(_: Controller) -> None:
-            if not all(math.isfinite(value) for row in params for value in row):
-                raise mismatch("params must be finite numbers")
-            self._cabinet.dynamics = [list(row) for row in params]
-
-        return self._task("set_dynamic_calibration_params", True, command)
+        if not all(math.isfinite(value) for row in params for value in row):
+            raise mismatch("params must be finite numbers")
+        self._cabinet.dynamics = [list(row) for row in params]
 
     def get_dynamic_calibration_params(self) -> list[list[float]]:
         """The parameters that were set last; empty before."""

@@ -10,7 +10,7 @@ from aioduco.models.enums import OutputMode
 from aioduco.sim.cabinet.signals import LEVEL, Pulses
 from aioduco.sim.cabinet.values import UndefinedValue
 from aioduco.sim.handlers.arguments import choice, number
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
@@ -92,22 +92,26 @@ class SignalHandlers(HandlerSection):
             floatRegisterOutputs=signals.float_out.all(),
         )
 
-    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:  # noqa: A002 - the name on the wire
+    @task()
+    def set_digital_output_mode(
+        self,
+        _: Controller,
+        num: int,
+        type: int,  # noqa: A002 - the name on the wire
+        freq: int,
+        duty_cycle: int,
+    ) -> None:
         """Make a general output a level (0) or pulses (1)."""
-
-        def command(_: Controller) -> None:
-            outputs = self._signals.standard_out
-            if num not in outputs:
-                raise mismatch(f"there is no output {num}; there are 1 to {len(outputs)}")
-            choice("type", type, tuple(OutputMode), "0 or 1")
-            pulses = LEVEL
-            if type == OutputMode.PULSES:
-                number("freq", freq, 1, 100, "Hz")
-                number("duty_cycle", duty_cycle, 1, 100, "%")
-                pulses = Pulses(freq, duty_cycle)
-            outputs.choose(num, pulses)
-
-        return self._task("set_digital_output_mode", True, command)
+        outputs = self._signals.standard_out
+        if num not in outputs:
+            raise mismatch(f"there is no output {num}; there are 1 to {len(outputs)}")
+        choice("type", type, tuple(OutputMode), "0 or 1")
+        pulses = LEVEL
+        if type == OutputMode.PULSES:
+            number("freq", freq, 1, 100, "Hz")
+            number("duty_cycle", duty_cycle, 1, 100, "%")
+            pulses = Pulses(freq, duty_cycle)
+        outputs.choose(num, pulses)
 
     # -- analog --------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.controller.recorder import BY_POSITION, BY_TIME
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.handlers.paths import (
     DEFAULT_JOINT_ACCELERATION,
     DEFAULT_LINE_ACCELERATION,
@@ -99,34 +99,31 @@ class TrackHandlers(HandlerSection):
     def _follow(self, name: str, track: Callable[[Controller], _Part], block: bool) -> int:
         return self._task(name, block, lambda c: c.follow(name, Following.behind(name, track(c))))
 
+    @task(block=False)
     def start_record_track(
-        self, name: str, mode: int, tool: str, wobj: str, interval: float
-    ) -> int:
+        self, controller: Controller, name: str, mode: int, tool: str, wobj: str, interval: float
+    ) -> None:
         """轨迹记录. Returns the id of a task that is done once the recording has begun."""
+        arguments.choice("mode", mode, _INTERVALS, "0 or 1")
+        arguments.name_of("name", name, _LONGEST_NAME)
+        if "/" in name or "\\" in name or name in (".", ".."):
+            raise mismatch(f"name is {name!r}, which is no name of a file")
+        step = interval or _INTERVALS[mode]
+        arguments.positive("interval", step, 1e9, "degrees" if mode == BY_POSITION else "s")
+        used, base = self._frames.tool(tool), self._frames.wobj(wobj)
+        if controller.recorder.active:
+            raise illegal("a track is being recorded")
 
-        def command(controller: Controller) -> None:
-            arguments.choice("mode", mode, _INTERVALS, "0 or 1")
-            arguments.name_of("name", name, _LONGEST_NAME)
-            if "/" in name or "\\" in name or name in (".", ".."):
-                raise mismatch(f"name is {name!r}, which is no name of a file")
-            step = interval or _INTERVALS[mode]
-            arguments.positive("interval", step, 1e9, "degrees" if mode == BY_POSITION else "s")
-            used, base = self._frames.tool(tool), self._frames.wobj(wobj)
-            if controller.recorder.active:
-                raise illegal("a track is being recorded")
+        def pose(q: Array) -> tuple[float, ...]:
+            return tuple(Pose.from_matrix(base.inverse @ self._arm.fkine(q) @ used.matrix))
 
-            def pose(q: Array) -> tuple[float, ...]:
-                return tuple(Pose.from_matrix(base.inverse @ self._arm.fkine(q) @ used.matrix))
-
-            controller.recorder.start(
-                RecordedTrack(used.name, base.name),
-                mode,
-                math.radians(step) if mode == BY_POSITION else step,
-                pose,
-                partial(self._cabinet.project.tracks.__setitem__, name),
-            )
-
-        return self._task("start_record_track", False, command)
+        controller.recorder.start(
+            RecordedTrack(used.name, base.name),
+            mode,
+            math.radians(step) if mode == BY_POSITION else step,
+            pose,
+            partial(self._cabinet.project.tracks.__setitem__, name),
+        )
 
     def stop_record_track(self) -> int:
         """停止轨迹记录."""

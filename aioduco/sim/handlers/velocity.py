@@ -11,7 +11,7 @@ from aioduco.models.jog import JogFrame
 from aioduco.models.rotation import matrix_from_rotvec, transform
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.handlers.paths import JOINT_ACCELERATION
 from aioduco.sim.planner.guiding import HandGuidingFollower, cartesian_giving, joint_giving
 from aioduco.sim.planner.segments import joint_move, line_move
@@ -42,108 +42,98 @@ _CARTESIAN, _JOINTS = 1, 2
 class VelocityHandlers(HandlerSection):
     """speedj, speedl, speed_stop, move_jog, stop_manual_move, hand guiding."""
 
-    def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
+    @task()
+    def speedj(
+        self, controller: Controller, joints_list: Sequence[float], a: float, time: int
+    ) -> int:
         """Turn each joint at a velocity."""
+        speeds = _speeds("joints_list", joints_list, [_FASTEST_JOINT] * 6)
+        change = min(arguments.number("a", a, *JOINT_ACCELERATION), _UNLIMITED_ACCELERATION)
+        left = _time(time)
 
-        def command(controller: Controller) -> int:
-            speeds = _speeds("joints_list", joints_list, [_FASTEST_JOINT] * 6)
-            change = min(arguments.number("a", a, *JOINT_ACCELERATION), _UNLIMITED_ACCELERATION)
-            left = _time(time)
+        def aim(follower: JointVelocity) -> None:
+            follower.aim(speeds, change, left)
 
-            def aim(follower: JointVelocity) -> None:
-                follower.aim(speeds, change, left)
+        following = Following("speedj", self._joint_velocity, aim, alone=True)
+        return controller.follow("speedj", following)
 
-            following = Following("speedj", self._joint_velocity, aim, alone=True)
-            return controller.follow("speedj", following)
-
-        return self._task("speedj", block, command)
-
-    def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
+    @task()
+    def speedl(
+        self, controller: Controller, pose_list: Sequence[float], a: float, time: int
+    ) -> int:
         """Move the tool at a velocity in its own frame (manual 4.3)."""
+        twist = _speeds("pose_list", pose_list, [_FASTEST_TOOL] * 3 + [_FASTEST_JOINT] * 3)
+        change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _UNLIMITED_ACCELERATION)
+        left, tool = _time(time), self._frames.tool().matrix
 
-        def command(controller: Controller) -> int:
-            twist = _speeds("pose_list", pose_list, [_FASTEST_TOOL] * 3 + [_FASTEST_JOINT] * 3)
-            change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _UNLIMITED_ACCELERATION)
-            left, tool = _time(time), self._frames.tool().matrix
+        def make(q: Array) -> ToolVelocity:
+            return ToolVelocity(self._arm, q, self._cycle, tool)
 
-            def make(q: Array) -> ToolVelocity:
-                return ToolVelocity(self._arm, q, self._cycle, tool)
+        def aim(follower: ToolVelocity) -> None:
+            follower.tool = tool
+            follower.aim(twist, change, left)
 
-            def aim(follower: ToolVelocity) -> None:
-                follower.tool = tool
-                follower.aim(twist, change, left)
-
-            return controller.follow("speedl", Following("speedl", make, aim, alone=True))
-
-        return self._task("speedl", block, command)
+        return controller.follow("speedl", Following("speedl", make, aim, alone=True))
 
     def speed_stop(self, block: bool) -> int:
         """Bring speedj and speedl to rest at their own acceleration."""
         name = "speed_stop"
         return self._task(name, block, lambda c: c.end_following(name, "speedj", "speedl"))
 
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int:
+    @task()
+    def move_jog(self, controller: Controller, param: MoveJogTaskParam) -> int:
         """Jog a joint or a direction, by a step or until stop_manual_move."""
-
-        def command(controller: Controller) -> int:
-            jog = self._as_in_3_8(param)
-            _check_jog(jog)
-            if jog.use_step:
-                return controller.jog("move_jog", self._jog_step(jog))
-            return controller.follow("move_jog", self._jog(jog))
-
-        return self._task("move_jog", block, command)
+        jog = self._as_in_3_8(param)
+        _check_jog(jog)
+        if jog.use_step:
+            return controller.jog("move_jog", self._jog_step(jog))
+        return controller.follow("move_jog", self._jog(jog))
 
     def stop_manual_move(self, block: bool) -> int:
         """End a jog."""
         name = "stop_manual_move"
         return self._task(name, block, lambda c: c.end_jog(name))
 
-    def teach_mode(self, block: bool) -> int:
+    @task()
+    def teach_mode(self, controller: Controller) -> int | None:
         """Begin hand guiding; the task is done when that has begun."""
-
-        def command(controller: Controller) -> int | None:
-            giving = self._cabinet.hand_teaching
-            guiding = Following.once(
-                "teach_mode", lambda q: HandGuidingFollower(self._arm, q, self._cycle, giving)
-            )
-            id_ = controller.follow("teach_mode", guiding)
-            return id_ if controller.tasks.state(id_).ended else None
-
-        return self._task("teach_mode", block, command)
+        giving = self._cabinet.hand_teaching
+        guiding = Following.once(
+            "teach_mode", lambda q: HandGuidingFollower(self._arm, q, self._cycle, giving)
+        )
+        id_ = controller.follow("teach_mode", guiding)
+        return id_ if controller.tasks.state(id_).ended else None
 
     def end_teach_mode(self, block: bool) -> int:
         """End hand guiding; the arm stays where it is."""
         name = "end_teach_mode"
         return self._task(name, block, lambda c: c.end_following(name, "teach_mode"))
 
+    @task()
     def set_hand_teach_parameter(
         self,
+        _: Controller,
         space: int,
         joint_scale: Sequence[int],
         cart_scale: Sequence[int],
         coord_type: int,
         direction: Sequence[bool],
-    ) -> int:
+    ) -> None:
         """牵引参数, from the next hand guiding on: a scale of 0 blocks, all others act alike."""
-
-        def command(_: Controller) -> None:
-            arguments.choice("space", space, range(2), "from 0 to 1")
-            arguments.choice("coord_type", coord_type, range(4), "from 0 to 3")
-            for name, values in (("joint_scale", joint_scale), ("cart_scale", cart_scale)):
-                if len(values) != 6 or min(values) < 0:
-                    raise mismatch(f"{name} must be six whole numbers from 0")
-            if len(direction) != 6:
-                raise mismatch("direction must be six flags")
-            if space == 0:
-                giving = joint_giving([scale > 0 for scale in joint_scale])
-            else:
-                active = [on and s > 0 for on, s in zip(direction, cart_scale, strict=True)]
-                tool, frame = self._frames.tool().matrix, self._axes(coord_type)
-                giving = cartesian_giving(self._arm, active, tool, frame)
-            self._cabinet.hand_teaching = giving
-
-        return self._task("set_hand_teach_parameter", True, command)
+        arguments.choice("space", space, range(2), "from 0 to 1")
+        arguments.choice("coord_type", coord_type, range(4), "from 0 to 3")
+        for name, values in (("joint_scale", joint_scale), ("cart_scale", cart_scale)):
+            if len(values) != 6 or min(values) < 0:
+                raise mismatch(f"{name} must be six whole numbers from 0")
+        if len(direction) != 6:
+            raise mismatch("direction must be six flags")
+        if space == 0:
+            giving = joint_giving([scale > 0 for scale in joint_scale])
+        else:
+            active = [on and s > 0 for on, s in zip(direction, cart_scale, strict=True)]
+            tool, frame = self._frames.tool().matrix, self._axes(coord_type)
+            giving = cartesian_giving(self._arm, active, tool, frame)
+        self._cabinet.hand_teaching = giving
 
     # -- shared parts --------------------------------------------------------------------------
 
