@@ -1,10 +1,16 @@
-"""A package of ROS 1 as texts: launch file, RViz's configuration, URDF. No I/O; needs no ROS."""
+"""A package of ROS 1 as texts: launch file, RViz's configuration, URDF. Needs no ROS.
+
+The texts are in the folder `package`, with @ before what is filled in. The driver is started again
+when it ends: a controller, or its simulator, may start later. All controllers have the same port;
+simulators on one computer have different ones.
+"""
 
 from __future__ import annotations
 
 import shlex
+from importlib import resources
+from string import Template
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree as ET
 
 from aioduco.descriptions import ArmDescription, urdf
 
@@ -13,43 +19,39 @@ if TYPE_CHECKING:
 
     from aioduco.descriptions import ArmLike
 
-__all__ = ["CMAKE", "PACKAGE", "launch_package", "rviz_text"]
+__all__ = ["filled", "launch_package", "package_files", "rviz_text"]
 
-_PORT = 7003  # port of a controller
-PACKAGE = """\
-<?xml version="1.0"?>
-<package format="2">
-  <name>{package}</name>
-  <version>1.0.0</version>
-  <description>{description}</description>
-  <maintainer email="nobody@example.com">written by aioduco export ros1</maintainer>
-  <license>Apache-2.0</license>
-  <buildtool_depend>catkin</buildtool_depend>
-{needed}
-</package>
-"""
-CMAKE = """\
-cmake_minimum_required(VERSION 3.0.2)
-project({package})
-find_package(catkin REQUIRED)
-catkin_package()
-"""
-_DRIVER = """\
-#!/bin/sh
-exec {command} ros1 "$@"
-"""
-_SIMULATOR = """\
-#!/bin/sh
-# roslaunch adds remappings, which the simulator does not know.
-for each do
-  shift
-  case $each in
-    *:=*) ;;
-    *) set -- "$@" "$each" ;;
-  esac
-done
-exec {command} sim "$@"
-"""
+
+class _Text(Template):
+    delimiter = "@"
+
+
+def filled(file: str, /, **values: object) -> str:
+    """A text of the folder `package`, filled in.
+
+    Args:
+        file: name of its file.
+        values: what is filled in, by the words after @.
+    """
+    folder = resources.files("aioduco.integrations.ros.ros1") / "package"
+    return _Text((folder / file).read_text("utf-8")).substitute(values)
+
+
+def package_files(package: str, description: str, needed: Sequence[str]) -> dict[str, str]:
+    """The files that every package has.
+
+    Args:
+        package: its name.
+        description: what it does.
+        needed: packages that it needs.
+    """
+    lines = "\n".join(f"  <exec_depend>{each}</exec_depend>" for each in needed)
+    return {
+        "package.xml": filled(
+            "package.xml", package=package, description=description, needed=lines
+        ),
+        "CMakeLists.txt": filled("CMakeLists.txt", package=package),
+    }
 
 
 def launch_package(*arms: ArmLike, name: str, command: str, **meshes: Any) -> dict[str, str]:
@@ -63,18 +65,23 @@ def launch_package(*arms: ArmLike, name: str, command: str, **meshes: Any) -> di
     """
     described = [arm if isinstance(arm, ArmDescription) else ArmDescription(arm) for arm in arms]
     package = f"{name}_bringup"
+    nodes = "".join(
+        filled("arm_nodes.launch", package=package, prefix=arm.prefix, model=arm.arm.name, number=n)
+        for n, arm in enumerate(described)
+    )
+    arguments = "".join(filled("arm_argument.launch", prefix=arm.prefix) for arm in described)
+    own = shlex.quote(command)
     files = {
-        "package.xml": PACKAGE.format(
-            package=package,
-            description=f"Starts the driver of {name}, its description, and RViz.",
-            needed="  <exec_depend>robot_state_publisher</exec_depend>",
+        **package_files(
+            package,
+            f"Starts the driver of {name}, its description, and RViz.",
+            ["robot_state_publisher"],
         ),
-        "CMakeLists.txt": CMAKE.format(package=package),
-        "launch/arm.launch": _launch(described, name, package),
+        "launch/arm.launch": filled("arm.launch", name=name, arguments=arguments, nodes=nodes),
         "rviz/arm.rviz": rviz_text(described),
         f"urdf/{name}.urdf": urdf(*arms, name=name, **meshes),
-        "scripts/driver": _DRIVER.format(command=shlex.quote(command)),
-        "scripts/simulator": _SIMULATOR.format(command=shlex.quote(command)),
+        "scripts/driver": filled("driver", command=own),
+        "scripts/simulator": filled("simulator", command=own),
     }
     return {f"{package}/{path}": text for path, text in files.items()}
 
@@ -82,85 +89,6 @@ def launch_package(*arms: ArmLike, name: str, command: str, **meshes: Any) -> di
 def _root(arms: Sequence[ArmDescription]) -> str:
     """The fixed frame of the display."""
     return "world" if arms[0].mounting is not None else arms[0].prefix + "base_link"
-
-
-def _launch(arms: Sequence[ArmDescription], name: str, package: str) -> str:
-    """The launch file: one driver for each arm, and a simulator for each that has no address."""
-    root = ET.Element("launch")
-    for arm in arms:
-        ET.SubElement(
-            root,
-            "arg",
-            name=f"{arm.prefix}robot_ip",
-            default="",
-            doc="address of the controller; without one a simulated arm is started",
-        )
-    for arg, default, doc in (
-        ("through", "auto", "how set-points are sent: realtime, servoj, auto"),
-        ("guard", "", "process: a process that stops the arm when its driver dies"),
-        ("rviz", "true", "whether to start RViz; where it is not installed, roslaunch says so"),
-        ("simulator_port", str(_PORT), "of the first simulated arm; each other has the next"),
-        ("respawn_delay", "3", "seconds until a driver that ended is started again"),
-    ):
-        ET.SubElement(root, "arg", name=arg, default=default, doc=doc)
-    ET.SubElement(
-        root, "param", name="robot_description", textfile=f"$(dirname)/../urdf/{name}.urdf"
-    )
-    for number, arm in enumerate(arms):
-        _add_arm(root, arm, package, f"arg('simulator_port') + {number}")
-    ET.SubElement(
-        root,
-        "node",
-        name="robot_state_publisher",
-        pkg="robot_state_publisher",
-        type="robot_state_publisher",
-    )
-    ET.SubElement(
-        root,
-        "node",
-        {"if": "$(arg rviz)"},
-        name="rviz",
-        pkg="rviz",
-        type="rviz",
-        args="-d $(dirname)/../rviz/arm.rviz",
-    )
-    ET.indent(root)
-    return f'<?xml version="1.0"?>\n{ET.tostring(root, encoding="unicode")}\n'
-
-
-def _add_arm(root: ET.Element, arm: ArmDescription, package: str, port: str) -> None:
-    model = arm.arm.name
-    given = f"{arm.prefix}robot_ip"
-    ET.SubElement(
-        root,
-        "node",
-        {"if": f"$(eval arg('{given}') == '')"},
-        name=f"{arm.prefix}simulator",
-        pkg=package,
-        type="simulator",
-        args=f"$(eval '--model {model} --port ' + str({port}))",
-        required="true",
-    )
-    node = ET.SubElement(
-        root,
-        "node",
-        name=f"{arm.prefix}duco",
-        pkg=package,
-        type="driver",
-        output="screen",
-        # A controller, or its simulator, may start later than the driver.
-        respawn="true",
-        respawn_delay="$(arg respawn_delay)",
-    )
-    address = {"name": "host", "value": f"$(eval arg('{given}') or '127.0.0.1')"}
-    ET.SubElement(node, "param", address)
-    # All controllers have the same port; simulators on one computer have different ports.
-    chosen = f"$(eval {_PORT} if arg('{given}') else {port})"
-    ET.SubElement(node, "param", name="port", type="int", value=chosen)
-    ET.SubElement(node, "param", name="model", value=model)
-    ET.SubElement(node, "param", name="prefix", type="str", value=arm.prefix)
-    ET.SubElement(node, "param", name="through", value="$(arg through)")
-    ET.SubElement(node, "param", name="guard", type="str", value="$(arg guard)")
 
 
 def rviz_text(arms: Sequence[ArmDescription], displays: str = "", panels: str = "") -> str:
@@ -171,55 +99,4 @@ def rviz_text(arms: Sequence[ArmDescription], displays: str = "", panels: str = 
         displays: further displays.
         panels: further panels.
     """
-    return f"""\
-Panels:
-  - Class: rviz/Displays
-    Name: Displays
-  - Class: rviz/Views
-    Name: Views
-{panels}Visualization Manager:
-  Class: ""
-  Displays:
-    - Class: rviz/Grid
-      Name: Grid
-      Enabled: true
-      Cell Size: 0.1
-      Plane Cell Count: 20
-    - Class: rviz/RobotModel
-      Name: Arm
-      Enabled: true
-      Robot Description: robot_description
-      Visual Enabled: true
-      Collision Enabled: false
-    - Class: rviz/TF
-      Name: Frames
-      Enabled: false
-      Show Names: true
-      Marker Scale: 0.3
-{displays}  Enabled: true
-  Global Options:
-    Background Color: 48; 48; 48
-    Fixed Frame: {_root(arms)}
-    Frame Rate: 30
-  Name: root
-  Tools:
-    - Class: rviz/Interact
-    - Class: rviz/MoveCamera
-    - Class: rviz/FocusCamera
-  Value: true
-  Views:
-    Current:
-      Class: rviz/Orbit
-      Name: Current View
-      Distance: 2.5
-      Focal Point:
-        X: 0
-        Y: 0
-        Z: 0.4
-      Pitch: 0.4
-      Yaw: 0.8
-      Target Frame: <Fixed Frame>
-Window Geometry:
-  Width: 1200
-  Height: 800
-"""
+    return filled("arm.rviz", root=_root(arms), displays=displays, panels=panels)
