@@ -119,7 +119,7 @@ class ArmServices:
         """Set an output at the tool, 1 or 2."""
         return await _answered(self._robot.io.set_tool_digital_out(num, value), "set")
 
-    async def set_analog_output(self, num: int, value: float, *, current: bool) -> ServiceReply:
+    async def set_analog_output(self, num: int, value: float, current: bool) -> ServiceReply:
         """Set an analog output of the cabinet, 1 to 4: 0 to 10 V, or 4 to 20 mA."""
         io = self._robot.io
         change = (
@@ -264,6 +264,10 @@ class ArmServices:
         if reply.success:
             self._goals.scale(percent / 100.0)
         return reply
+
+    async def set_speed_fraction(self, fraction: float) -> ServiceReply:
+        """Set the global speed as a share: 0.01 to 1."""
+        return await self.set_speed(100.0 * fraction)
 
     async def set_tool(
         self, name: str, offset: Sequence[float], mass: float, centre: Sequence[float]

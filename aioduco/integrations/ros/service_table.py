@@ -59,84 +59,46 @@ _WITH_TEXT = {
 }
 
 
+#: those with other fields: name, type, the function's, and its arguments: fields of the request
+_WITH_FIELDS = (
+    ("~set_digital_output", "SetOutput", "set_digital_output", "number value"),
+    ("~set_tool_output", "SetOutput", "set_tool_output", "number value"),
+    ("~set_analog_output", "SetAnalogOutput", "set_analog_output", "number value current"),
+    ("io_and_status_controller/set_io", "SetIO", "set_io", "fun pin state"),
+    ("~set_speed", "SetSpeed", "set_speed", "percent"),
+    (
+        "io_and_status_controller/set_speed_slider",
+        *("SetSpeedFraction", "set_speed_fraction", "speed_slider_fraction"),
+    ),
+    ("~set_tool", "SetTool", "set_tool", "name offset mass centre"),
+    ("~set_load", "SetLoad", "set_load", "mass centre"),
+    ("io_and_status_controller/set_payload", "SetLoad", "set_load", "mass centre"),
+    (
+        "force_mode_controller/start_force_mode",
+        *("StartForceMode", "start_force_mode", "selection wrench damping speed_limits frame"),
+    ),
+    ("~movej", "MoveJ", "movej", "joints v a"),
+    ("~movel", "MoveL", "movel", "pose v a tool wobj"),
+)
+
+
 def service_table() -> Iterator[ServiceEntry]:
     """All services but `~stop`, which each shell serves on a thread of its own."""
     for name, function in _WITHOUT.items():
-        yield ServiceEntry(name, "Trigger", _plain(function))
+        yield ServiceEntry(name, "Trigger", _call(function))
     for name, function in _WITH_TEXT.items():
-        yield ServiceEntry(name, "SetText", _of_text(function))
-    yield from _WITH_FIELDS
+        yield ServiceEntry(name, "SetText", _call(function, "text"))
+    for name, kind, function, fields in _WITH_FIELDS:
+        yield ServiceEntry(name, kind, _call(function, *fields.split()))
 
 
-def _plain(function: str) -> Callable[[ArmServices, Any], Awaitable[ServiceReply]]:
-    return lambda arm, _: getattr(arm, function)()
+def _call(function: str, *fields: str) -> Callable[[ArmServices, Any], Awaitable[ServiceReply]]:
+    """What calls a function with fields of a request; arrays of ROS become lists."""
 
+    def call(arm: ArmServices, asked: Any) -> Awaitable[ServiceReply]:
+        given = (getattr(asked, field) for field in fields)
+        plain = (each if isinstance(each, str | int | float) else list(each) for each in given)
+        reply: Awaitable[ServiceReply] = getattr(arm, function)(*plain)
+        return reply
 
-def _of_text(function: str) -> Callable[[ArmServices, Any], Awaitable[ServiceReply]]:
-    return lambda arm, asked: getattr(arm, function)(asked.text)
-
-
-_WITH_FIELDS = (
-    ServiceEntry(
-        "~set_digital_output",
-        "SetOutput",
-        lambda arm, asked: arm.set_digital_output(asked.number, asked.value),
-    ),
-    ServiceEntry(
-        "~set_tool_output",
-        "SetOutput",
-        lambda arm, asked: arm.set_tool_output(asked.number, asked.value),
-    ),
-    ServiceEntry(
-        "~set_analog_output",
-        "SetAnalogOutput",
-        lambda arm, asked: arm.set_analog_output(asked.number, asked.value, current=asked.current),
-    ),
-    ServiceEntry(
-        "io_and_status_controller/set_io",
-        "SetIO",
-        lambda arm, asked: arm.set_io(asked.fun, asked.pin, asked.state),
-    ),
-    ServiceEntry("~set_speed", "SetSpeed", lambda arm, asked: arm.set_speed(asked.percent)),
-    ServiceEntry(
-        "io_and_status_controller/set_speed_slider",
-        "SetSpeedFraction",
-        lambda arm, asked: arm.set_speed(100.0 * asked.speed_slider_fraction),
-    ),
-    ServiceEntry(
-        "~set_tool",
-        "SetTool",
-        lambda arm, asked: arm.set_tool(
-            asked.name, list(asked.offset), asked.mass, list(asked.centre)
-        ),
-    ),
-    ServiceEntry(
-        "~set_load",
-        "SetLoad",
-        lambda arm, asked: arm.set_load(asked.mass, list(asked.centre)),
-    ),
-    ServiceEntry(
-        "io_and_status_controller/set_payload",
-        "SetLoad",
-        lambda arm, asked: arm.set_load(asked.mass, list(asked.centre)),
-    ),
-    ServiceEntry(
-        "force_mode_controller/start_force_mode",
-        "StartForceMode",
-        lambda arm, asked: arm.start_force_mode(
-            list(asked.selection),
-            list(asked.wrench),
-            list(asked.damping),
-            list(asked.speed_limits),
-            asked.frame,
-        ),
-    ),
-    ServiceEntry(
-        "~movej", "MoveJ", lambda arm, asked: arm.movej(list(asked.joints), asked.v, asked.a)
-    ),
-    ServiceEntry(
-        "~movel",
-        "MoveL",
-        lambda arm, asked: arm.movel(list(asked.pose), asked.v, asked.a, asked.tool, asked.wobj),
-    ),
-)
+    return call
