@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
+from functools import cache
+from importlib import resources
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from aioduco.descriptions.srdf_text import srdf_text
@@ -19,29 +22,6 @@ RosDistro: TypeAlias = Literal["noetic", "humble", "jazzy"]
 """Release of ROS: noetic has MoveIt 1, and Melodic takes its files, too; the others name the steps
 of a planning pipeline differently."""
 
-_PLANNERS = {
-    "RRTConnect": {"type": "geometric::RRTConnect", "range": 0.0},
-    "RRTstar": {"type": "geometric::RRTstar", "range": 0.0, "goal_bias": 0.05},
-    "BiTRRT": {"type": "geometric::BiTRRT", "range": 0.0},
-    "PRM": {"type": "geometric::PRM", "max_nearest_neighbors": 10},
-    "LBKPIECE": {"type": "geometric::LBKPIECE", "range": 0.0},
-}
-_HUMBLE_STEPS = (
-    "AddTimeOptimalParameterization",
-    "ResolveConstraintFrames",
-    "FixWorkspaceBounds",
-    "FixStartStateBounds",
-    "FixStartStateCollision",
-    "FixStartStatePathConstraints",
-)
-_NOETIC_STEPS = ("AddTimeParameterization", *_HUMBLE_STEPS[1:])
-_REQUEST_STEPS = (
-    "ResolveConstraintFrames",
-    "ValidateWorkspaceBounds",
-    "CheckStartStateBounds",
-    "CheckStartStateCollision",
-)
-_RESPONSE_STEPS = ("AddTimeOptimalParameterization", "ValidateSolution", "DisplayMotionPath")
 _SEGMENT = 0.005  # fraction of the joint space's extent that is checked as one point
 
 
@@ -77,7 +57,9 @@ def moveit_files(
     return {
         f"{name}.urdf": urdf_text(name, trees, meshes),
         f"{name}.srdf": srdf_text(name, trees, group_name=group, tip=tip),
-        "kinematics.yaml": _yaml({tree.arm.prefix + group: _KINEMATICS for tree in trees}),
+        "kinematics.yaml": _yaml(
+            {tree.arm.prefix + group: _fixed()["kinematics"] for tree in trees}
+        ),
         "joint_limits.yaml": _yaml(_joint_limits(trees)),
         "ompl_planning.yaml": _yaml(_planning(trees, distro, group)),
         "moveit_controllers.yaml": _yaml(controllers),
@@ -105,36 +87,21 @@ def _joint_limits(trees: Sequence[ArmTree]) -> dict[str, Any]:
     }
 
 
+@cache
+def _fixed() -> dict[str, Any]:
+    """What is the same for every arm: solver, planners, the pipeline of each release, limits."""
+    text = resources.files("aioduco.descriptions").joinpath("moveit.json").read_text("utf-8")
+    return dict(json.loads(text))
+
+
 def _planning(trees: Sequence[ArmTree], distro: RosDistro, group: str) -> dict[str, Any]:
-    if distro == "noetic":
-        pipeline: dict[str, Any] = {
-            "planning_plugin": "ompl_interface/OMPLPlanner",
-            "request_adapters": " ".join(
-                f"default_planner_request_adapters/{step}" for step in _NOETIC_STEPS
-            ),
-            "start_state_max_bounds_error": 0.1,
-        }
-    elif distro == "humble":
-        steps = " ".join(f"default_planner_request_adapters/{step}" for step in _HUMBLE_STEPS)
-        pipeline = {
-            "planning_plugin": "ompl_interface/OMPLPlanner",
-            "request_adapters": steps,
-            "start_state_max_bounds_error": 0.1,
-        }
-    else:
-        pipeline = {
-            "planning_plugins": ["ompl_interface/OMPLPlanner"],
-            "request_adapters": [f"default_planning_request_adapters/{s}" for s in _REQUEST_STEPS],
-            "response_adapters": [
-                f"default_planning_response_adapters/{step}" for step in _RESPONSE_STEPS
-            ],
-        }
-    pipeline["planner_configs"] = _PLANNERS
+    planners = _fixed()["planners"]
+    pipeline = {**_fixed()["pipelines"][distro], "planner_configs": planners}
     for tree in trees:
         first, second = (joint.name for joint, _ in tree.turning[:2])
         pipeline[tree.arm.prefix + group] = {
             "default_planner_config": "RRTConnect",
-            "planner_configs": list(_PLANNERS),
+            "planner_configs": list(planners),
             "projection_evaluator": f"joints({first},{second})",
             "longest_valid_segment_fraction": _SEGMENT,
         }
@@ -157,13 +124,8 @@ def _controllers(trees: Sequence[ArmTree]) -> dict[str, Any]:
             "moveit_simple_controller_manager/MoveItSimpleControllerManager"
         ),
         "moveit_simple_controller_manager": {"controller_names": names, **controllers},
-        "trajectory_execution": {
-            # the driver ends goals that are late, and the global speed stretches them
-            "execution_duration_monitoring": False,
-            "allowed_execution_duration_scaling": 1.2,
-            "allowed_goal_duration_margin": 0.5,
-            "allowed_start_tolerance": 0.01,
-        },
+        # the driver ends goals that are late, and the global speed stretches them
+        "trajectory_execution": _fixed()["trajectory_execution"],
     }
 
 
@@ -196,10 +158,3 @@ def _scalar(value: Any) -> str:
         return f"{value}".replace("inf", ".inf").replace("nan", ".nan")
     text = repr(float(value))
     return text if "." in text else text.replace("e", ".0e")
-
-
-_KINEMATICS = {
-    "kinematics_solver": "kdl_kinematics_plugin/KDLKinematicsPlugin",
-    "kinematics_solver_search_resolution": 0.005,
-    "kinematics_solver_timeout": 0.05,
-}
