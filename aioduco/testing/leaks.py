@@ -6,15 +6,12 @@ import os
 import threading
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.platform import has_child
 from aioduco.models.ranges import WAIT
 from aioduco.testing.waiting import eventually, eventually_async
-
-if TYPE_CHECKING:
-    from types import TracebackType
 
 __all__ = ["Resources", "no_leaks"]
 
@@ -83,12 +80,7 @@ class no_leaks(Uncopied):  # noqa: N801 - used like a function, as contextlib.su
         self._before = Resources.now()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         """Wait until everything is closed.
 
         Raises:
@@ -100,12 +92,7 @@ class no_leaks(Uncopied):  # noqa: N801 - used like a function, as contextlib.su
     async def __aenter__(self) -> Self:
         return self.__enter__()
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         """Wait until everything is closed.
 
         Raises:

@@ -20,8 +20,6 @@ from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistic
 from aioduco.testing.relay import Relay, Valve
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from anyio.abc import TaskGroup, TaskStatus
 
 __all__ = ["FaultProxy"]
@@ -78,24 +76,14 @@ class FaultProxy(Uncopied):
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._stack.close()
 
     async def __aenter__(self) -> Self:
         return self.__enter__()
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.__exit__(kind, exc, traceback)
+    async def __aexit__(self, *_: object) -> None:
+        self.__exit__()
 
     # Faults of calls
 

@@ -14,7 +14,6 @@ from aioduco.sim.server import Server
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
-    from types import TracebackType
 
 __all__ = ["ReceivedCall", "RecordingServer"]
 
@@ -71,24 +70,14 @@ class RecordingServer(Uncopied):
         self.port: int = self._server.port
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._server.close()
 
     async def __aenter__(self) -> Self:
         return self.__enter__()
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.__exit__(kind, exc, traceback)
+    async def __aexit__(self, *_: object) -> None:
+        self.__exit__()
 
     def answer(self, method: str, answer: Any) -> None:
         """Set or change what a function returns.

@@ -16,7 +16,6 @@ from aioduco.models.controller_clock import WallClock
 from aioduco.models.ranges import WAIT
 
 if TYPE_CHECKING:
-    from types import TracebackType
     from typing import Self
 
     from aioduco.devices.cameras.camera import Intrinsics
@@ -82,12 +81,7 @@ class OpenCvCamera(Uncopied):
         self._capture = capture
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         capture, self._capture = self._capture, None
         if capture is not None:
             capture.release()

@@ -13,7 +13,6 @@ from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
 from aioduco.models.rules import Integer
 
 if TYPE_CHECKING:
-    from types import TracebackType
     from typing import Self
 
     import numpy as np
@@ -97,10 +96,5 @@ class SimulatedCamera(Uncopied):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Do nothing: the simulator ends the rendering process."""

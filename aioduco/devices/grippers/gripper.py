@@ -37,7 +37,6 @@ from aioduco.supervision.concurrency import BackgroundTasks, every
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from contextlib import AbstractAsyncContextManager
-    from types import TracebackType
     from typing import ClassVar, Self
 
     from aioduco.models.gripper_models import GripperModel
@@ -233,12 +232,7 @@ class PolledGripper(Uncopied, ABC):
     async def __aenter__(self) -> Self:
         return await self.start()
 
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.aclose()
 
     async def _watch(self) -> None:

@@ -19,8 +19,6 @@ from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from aioduco.devices.teleoperation.reading import Reading
 
 __all__ = ["GamepadDevice", "InputDevice", "KeyboardDevice", "SpaceMouseDevice", "open_device"]
@@ -80,12 +78,7 @@ class InputDevice(Uncopied):
                 ) from exc
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close it."""
         if self._path is not None and self._descriptor >= 0:
             os.close(self._descriptor)
@@ -163,12 +156,7 @@ class KeyboardDevice(InputDevice):
             self._single_keys.enter_context(single_keys(self._descriptor))
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Restore the terminal's settings."""
         self._single_keys.close()
 

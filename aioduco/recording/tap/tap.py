@@ -19,7 +19,6 @@ from aioduco.recording.tap.relay import HEAD, CopyKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import TracebackType
     from typing import Self
 
 __all__ = ["Tap"]
@@ -111,12 +110,7 @@ class Tap(Uncopied):
             raise endpoint.refused(error) from error
         return [(int(family), name) for family, *_, name in found]
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         link, self._link = self._link, None
         if link is not None:
             link.close()

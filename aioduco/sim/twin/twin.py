@@ -36,7 +36,6 @@ from aioduco.supervision.events import TwinDiverged
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
     from typing import Any, Self
 
     from aioduco.models.pose import PoseLike
@@ -191,12 +190,7 @@ class Twin(Uncopied):
     async def __aenter__(self) -> Self:
         return await self.start()
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.stop()
 
     async def _stop(self) -> None:
