@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from importlib import resources
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
@@ -88,30 +89,15 @@ def surround(root: ET.Element, *, size: Sequence[float], height: float = 0.0) ->
         size: half lengths of the floor [m], 0 for infinite ones, and the spacing of its grid [m].
         height: height of the floor [m].
     """
-    visual = ET.SubElement(root, "visual")
-    ET.SubElement(
-        visual, "global", offwidth="1920", offheight="1080", azimuth="130", elevation="-20"
-    )
-    ET.SubElement(visual, "headlight", diffuse="0.5 0.5 0.5", ambient="0.3 0.3 0.3")
-    # the whole floor that is seen: beyond the region of shadows there are dark dots
-    ET.SubElement(visual, "map", shadowclip="2")
-    asset = ET.SubElement(root, "asset")
-    ET.SubElement(
-        asset, "texture", name="sky", type="skybox", builtin="gradient",
-        rgb1="0.9 0.93 0.96", rgb2="0.6 0.68 0.76", width="64", height="64",
-    )  # fmt: skip
-    ET.SubElement(
-        asset, "texture", name="tiles", type="2d", builtin="checker",
-        rgb1="0.82 0.83 0.84", rgb2="0.76 0.77 0.78", width="128", height="128",
-    )  # fmt: skip
-    # eight tiles along the floor, or in each metre of an infinite one
-    infinite = {} if all(size[:2]) else {"texuniform": "true"}
-    ET.SubElement(asset, "material", infinite, name="tiles", texture="tiles", texrepeat="8 8")
-    world = ET.SubElement(root, "worldbody")
-    ET.SubElement(
-        world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.5 0.5 0.5", directional="true"
-    )
-    ET.SubElement(
-        world, "geom", name="floor", type="plane", size=numbers(size),
-        pos=numbers((0.0, 0.0, height)), material="tiles",
-    )  # fmt: skip
+    text = resources.files("aioduco.kinematics").joinpath("surroundings.xml").read_text("utf-8")
+    found = ET.fromstring("".join(line.strip() for line in text.splitlines()))
+    for path, name, value in (
+        # eight tiles along the floor, or in each metre of an infinite one
+        *(() if all(size[:2]) else ((".//material", "texuniform", "true"),)),
+        (".//geom", "size", numbers(size)),
+        (".//geom", "pos", numbers((0.0, 0.0, height))),
+    ):
+        element = found.find(path)
+        assert element is not None
+        element.set(name, value)
+    root.extend(found)

@@ -7,8 +7,9 @@ to the model. Any thread may give orders; everything else runs on the world's th
 from __future__ import annotations
 
 import math
+from importlib import resources
+from string import Template
 from typing import TYPE_CHECKING, Any, NamedTuple
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -300,83 +301,49 @@ class Hand:
 
 def gripper_mjcf(gripper: GripperModel) -> str:
     """Give a gripper as an MJCF tool: boxes of about its size, by its stroke, length and mass."""
-    root = ET.Element("mujoco", model=gripper.name)
-    world = ET.SubElement(root, "worldbody")
-    if gripper.stroke:
-        _fingers(root, world, gripper)
-    else:
-        _cup(root, world, gripper)
-    return ET.tostring(root, encoding="unicode")
+    values = _fingers(gripper) if gripper.stroke else _cup(gripper)
+    name = "fingers.xml" if gripper.stroke else "cup.xml"
+    text = Template(resources.files("aioduco.sim.physics").joinpath(name).read_text("utf-8"))
+    shown = {key: f"{value:.6g}" for key, value in values.items()}
+    return text.substitute(shown, name=gripper.name, grip=_GRIP, force=f"{gripper.force[1]:g}")
 
 
-_DARK, _PAD = "0.2 0.21 0.23 1", "0.32 0.33 0.35 1"
 #: contact parameters of finger tips and cup; by the priority they hold for whatever touches these
-_GRIP = {
-    "priority": "5", "condim": "4", "friction": f"{FRICTION} 0.01 0.0005",
-    "solref": "0.004 1", "solimp": "0.99 0.999 0.0005",
-}  # fmt: skip
+_GRIP = (
+    f'priority="5" condim="4" friction="{FRICTION} 0.01 0.0005" '
+    'solref="0.004 1" solimp="0.99 0.999 0.0005"'
+)
 
 
-def _fingers(root: ET.Element, world: ET.Element, gripper: GripperModel) -> None:
+def _fingers(gripper: GripperModel) -> dict[str, float]:
+    """The lengths and masses of a gripper with fingers."""
     palm = 0.5 * (gripper.length - _UP)
     wide = 0.5 * gripper.stroke + 2.0 * _THICK
-    base = ET.SubElement(world, "body", name="palm")
-    ET.SubElement(
-        base, "geom", name="palm", type="box", size=f"0.03 {min(wide, 0.045):.6g} {palm:.6g}",
-        pos=f"0 0 {palm:.6g}", mass=f"{gripper.mass - 2 * _FINGER:.6g}", rgba=_DARK,
-    )  # fmt: skip
-    # A rail for fingers that open wider than the palm.
-    ET.SubElement(
-        base, "geom", name="rail", type="box", size=f"0.012 {wide:.6g} 0.008", mass="0",
-        pos=f"0 0 {2 * palm - 0.008:.6g}", rgba=_DARK,
-    )  # fmt: skip
-    half = 0.5 * (_UP + _DOWN)
-    for side, sign in (("left", 1), ("right", -1)):
-        finger = ET.SubElement(
-            base, "body", name=side,
-            pos=f"0 {sign * (0.5 * gripper.stroke + _THICK):.6g} {gripper.length:.6g}",
-        )  # fmt: skip
-        ET.SubElement(
-            finger, "joint", name=side, type="slide", axis=f"0 {-sign} 0", limited="true",
-            range=f"0 {0.5 * gripper.stroke:.6g}", armature=f"{_INERTIA:g}", damping="2",
-        )  # fmt: skip
-        pad = ET.SubElement(
-            finger, "geom", name=side, type="box", size=f"{_ACROSS} {_THICK} {half:.6g}",
-            pos=f"0 0 {0.5 * (_DOWN - _UP):.6g}", mass=f"{_FINGER}", rgba=_PAD,
-        )  # fmt: skip
-        pad.attrib.update(_GRIP)
-    contact = ET.SubElement(root, "contact")
-    ET.SubElement(contact, "exclude", body1="left", body2="right")
-    equality = ET.SubElement(root, "equality")
-    ET.SubElement(
-        equality, "joint", joint1="left", joint2="right", polycoef="0 1 0 0 0",
-        solref="0.004 1", solimp="0.99 0.999 0.0005",
-    )  # fmt: skip
-    tendon = ET.SubElement(ET.SubElement(root, "tendon"), "fixed", name="closing")
-    for side in ("left", "right"):
-        ET.SubElement(tendon, "joint", joint=side, coef="1")
-    force = gripper.force[1]
-    ET.SubElement(
-        ET.SubElement(root, "actuator"), "position", name="grip", tendon="closing",
-        kp=f"{_STIFFNESS:g}", kv=f"{_DAMPING:g}", forcerange=f"{-force:g} {force:g}",
-        forcelimited="true",
-    )  # fmt: skip
+    return {
+        "palm": palm,
+        "palm_width": min(wide, 0.045),
+        "palm_mass": gripper.mass - 2 * _FINGER,
+        "wide": wide,
+        "rail": 2 * palm - 0.008,
+        "beside": 0.5 * gripper.stroke + _THICK,
+        "length": gripper.length,
+        "travel": 0.5 * gripper.stroke,
+        "inertia": _INERTIA,
+        "across": _ACROSS,
+        "thick": _THICK,
+        "half": 0.5 * (_UP + _DOWN),
+        "below": 0.5 * (_DOWN - _UP),
+        "finger": _FINGER,
+        "stiffness": _STIFFNESS,
+        "damping": _DAMPING,
+    }
 
 
-def _cup(root: ET.Element, world: ET.Element, gripper: GripperModel) -> None:
-    stem = 0.5 * (gripper.length - 0.01)
-    base = ET.SubElement(world, "body", name="stem")
-    ET.SubElement(
-        base, "geom", name="stem", type="cylinder", size=f"0.012 {stem:.6g}", rgba=_DARK,
-        pos=f"0 0 {stem:.6g}", mass=f"{gripper.mass - 0.02:.6g}",
-    )  # fmt: skip
-    cup = ET.SubElement(base, "body", name="cup", pos=f"0 0 {gripper.length - 0.005:.6g}")
-    lip = ET.SubElement(
-        cup, "geom", name="cup", type="cylinder", size=f"{_CUP} 0.005", mass="0.02", rgba=_PAD,
-        margin="0.002", gap="0.002",
-    )  # fmt: skip
-    lip.attrib.update(_GRIP)
-    ET.SubElement(
-        ET.SubElement(root, "actuator"), "adhesion", name="grip", body="cup",
-        ctrlrange="0 1", gain=f"{gripper.force[1]:g}",
-    )  # fmt: skip
+def _cup(gripper: GripperModel) -> dict[str, float]:
+    """The lengths and masses of a gripper with a cup."""
+    return {
+        "stem": 0.5 * (gripper.length - 0.01),
+        "stem_mass": gripper.mass - 0.02,
+        "lip": gripper.length - 0.005,
+        "cup": _CUP,
+    }
