@@ -296,10 +296,10 @@ def check_goal(
             column("accelerations"),
         )
     except ParameterError as error:
-        raise GoalRefused(ErrorCode.INVALID_GOAL, str(error)) from error
+        raise _invalid(str(error)) from error
     last = trajectory.velocities
     if last is not None and np.abs(last[-1]).max() > _REST:
-        raise GoalRefused(ErrorCode.INVALID_GOAL, "the last point is not at rest")
+        raise _invalid("the last point is not at rest")
     _check_curve(trajectory, positions[0], profile)
     return CheckedGoal(
         trajectory,
@@ -332,10 +332,9 @@ def check_start(
     far = np.abs(trajectory.positions[0] - here)
     if not far.max() <= rules.start:
         joint = int(far.argmax())
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL,
+        raise _invalid(
             f"the trajectory begins elsewhere: {profile.joint_names[joint]} is {far[joint]:.4f} "
-            f"rad from there, {rules.start:g} allowed; plan from where the arm is",
+            f"rad from there, {rules.start:g} allowed; plan from where the arm is"
         )
 
 
@@ -353,6 +352,10 @@ def code_of(error: Exception) -> ErrorCode:
     if isinstance(error, (ParameterError, FirstPointTooFar, RobotStateError)):
         return ErrorCode.INVALID_GOAL
     return ErrorCode.PATH_TOLERANCE_VIOLATED
+
+
+def _invalid(reason: str) -> GoalRefused:
+    return GoalRefused(ErrorCode.INVALID_GOAL, reason)
 
 
 def _order(names: Sequence[str], wanted: tuple[str, ...]) -> list[int]:
@@ -374,51 +377,37 @@ def _order(names: Sequence[str], wanted: tuple[str, ...]) -> list[int]:
 
 def _check_points(points: Sequence[GoalPoint], count: int, rules: GoalRules) -> None:
     if not points:
-        raise GoalRefused(ErrorCode.INVALID_GOAL, "the trajectory has no points")
+        raise _invalid("the trajectory has no points")
     if len(points) > rules.most_points:
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL, f"{len(points)} points, up to {rules.most_points} allowed"
-        )
+        raise _invalid(f"{len(points)} points, up to {rules.most_points} allowed")
     before = 0.0
     for number, point in enumerate(points):
         where = f"point {number}"
         for name in ("positions", "velocities", "accelerations", "effort"):
             values: Sequence[float] = getattr(point, name)
             if len(values) != len(getattr(points[0], name)):
-                raise GoalRefused(
-                    ErrorCode.INVALID_GOAL, f"{name} of {where}: not as many as of point 0"
-                )
+                raise _invalid(f"{name} of {where}: not as many as of point 0")
             if len(values) != count and (name == "positions" or len(values)):
-                raise GoalRefused(
-                    ErrorCode.INVALID_GOAL, f"{name} of {where}: {len(values)}, not {count}"
-                )
+                raise _invalid(f"{name} of {where}: {len(values)}, not {count}")
             if not all(map(math.isfinite, values)):
-                raise GoalRefused(ErrorCode.INVALID_GOAL, f"{name} of {where} are not finite")
+                raise _invalid(f"{name} of {where} are not finite")
         if len(point.accelerations) and not len(point.velocities):
-            raise GoalRefused(
-                ErrorCode.INVALID_GOAL, f"{where} has accelerations without velocities"
-            )
+            raise _invalid(f"{where} has accelerations without velocities")
         if not math.isfinite(point.time) or point.time < 0.0:
-            raise GoalRefused(ErrorCode.INVALID_GOAL, f"the time of {where} is below 0")
+            raise _invalid(f"the time of {where} is below 0")
         # A first point is due at once, or the trajectory leads to it from the arm's position.
         if point.time < before + _CLOSEST and not (number == 0 and point.time == 0.0):
-            raise GoalRefused(ErrorCode.INVALID_GOAL, f"the time of {where} does not rise")
+            raise _invalid(f"the time of {where} does not rise")
         before = point.time
     if before > rules.max_duration:
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL,
-            f"it takes {before:.1f} s, up to {rules.max_duration:g} s allowed",
-        )
+        raise _invalid(f"it takes {before:.1f} s, up to {rules.max_duration:g} s allowed")
 
 
 def _check_stamp(stamp: float, rules: GoalRules, now: float) -> None:
     if stamp == 0.0:
         return
     if not math.isfinite(stamp) or stamp > now + rules.max_stamp_ahead:
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL,
-            f"its stamp is more than {rules.max_stamp_ahead:g} s in the future",
-        )
+        raise _invalid(f"its stamp is more than {rules.max_stamp_ahead:g} s in the future")
     if stamp < now - rules.max_stamp_age:
         raise GoalRefused(
             ErrorCode.OLD_HEADER_TIMESTAMP,
@@ -436,14 +425,9 @@ def _tolerance(
                 ErrorCode.INVALID_JOINTS, f"{kind} tolerance: no joint is named {one.name!r}"
             )
         if not (math.isfinite(one.position) and math.isfinite(one.velocity)):
-            raise GoalRefused(
-                ErrorCode.INVALID_GOAL, f"{kind} tolerance of {one.name} is not finite"
-            )
+            raise _invalid(f"{kind} tolerance of {one.name} is not finite")
         if not one.acceleration <= 0.0:
-            raise GoalRefused(
-                ErrorCode.INVALID_GOAL,
-                f"{kind} tolerance of {one.name}: accelerations are not looked at",
-            )
+            raise _invalid(f"{kind} tolerance of {one.name}: accelerations are not looked at")
         if one.position != 0.0:
             found[one.name] = _ANYWHERE if one.position < 0.0 else one.position
     return tuple(found.values())
@@ -460,9 +444,7 @@ def _speed_tolerance(
 
 def _goal_time(given: float, rules: GoalRules) -> float:
     if not math.isfinite(given) or given < 0.0 or given > rules.max_duration:
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL, f"goal time tolerance {given:g} s, 0 to {rules.max_duration:g}"
-        )
+        raise _invalid(f"goal time tolerance {given:g} s, 0 to {rules.max_duration:g}")
     return given or rules.goal_time
 
 
@@ -470,10 +452,9 @@ def _check_positions(positions: NDArray[np.float64], profile: NamedLimits) -> No
     over = outside(positions, profile.lower, profile.upper)
     if over.any():
         point, joint = np.argwhere(over)[0]
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL,
+        raise _invalid(
             f"point {point}: {profile.joint_names[joint]} at {positions[point, joint]:.4g} rad, "
-            f"{shown(profile.lower[joint], low=True)} to {shown(profile.upper[joint])} allowed",
+            f"{shown(profile.lower[joint], low=True)} to {shown(profile.upper[joint])} allowed"
         )
 
 
@@ -489,18 +470,15 @@ def _check_curve(
     with np.errstate(all="ignore"):
         places, speeds = curve.at(times), np.abs(curve.velocity(times))
     if not (np.isfinite(places).all() and np.isfinite(speeds).all()):
-        raise GoalRefused(ErrorCode.INVALID_GOAL, "velocities or accelerations too large")
+        raise _invalid("velocities or accelerations too large")
     most = np.array(profile.velocity)
     over = speeds.max(axis=0) - most * (1 + _ROUNDING)
     if over.max() > 0.0:
         joint = int(over.argmax())
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL,
+        raise _invalid(
             f"{profile.joint_names[joint]} at {speeds[:, joint].max():.4g} rad/s, up to "
-            f"{shown(most[joint])} allowed",
+            f"{shown(most[joint])} allowed"
         )
     low, high = np.array(profile.lower) - _ROUNDING, np.array(profile.upper) + _ROUNDING
     if ((places < low) | (places > high)).any():
-        raise GoalRefused(
-            ErrorCode.INVALID_GOAL, "the curve through the points leaves the joints' limits"
-        )
+        raise _invalid("the curve through the points leaves the joints' limits")
