@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import sys
+from pathlib import Path
 from typing import Any, Final
 
 from aioduco.errors import (
@@ -16,56 +18,6 @@ from aioduco.errors import (
 
 __all__ = ["ENUMS", "as_thrift"]
 
-#: the enums of section 1.2 in the spelling of the vendor's client: values by name of the enum
-_VALUES: Final[dict[str, dict[str, int]]] = {
-    "StateRobot": {
-        "SR_Start": 0,
-        "SR_Initialize": 1,
-        "SR_Logout": 2,
-        "SR_Login": 3,
-        "SR_PowerOff": 4,
-        "SR_Disable": 5,
-        "SR_Enable": 6,
-        "SR_Update": 7,
-    },
-    "StateProgram": {
-        "SP_Stopped": 0,
-        "SP_Stopping": 1,
-        "SP_Running": 2,
-        "SP_Paused": 3,
-        "SP_Pausing": 4,
-        "SP_TaskRuning": 5,
-    },
-    "OperationMode": {"kManual": 0, "kAuto": 1, "kRemote": 2},
-    "TaskState": {
-        "ST_Idle": 0,
-        "ST_Running": 1,
-        "ST_Paused": 2,
-        "ST_Stopped": 3,
-        "ST_Finished": 4,
-        "ST_Interrupt": 5,
-        "ST_Error": 6,
-        "ST_Illegal": 7,
-        "ST_ParameterMismatch": 8,
-    },
-    "SafetyState": {
-        "SS_INIT": 0,
-        "SS_WAIT": 2,
-        "SS_CONFIG": 3,
-        "SS_POWER_OFF": 4,
-        "SS_RUN": 5,
-        "SS_RECOVERY": 6,
-        "SS_STOP2": 7,
-        "SS_STOP1": 8,
-        "SS_STOP0": 9,
-        "SS_MODEL": 10,
-        "SS_REDUCE": 12,
-        "SS_BOOT": 13,
-        "SS_FAIL": 14,
-        "SS_UPDATE": 99,
-    },
-}
-
 
 def _enum(name: str, values: dict[str, int]) -> Any:
     """Make a class of whole numbers with Thrift's two tables, as its compiler does for Python."""
@@ -74,7 +26,11 @@ def _enum(name: str, values: dict[str, int]) -> Any:
     return type(name, (), {"__module__": "aioduco.compat", **values, **tables})
 
 
-ENUMS: Final = {name: _enum(name, values) for name, values in _VALUES.items()}
+#: the enums of section 1.2 in the spelling of the vendor's client
+_ENUMS: Final = Path(__file__).with_name("vendor_enums.json")
+ENUMS: Final = {
+    name: _enum(name, values) for name, values in json.loads(_ENUMS.read_text("utf-8")).items()
+}
 
 #: values of `type` of Thrift's TTransportException
 _NOT_OPEN: Final = 1

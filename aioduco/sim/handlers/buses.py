@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.modbus import ModbusKind, ModbusSignal, NoAnswer
-from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.refusal import Rejected, mismatch
 
 if TYPE_CHECKING:
@@ -27,13 +27,10 @@ class BusHandlers(HandlerSection):
     Bytes are signed on the wire.
     """
 
-    def set_baudrate_485(self, value: int, block: bool) -> int:
+    @task()
+    def set_baudrate_485(self, _: Controller, value: int) -> None:
         """设置 485 的波特率: the cabinet's port."""
-
-        def change(rate: int) -> None:
-            self._cabinet.serial.baudrate = rate
-
-        return self._rate("set_baudrate_485", value, block, change)
+        self._cabinet.serial.baudrate = _rate(value)
 
     def read_raw_data_485(self, len: int) -> Octets:  # noqa: A002 - the name on the wire
         """Read up to `len` bytes."""
@@ -116,21 +113,10 @@ class BusHandlers(HandlerSection):
         with self._cabinet.lock:
             return port.write(b"".join(map(_bytes, parts)), self._runtime.snapshot.time)
 
-    def _rate(self, name: str, value: int, block: bool, change: Callable[[int], None]) -> int:
-        def command(_: Controller) -> None:
-            if value < 1:
-                raise mismatch(f"value is {value}, but must be from 1 bit/s")
-            change(value)
-
-        return self._task(name, block, command)
-
-    def set_baudrate_can(self, value: int, block: bool) -> int:
+    @task()
+    def set_baudrate_can(self, _: Controller, value: int) -> None:
         """设置 CAN 的波特率."""
-
-        def change(rate: int) -> None:
-            self._cabinet.can.bitrate = rate
-
-        return self._rate("set_baudrate_can", value, block, change)
+        self._cabinet.can.bitrate = _rate(value)
 
     def read_raw_data_can(self) -> Octets:
         """Read a frame: its identifier, cut to the lowest byte if it is longer, then its data."""
@@ -236,6 +222,12 @@ class BusHandlers(HandlerSection):
                 raise Rejected(TaskState.ERROR, str(exc)) from None
 
         return self._task(name, True, command)
+
+
+def _rate(value: int) -> int:
+    if value < 1:
+        raise mismatch(f"value is {value}, but must be from 1 bit/s")
+    return value
 
 
 def _bytes(octets: Sequence[int]) -> bytes:

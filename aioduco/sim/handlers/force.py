@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
@@ -18,7 +18,7 @@ from aioduco.sim.planner.follower import StandingFollower
 from aioduco.sim.refusal import Rejected, illegal, mismatch
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from enum import IntEnum
 
     from aioduco.sim.controller.state_machine import Controller
@@ -117,48 +117,27 @@ class ForceHandlers(HandlerSection):
             raise Rejected(TaskState.ERROR, _NO_SENSOR)
         return controller.force.tare(on, value)
 
+    @task(block=False)
     def fc_wait_pos(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],  # noqa: A002  # the wire's name
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
+        self, controller: Controller, middle: Sequence[float], **condition: Any
+    ) -> None:
         """位置判断条件."""
-        times = absolute, duration, timeout
-        return self._condition("pos", lambda: numbers("middle", middle, 6), range, *times)
+        _wait_for(controller, "pos", numbers("middle", middle, 6), **condition)
 
+    @task(block=False)
     def fc_wait_vel(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],  # noqa: A002  # the wire's name
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
+        self, controller: Controller, middle: Sequence[float], **condition: Any
+    ) -> None:
         """速度判断条件."""
-        times = absolute, duration, timeout
+        speeds = numbers("middle", middle, 6)
+        for value, most in zip(speeds, (_SPEED,) * 3 + (_TURNING,) * 3, strict=True):
+            number("middle", value, -most, most, "m/s, rad/s")
+        _wait_for(controller, "vel", speeds, **condition)
 
-        def speeds() -> tuple[float, ...]:
-            values = numbers("middle", middle, 6)
-            for value, most in zip(values, (_SPEED,) * 3 + (_TURNING,) * 3, strict=True):
-                number("middle", value, -most, most, "m/s, rad/s")
-            return values
-
-        return self._condition("vel", speeds, range, *times)
-
-    def fc_wait_ft(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],  # noqa: A002  # the wire's name
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
+    @task(block=False)
+    def fc_wait_ft(self, controller: Controller, middle: Sequence[float], **condition: Any) -> None:
         """力判断条件."""
-        times = absolute, duration, timeout
-        return self._condition("ft", lambda: _within("middle", middle, _FORCE), range, *times)
+        _wait_for(controller, "ft", _within("middle", middle, _FORCE), **condition)
 
     @task(block=False)
     def fc_wait_logic(self, controller: Controller, value: Sequence[int]) -> int:
@@ -187,28 +166,25 @@ class ForceHandlers(HandlerSection):
         tip = self._frames.tool(tool).matrix
         return ForceAxes(tip, self._frames.wobj(wobj).matrix, kind == ForceFrame.TOOL)
 
-    def _condition(
-        self,
-        quantity: Quantity,
-        middle: Callable[[], tuple[float, ...]],
-        spread: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        name = f"fc_wait_{quantity}"
 
-        def command(controller: Controller) -> None:
-            condition = Condition(
-                middle(),
-                _amounts("range", spread),
-                absolute,
-                number("duration", duration, 0, math.inf, "ms") / 1000.0,
-                number("timeout", timeout, 0, math.inf, "ms") / 1000.0,
-            )
-            controller.force.control.conditions.set(quantity, condition)
-
-        return self._task(name, False, command)
+def _wait_for(
+    controller: Controller,
+    quantity: Quantity,
+    middle: tuple[float, ...],
+    *,
+    range: Sequence[float],  # noqa: A002  # the wire's name
+    absolute: bool,
+    duration: int,
+    timeout: int,
+) -> None:
+    condition = Condition(
+        middle,
+        _amounts("range", range),
+        absolute,
+        number("duration", duration, 0, math.inf, "ms") / 1000.0,
+        number("timeout", timeout, 0, math.inf, "ms") / 1000.0,
+    )
+    controller.force.control.conditions.set(quantity, condition)
 
 
 def _directions(values: Sequence[bool]) -> tuple[bool, ...]:

@@ -43,21 +43,15 @@ class FrameHandlers(HandlerSection):
         controller.frames.set_tool(tool)
         self._carry(controller)
 
-    def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
+    @task()
+    def set_wobj(self, controller: Controller, name: str, wobj: Sequence[float]) -> None:
         """Define a work object, and use it; on the wire, not in the manual."""
-        return self._task(
-            "set_wobj",
-            True,
-            lambda c: c.frames.set_wobj(name_of("name", name, MAX_NAME), pose("wobj", wobj)),
-        )
+        controller.frames.set_wobj(name_of("name", name, MAX_NAME), pose("wobj", wobj))
 
-    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> int:
+    @task()
+    def set_wobj_offset(self, controller: Controller, wobj: Sequence[float], active: bool) -> None:
         """Offset the frames of work objects, multiplied from the right."""
-        return self._task(
-            "set_wobj_offset",
-            True,
-            lambda c: c.frames.set_wobj_offset(pose("wobj", wobj) if active else None),
-        )
+        controller.frames.set_wobj_offset(pose("wobj", wobj) if active else None)
 
     def get_tcp_offset(self) -> list[float]:
         """末端工具的偏移量 [m, rad]."""

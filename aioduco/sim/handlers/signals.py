@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from aioduco._wire.rpc import IOStatus
 from aioduco.models.enums import OutputMode
@@ -33,13 +33,15 @@ class SignalHandlers(HandlerSection):
     changes nothing.
     """
 
-    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int:
+    @task()
+    def set_standard_digital_out(self, _: Controller, num: int, value: bool) -> None:
         """通用 IO 输出."""
-        return self._set("set_standard_digital_out", self._signals.standard_out, num, value, block)
+        _bank(self._signals.standard_out, num)[num] = value
 
-    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int:
+    @task()
+    def set_tool_digital_out(self, _: Controller, num: int, value: bool) -> None:
         """末端 IO 输出."""
-        return self._set("set_tool_digital_out", self._signals.tool_out, num, value, block)
+        _bank(self._signals.tool_out, num)[num] = value
 
     def get_standard_digital_out(self, num: int) -> bool:
         """通用 IO 输出."""
@@ -102,9 +104,7 @@ class SignalHandlers(HandlerSection):
         duty_cycle: int,
     ) -> None:
         """Make a general output a level (0) or pulses (1)."""
-        outputs = self._signals.standard_out
-        if num not in outputs:
-            raise mismatch(f"there is no output {num}; there are 1 to {len(outputs)}")
+        outputs = _bank(self._signals.standard_out, num)
         choice("type", type, tuple(OutputMode), "0 or 1")
         pulses = LEVEL
         if type == OutputMode.PULSES:
@@ -127,69 +127,45 @@ class SignalHandlers(HandlerSection):
         """机械臂末端的模拟电压输入 [V]."""
         return self._signals.tool_voltage_in.read(num)
 
-    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
+    @task()
+    def set_standard_analog_voltage_out(self, _: Controller, num: int, value: float) -> None:
         """控制柜上的模拟电压输出, 0 to 10 V."""
-        return self._set(
-            "set_standard_analog_voltage_out",
-            self._signals.voltage_out,
-            num,
-            value,
-            block,
-            lambda: number("value", value, 0.0, 10.0, "V"),
-        )
+        outputs = _bank(self._signals.voltage_out, num)
+        number("value", value, 0.0, 10.0, "V")
+        outputs[num] = value
 
-    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int:
+    @task()
+    def set_standard_analog_current_out(self, _: Controller, num: int, value: float) -> None:
         """控制柜上的模拟电流输出, 4 to 20 mA."""
-        return self._set(
-            "set_standard_analog_current_out",
-            self._signals.current_out,
-            num,
-            value,
-            block,
-            lambda: number("value", value, 4.0, 20.0, "mA"),
-        )
+        outputs = _bank(self._signals.current_out, num)
+        number("value", value, 4.0, 20.0, "mA")
+        outputs[num] = value
 
-    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
+    @task()
+    def set_analog_output_mode(self, _: Controller, num: int, mode: int) -> None:
         """Set an analog output to voltage (0) or current (1); on the wire, not in the manual."""
-        return self._set(
-            "set_analog_output_mode",
-            self._signals.analog_mode,
-            num,
-            mode,
-            block,
-            lambda: number("mode", mode, 0, 1, "in whole numbers"),
-        )
+        outputs = _bank(self._signals.analog_mode, num)
+        number("mode", mode, 0, 1, "in whole numbers")
+        outputs[num] = mode
 
-    def _set(
-        self,
-        name: str,
-        bank: Bank[T],
-        num: int,
-        value: T,
-        block: bool,
-        check: Callable[[], object] = lambda: None,
-    ) -> int:
-        def command(_: Controller) -> None:
-            if num not in bank:
-                raise mismatch(f"there is no output {num}; there are 1 to {len(bank)}")
-            check()
-            bank[num] = value
-
-        return self._task(name, block, command)
-
-    def write_bool_reg(self, num: int, value: bool) -> int:
+    @task()
+    def write_bool_reg(self, _: Controller, num: int, value: bool) -> None:
         """内部 bool 寄存器, 1 to 64."""
-        return self._write("write_bool_reg", self._signals.bool_out, num, value)
+        _bank(self._signals.bool_out, num, "register")[num] = value
 
-    def write_word_reg(self, num: int, value: int) -> int:
+    @task()
+    def write_word_reg(self, _: Controller, num: int, value: int) -> None:
         """内部 word 寄存器, 1 to 32."""
-        fits = _WORDS[0] <= value <= _WORDS[1]
-        return self._write("write_word_reg", self._signals.word_out, num, value, fits)
+        registers = _bank(self._signals.word_out, num, "register")
+        _check_fits(value, _WORDS[0] <= value <= _WORDS[1])
+        registers[num] = value
 
-    def write_float_reg(self, num: int, value: float) -> int:
+    @task()
+    def write_float_reg(self, _: Controller, num: int, value: float) -> None:
         """内部 float 寄存器, 1 to 32."""
-        finite = math.isfinite(value)
-        return self._write("write_float_reg", self._signals.float_out, num, value, finite)
+        registers = _bank(self._signals.float_out, num, "register")
+        _check_fits(value, math.isfinite(value))
+        registers[num] = value
 
     def read_bool_reg(self, num: int) -> bool:
         """内部 bool 寄存器, 1 to 64."""
@@ -258,21 +234,26 @@ class SignalHandlers(HandlerSection):
                 return _NOT_SET
         return 0
 
-    def _write(self, name: str, bank: Bank[T], num: int, value: T, fits: bool = True) -> int:
-        def command(_: Controller) -> None:
-            if num not in bank:
-                raise mismatch(f"there is no register {num}; there are 1 to {len(bank)}")
-            if not fits:
-                raise mismatch(f"{value} does not fit into the register")
-            bank[num] = value
-
-        return self._task(name, True, command)
-
     def _value(self, function: str, nothing: T, read: Callable[[SystemValues], T]) -> T:
         try:
             return read(self._cabinet.values)
         except UndefinedValue as exc:
             return self._invalid_arguments(function, exc, nothing)
+
+
+B = TypeVar("B", bound="Bank[Any]")
+
+
+def _bank(bank: B, num: int, kind: str = "output") -> B:
+    """Check that a bank has an output or a register of a number."""
+    if num not in bank:
+        raise mismatch(f"there is no {kind} {num}; there are 1 to {len(bank)}")
+    return bank
+
+
+def _check_fits(value: float, fits: bool) -> None:
+    if not fits:
+        raise mismatch(f"{value} does not fit into the register")
 
 
 def signed16(word: int) -> int:
