@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
 
 from aioduco import Jog, JogFrame
@@ -267,36 +268,34 @@ def _read(text: str | bytes) -> PageRequest:
     if not isinstance(data, dict):
         raise ParameterError("message", "…", "an object of JSON")
     ask = data.get("ask")
-    make = _REQUESTS.get(ask) if isinstance(ask, str) else None
-    if make is None:
+    kind: Any = _REQUESTS.get(ask) if isinstance(ask, str) else None
+    if kind is None:
         raise ParameterError("ask", ask, f"one of {', '.join(_REQUESTS)}")
-    return make(data)
+    request: PageRequest = kind(
+        **{each.name: _READERS[each.name](each.name, data.get(each.name)) for each in fields(kind)}
+    )
+    return request
 
 
-def _token(data: dict[str, Any]) -> TakeControl:
-    token = data.get("token")
+def _token(name: str, token: Any) -> str:
     if not isinstance(token, str):  # the error never contains the value
-        raise ParameterError("token", "…", "a string")
-    return TakeControl(token)
+        raise ParameterError(name, "…", "a string")
+    return token
 
 
-def _press(data: dict[str, Any]) -> Press:
-    motion = data.get("motion")
+def _motion(name: str, motion: Any) -> HoldMotion:
     if not isinstance(motion, dict):
-        raise ParameterError("motion", motion, "an object")
+        raise ParameterError(name, motion, "an object")
     kind = motion.get("kind")
     percent = _number("percent", motion.get("percent"), 1.0, 100.0)
-    made: HoldMotion
     if kind == "jog":
-        made = JogMotion(_jog(motion, percent))
-    elif kind == "joints":
-        made = JointMotion(_six("joints", motion.get("to")), JOINT_SPEED * percent / 100)
-    elif kind == "line":
+        return JogMotion(_jog(motion, percent))
+    if kind == "joints":
+        return JointMotion(_six("joints", motion.get("to")), JOINT_SPEED * percent / 100)
+    if kind == "line":
         speed = max(0.01, LINE_SPEED * percent / 100)
-        made = LineMotion(_six("pose", motion.get("to")), speed)
-    else:
-        raise ParameterError("kind", kind, "jog, joints or line")
-    return Press(made, _whole("seen", data.get("seen")))
+        return LineMotion(_six("pose", motion.get("to")), speed)
+    raise ParameterError("kind", kind, "jog, joints or line")
 
 
 def _jog(motion: dict[str, Any], percent: float) -> Jog:
@@ -313,62 +312,14 @@ def _jog(motion: dict[str, Any], percent: float) -> Jog:
     return Jog.joint(_whole("axis", axis), direction, percent)
 
 
-def _beat(data: dict[str, Any]) -> PageBeat:
-    return PageBeat(_whole("seen", data.get("seen")), _flag("down", data.get("down")))
+def _aim(name: str, given: Any) -> tuple[float, ...] | None:
+    return None if given is None else _six(name, given)
 
 
-def _aim(data: dict[str, Any]) -> PageAim:
-    given = data.get("joints")
-    return PageAim(None if given is None else _six("joints", given))
-
-
-def _action(data: dict[str, Any]) -> RobotAction:
-    verb = _one_of("verb", data.get("verb"), get_args(RobotVerb))
-    return RobotAction(verb, _whole("seen", data.get("seen")))
-
-
-def _output(data: dict[str, Any]) -> SetOutput:
-    num, on = _whole("num", data.get("num")), _flag("on", data.get("on"))
-    tool, seen = _flag("tool", data.get("tool")), _whole("seen", data.get("seen"))
-    return SetOutput(num, on, tool, seen)
-
-
-def _line(data: dict[str, Any]) -> SimulatorLine:
-    line = data.get("line")
-    if not isinstance(line, str) or not line.isprintable() or len(line) > 200:
-        raise ParameterError("line", "…", "one printable line of at most 200 characters")
-    return SimulatorLine(line)
-
-
-def _step(data: dict[str, Any]) -> MeasureStep:
-    step, sensor = (
-        _one_of(name, data.get(name), get_args(kind))
-        for name, kind in (("step", Step), ("sensor", Sensor))
-    )
-    return MeasureStep(step, sensor)
-
-
-def _written(data: dict[str, Any]) -> WriteMeasured:
-    what, name = _one_of("what", data.get("what"), get_args(Written)), data.get("name")
-    if not isinstance(name, str) or not name.isprintable() or len(name) > 32:
-        raise ParameterError("name", "…", "at most 32 printable characters")
-    return WriteMeasured(what, name)
-
-
-_REQUESTS: Final[dict[str, Callable[[dict[str, Any]], PageRequest]]] = {
-    "stop": lambda _: PageStop(),
-    "take": _token,
-    "give_back": lambda _: GiveBack(),
-    "press": _press,
-    "let_go": lambda _: LetGo(),
-    "beat": _beat,
-    "aim": _aim,
-    "do": _action,
-    "output": _output,
-    "simulator": _line,
-    "measure": _step,
-    "write": _written,
-}
+def _printable(name: str, value: Any, most: int, rule: str) -> str:
+    if not isinstance(value, str) or not value.isprintable() or len(value) > most:
+        raise ParameterError(name, "…", rule)
+    return value
 
 
 def _one_of(name: str, value: Any, allowed: tuple[Any, ...]) -> Any:
@@ -400,3 +351,36 @@ def _six(name: str, value: Any) -> tuple[float, ...]:
         raise ParameterError(name, value, "six numbers")
     numbers: Sequence[Any] = value
     return tuple(_number(name, number, -100.0, 100.0) for number in numbers)
+
+
+#: what reads each field of a request
+_READERS: Final[dict[str, Callable[[str, Any], Any]]] = {
+    "token": _token,
+    "motion": _motion,
+    "seen": _whole,
+    "down": _flag,
+    "joints": _aim,
+    "verb": partial(_one_of, allowed=get_args(RobotVerb)),
+    "num": _whole,
+    "on": _flag,
+    "tool": _flag,
+    "line": partial(_printable, most=200, rule="one printable line of at most 200 characters"),
+    "step": partial(_one_of, allowed=get_args(Step)),
+    "sensor": partial(_one_of, allowed=get_args(Sensor)),
+    "what": partial(_one_of, allowed=get_args(Written)),
+    "name": partial(_printable, most=32, rule="at most 32 printable characters"),
+}
+_REQUESTS: Final[dict[str, type[PageRequest]]] = {
+    "stop": PageStop,
+    "take": TakeControl,
+    "give_back": GiveBack,
+    "press": Press,
+    "let_go": LetGo,
+    "beat": PageBeat,
+    "aim": PageAim,
+    "do": RobotAction,
+    "output": SetOutput,
+    "simulator": SimulatorLine,
+    "measure": MeasureStep,
+    "write": WriteMeasured,
+}
