@@ -58,10 +58,10 @@ def draw(report: Report, skeleton: Skeleton | None = None) -> Figure:
 
 
 def _draw_space(axes: Any, report: Report, skeleton: Skeleton | None) -> None:
-    tcp = np.asarray(report.track.tcp)[:, :3]
+    tcp = np.array([sample.pose[:3] for sample in report.samples])
     points = [tcp]
     if skeleton is not None:
-        actual = np.asarray(report.track.actual)
+        actual = np.array([sample.joints for sample in report.samples])
         for row, weight in zip(
             np.linspace(0, len(actual) - 1, _GHOSTS).astype(int),
             np.linspace(0.15, 1.0, _GHOSTS),
@@ -95,9 +95,9 @@ def _draw_part(axes: Any, places: NDArray[np.float64]) -> None:
 
 
 def _draw_joints(axes: Any, report: Report) -> None:
-    at = np.asarray(report.track.at)
-    expected = np.rad2deg(np.asarray(report.track.expected))
-    actual = np.rad2deg(np.asarray(report.track.actual))
+    at = report.times()
+    expected = np.rad2deg([sample.expected_joints for sample in report.samples])
+    actual = np.rad2deg([sample.joints for sample in report.samples])
     for joint, colour in enumerate(_COLOURS):
         axes.plot(at, actual[:, joint], color=colour, lw=1.8, label=f"joint {joint + 1}")
         axes.plot(at, expected[:, joint], color="black", lw=0.8, ls=(0, (3, 3)))
@@ -109,8 +109,8 @@ def _draw_joints(axes: Any, report: Report) -> None:
 
 
 def _draw_errors(axes: Any, report: Report) -> None:
-    at = np.asarray(report.track.at)
-    errors = np.rad2deg(report.track.errors())
+    at = report.times()
+    errors = np.rad2deg(report.errors())
     for joint, colour in enumerate(_COLOURS):
         axes.plot(at, errors[:, joint], color=colour, lw=0.9)
     _shade(axes, report)

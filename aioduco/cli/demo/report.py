@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -11,55 +12,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.models.enums import Outcome
+    from aioduco.models.state import RobotStatus
 
 SCHEMA = 1
 #: number of looks at the box; distance that every arm exceeds when it lifts and carries it [m]
 _LOOKS, _MOVED = 3, 0.05
-
-
-@dataclass(slots=True)
-class StatusRecording:
-    """Samples of the robot's status, one row each, on one clock.
-
-    Attributes:
-        at: time of each sample since the demonstration began [s].
-        expected: commanded joint positions [rad], six each.
-        actual: measured joint positions [rad], six each.
-        tcp: measured pose of the tool [m, rad], six each.
-    """
-
-    at: list[float] = field(default_factory=list)
-    expected: list[tuple[float, ...]] = field(default_factory=list)
-    actual: list[tuple[float, ...]] = field(default_factory=list)
-    tcp: list[tuple[float, ...]] = field(default_factory=list)
-
-    def __len__(self) -> int:
-        return len(self.at)
-
-    def add(
-        self,
-        at: float,
-        expected: tuple[float, ...],
-        actual: tuple[float, ...],
-        tcp: tuple[float, ...],
-    ) -> None:
-        """Add one sample."""
-        self.at.append(at)
-        self.expected.append(expected)
-        self.actual.append(actual)
-        self.tcp.append(tcp)
-
-    def errors(self) -> NDArray[np.float64]:
-        """Commanded minus actual joint positions [rad]. Shape (n, 6)."""
-        expected = np.array(self.expected, dtype=np.float64).reshape(-1, 6)
-        return expected - np.array(self.actual, dtype=np.float64).reshape(-1, 6)
-
-    def greatest_error(self, begin: float, end: float) -> float | None:
-        """Greatest tracking error of a joint between two times [rad]; None without samples."""
-        within = [i for i, at in enumerate(self.at) if begin <= at <= end]
-        if not within:
-            return None
-        return float(np.abs(self.errors()[within]).max())
 
 
 @dataclass(slots=True)
@@ -118,7 +75,8 @@ class Report:
         simulated: whether the demonstration started a simulated controller for itself.
         speed: how many times faster than the wall clock the simulated controller ran.
         motions: the motions in the order in which they were made.
-        track: the samples that were taken.
+        origin: when it began [s of `time.monotonic`].
+        samples: the samples that were taken.
         part: where the simulated box lay, was carried, and lies at the end [m], in the base frame.
         error: the error that ended the demonstration early; empty without one.
     """
@@ -127,10 +85,26 @@ class Report:
     controller: str
     simulated: bool
     speed: float = 1.0
+    origin: float = field(default_factory=time.monotonic)
     motions: list[MotionRecord] = field(default_factory=list)
-    track: StatusRecording = field(default_factory=StatusRecording)
+    samples: list[RobotStatus] = field(default_factory=list)
     part: list[tuple[float, float, float]] = field(default_factory=list)
     error: str = ""
+
+    def errors(self) -> NDArray[np.float64]:
+        """Commanded minus actual joint positions [rad]. Shape (n, 6)."""
+        each = [sample.expected_joints.array - sample.joints.array for sample in self.samples]
+        return np.array(each, dtype=np.float64).reshape(-1, 6)
+
+    def times(self) -> NDArray[np.float64]:
+        """Times of the samples since the demonstration began [s]. Shape (n,)."""
+        return np.array([sample.received_at - self.origin for sample in self.samples])
+
+    def error_between(self, begin: float, end: float) -> float | None:
+        """Greatest tracking error of a joint between two times [rad]; None without samples."""
+        at = self.times()
+        within = self.errors()[(begin <= at) & (at <= end)]
+        return float(np.abs(within).max()) if len(within) else None
 
     @property
     def ok(self) -> bool:
@@ -162,7 +136,7 @@ class Report:
             "simulated": self.simulated,
             "speed": self.speed,
             "error": self.error,
-            "samples": len(self.track),
+            "samples": len(self.samples),
             "part": [list(place) for place in self.part],
             "carried": self.carried,
             "greatest_tracking_error": self.greatest_error,

@@ -85,7 +85,7 @@ def run(
     console.print(view.summary(report))
     if report.error:
         console.print(f"error: {report.error}", style="bold red", markup=False, highlight=False)
-    if plot is not None and len(report.track):
+    if plot is not None and report.samples:
         _plot(report, arm, plot)
         console.print(f"plot: {plot}", highlight=False)
     if result is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 import anyio.to_thread
@@ -30,12 +30,11 @@ __all__ = ["Running", "Stage"]
 PATIENCE = 30.0  # seconds within which the arm must begin to move
 
 
-class Running:
+class Running(NamedTuple):
     """A motion that the controller has accepted: its task, and its record in the report."""
 
-    def __init__(self, task: Task, record: MotionRecord) -> None:
-        self.task = task
-        self.record = record
+    task: Task
+    record: MotionRecord
 
 
 class Stage:
@@ -53,7 +52,6 @@ class Stage:
         self._robot = robot
         self._report = report
         self._view = view
-        self._origin = time.monotonic()
         self._live: list[Running] = []
 
     async def watch(self) -> None:
@@ -103,7 +101,7 @@ class Stage:
         self._report.motions.append(record)
         task = await motion.start()
         record.task_id = task.id
-        record.begin = task.accepted_at - self._origin
+        record.begin = task.accepted_at - self._report.origin
         self._view.began(record)
         running = Running(task, record)
         self._live.append(running)
@@ -133,8 +131,8 @@ class Stage:
         self._live.remove(running)
         task, record = running.task, running.record
         record.outcome = task.outcome
-        record.end = (task.ended_at or time.monotonic()) - self._origin
-        record.tracking_error = self._report.track.greatest_error(record.begin, record.end)
+        record.end = (task.ended_at or time.monotonic()) - self._report.origin
+        record.tracking_error = self._report.error_between(record.begin, record.end)
         if not record.ok:
             record.message = str(error or "")
         self._view.ended(record)
@@ -152,9 +150,7 @@ class Stage:
             raise RobotStateError(f"no joint moved by {angle:g} rad in {PATIENCE:g} s") from error
 
     def _take(self, status: RobotStatus) -> None:
-        actual, pose = tuple(status.joints), tuple(status.pose)
-        at = status.received_at - self._origin
-        self._report.track.add(at, tuple(status.expected_joints), actual, pose)
+        self._report.samples.append(status)
         for running in self._live:
             running.record.state = running.task.state.name.lower()
-        self._view.sample(actual, pose, status.state.name.lower())
+        self._view.sample(status)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Group
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from aioduco.cli.demo.report import MotionRecord, Report
     from aioduco.cli.safe_console import SafeConsole
+    from aioduco.models.state import RobotStatus
 
 __all__ = ["LiveView", "PlainView", "View", "summary", "view_for"]
 
@@ -29,8 +30,8 @@ _STYLES = {
 }
 
 
-class View(Protocol):
-    """Shows the progress of the stage while it runs."""
+class View:
+    """Shows the progress of the stage while it runs; this one shows nothing."""
 
     def open(self, report: Report) -> None:
         """The demonstration begins."""
@@ -44,8 +45,8 @@ class View(Protocol):
     def ended(self, motion: MotionRecord) -> None:
         """A motion has ended."""
 
-    def sample(self, actual: Sequence[float], tcp: Sequence[float], state: str) -> None:
-        """A sample arrived: joints [rad], pose of the tool [m, rad], the robot's state."""
+    def sample(self, status: RobotStatus) -> None:
+        """A sample of the arm arrived."""
 
     def close(self) -> None:
         """Nothing more will be shown."""
@@ -72,7 +73,7 @@ def milliradians(error: float | None) -> str:
     return "not seen" if error is None else f"{error * 1e3:.2f} mrad"
 
 
-class PlainView:
+class PlainView(View):
     """One line per event: for logs, pipes and CI."""
 
     def __init__(self, console: SafeConsole) -> None:
@@ -87,9 +88,6 @@ class PlainView:
         """Print it."""
         self._line(text)
 
-    def began(self, motion: MotionRecord) -> None:
-        """Print nothing: one line at its end is enough."""
-
     def ended(self, motion: MotionRecord) -> None:
         """Print one line."""
         self._line(
@@ -97,17 +95,11 @@ class PlainView:
             f"tracking error {milliradians(motion.tracking_error)}"
         )
 
-    def sample(self, actual: Sequence[float], tcp: Sequence[float], state: str) -> None:
-        """Print nothing: there are 100 samples per second."""
-
-    def close(self) -> None:
-        """Do nothing: each line is already printed."""
-
     def _line(self, text: str) -> None:
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
-class LiveView:
+class LiveView(View):
     """A panel that is redrawn in place: joints, pose of the tool, motions with their states."""
 
     def __init__(self, console: SafeConsole) -> None:
@@ -134,12 +126,10 @@ class LiveView:
         """Show it as running."""
         self._motions.append(motion)
 
-    def ended(self, motion: MotionRecord) -> None:
-        """Do nothing: the record, which is drawn already, has the outcome."""
-
-    def sample(self, actual: Sequence[float], tcp: Sequence[float], state: str) -> None:
+    def sample(self, status: RobotStatus) -> None:
         """Keep it for the next drawing."""
-        self._actual, self._tcp, self._state = actual, tcp, state
+        self._actual, self._tcp = tuple(status.joints), tuple(status.pose)
+        self._state = status.state.name.lower()
 
     def close(self) -> None:
         """Release the terminal."""
