@@ -77,29 +77,10 @@ __all__ = [
     "nothing_forgiven",
 ]
 
+#: modules of these names; the others are faults
 _HOMES = {
     "cancel": ("Cancelled", "cancel_at", "cancel_at_every_await"),
     "conformance": ("check_controller",),
-    "faults": (
-        "ApplicationError",
-        "Chaos",
-        "Cut",
-        "Delay",
-        "DropReply",
-        "DropRequest",
-        "Ending",
-        "Fault",
-        "Garbage",
-        "HalfOpen",
-        "HoldReply",
-        "Place",
-        "Plan",
-        "RepeatReply",
-        "Throttle",
-        "WrongKind",
-        "WrongMethod",
-        "WrongSeqid",
-    ),
     "forgiven": ("nothing_forgiven",),
     "leaks": ("Resources", "no_leaks"),
     "proxy": ("FaultProxy",),
@@ -107,7 +88,8 @@ _HOMES = {
     "records": ("CallRecord", "ConnectionRecord", "ProxyStatistics"),
     "waiting": ("eventually", "eventually_async"),
 }
-_HOME = {name: module for module, names in _HOMES.items() for name in names}
+_HOME = dict.fromkeys(__all__, "faults")
+_HOME |= {name: module for module, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
