@@ -37,7 +37,7 @@ MESSAGES: Final = dict(_read("msg"))
 #: services by their full name
 SERVICES: Final = dict(_read("srv"))
 #: the three parts of control_msgs/FollowJointTrajectory
-ACTION: Final = dict(
+ACTION: Final[dict[str, str]] = dict(
     zip(
         ("Goal", "Result", "Feedback"),
         dict(_read("action"))["control_msgs/FollowJointTrajectory"].split("---\n"),
@@ -45,7 +45,7 @@ ACTION: Final = dict(
     )
 )
 #: fields that actionlib adds to each part
-ACTION_HEADERS: Final = {
+ACTION_HEADERS: Final[dict[str, str]] = {
     "Goal": "Header header\nactionlib_msgs/GoalID goal_id\n{name}Goal goal\n",
     "Result": "Header header\nactionlib_msgs/GoalStatus status\n{name}Result result\n",
     "Feedback": "Header header\nactionlib_msgs/GoalStatus status\n{name}Feedback feedback\n",
