@@ -223,6 +223,6 @@ async def test_a_call_without_time_is_not_sent(timeout: float) -> None:
 async def test_a_closed_lane_sends_nothing() -> None:
     async with opened() as (lane, server):
         await lane.aclose()
-        with pytest.raises(ConnectionLost, match="not open"):
+        with pytest.raises(ConnectionLost, match="is closed: use the robot"):
             lane.prepare("stop", (True,), PATIENCE)
         assert server.calls == []
