@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models.rules import Flag, Integer, Integers, Number, Points, Vector
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 __all__ = ["ExternalAxis", "ExternalAxisScheme", "ExternalAxisState"]
 
 _SOURCE = "EAxisParam and EAxisSchemeParam on the wire"
 _WHOLE = Integer(-(2**31), 2**31 - 1, source=_SOURCE)
-_WHOLES = Integers(_WHOLE, source=_SOURCE)
-_FINITE = Number(source=_SOURCE)
-_FINITES = Vector(_FINITE, source=_SOURCE)
-_ROWS = Points(_FINITES, 0, 2**31 - 1, source=_SOURCE)
-_FLAG = Flag(source=_SOURCE)
+_FINITES = Vector(Number(source=_SOURCE), source=_SOURCE)
+#: by the types of the attributes
+_RULES: dict[Any, Callable[[str, Any], Any]] = {
+    "int": _WHOLE,
+    "float": Number(source=_SOURCE),
+    "bool": Flag(source=_SOURCE),
+    "Sequence[int]": Integers(_WHOLE, source=_SOURCE),
+    "Sequence[float]": _FINITES,
+    "Sequence[Sequence[float]]": Points(_FINITES, 0, 2**31 - 1, source=_SOURCE),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,21 +92,7 @@ class ExternalAxis:
         Raises:
             ParameterError: a value is of another type, or not finite.
         """
-        return rpc.EAxisParam(
-            type=_WHOLE("type", self.type),
-            mode=_WHOLE("mode", self.mode),
-            ref_velo=_FINITE("ref_velo", self.ref_velo),
-            ref_acc=_FINITE("ref_acc", self.ref_acc),
-            ref_jerk=_FINITE("ref_jerk", self.ref_jerk),
-            max_velo=_FINITE("max_velo", self.max_velo),
-            max_acc=_FINITE("max_acc", self.max_acc),
-            encoder_type=_WHOLE("encoder_type", self.encoder_type),
-            encoder_resolution=_WHOLE("encoder_resolution", self.encoder_resolution),
-            position_bias=_FINITE("position_bias", self.position_bias),
-            screw_lead=_FINITE("screw_lead", self.screw_lead),
-            invert=_FLAG("invert", self.invert),
-            position_limit=_FINITES("position_limit", self.position_limit),
-        )
+        return rpc.EAxisParam(**_checked(self))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,13 +122,14 @@ class ExternalAxisScheme:
         Raises:
             ParameterError: a value is of another type, or not finite.
         """
-        return rpc.EAxisSchemeParam(
-            type=_WHOLE("type", self.type),
-            axis_link=_WHOLES("axis_link", self.axis_link),
-            base=_FINITES("base", self.base),
-            dh=_ROWS("dh", self.dh),
-            install=_WHOLE("install", self.install),
-        )
+        return rpc.EAxisSchemeParam(**_checked(self))
+
+
+def _checked(given: ExternalAxis | ExternalAxisScheme) -> dict[str, Any]:
+    """The attributes by name, each checked by the rule for its type."""
+    return {
+        each.name: _RULES[each.type](each.name, getattr(given, each.name)) for each in fields(given)
+    }
 
 
 def checked(name: str, value: object, kind: type[ExternalAxis] | type[ExternalAxisScheme]) -> None:

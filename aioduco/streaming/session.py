@@ -286,12 +286,12 @@ class Session(OpenStream):
         self._background.start(self._supervise(), f"aioduco {self.name}", self._supervised.set)
         self._background.start(self._send_keep_alives(), f"aioduco {self.name} keep-alive")
         with anyio.move_on_after(self._options.connect_timeout):
-            await self._until(lambda: self._ready)
+            await self._until(lambda: bool(self._word(StatusWord.READY)))
         if self._commands:
             await self.until_gone()
         if self.gone:
             self.check_end()
-        if not self._ready:
+        if not self._word(StatusWord.READY):
             raise WorkerFailed("the stream's worker did not get ready in time; nothing was sent")
 
     def _launch(self) -> None:
@@ -379,7 +379,7 @@ class Session(OpenStream):
         was_on, self._mode_was_on = self._mode_was_on, None
         if modes is None or was_on is None:
             return
-        if self._mode_on:
+        if self._word(StatusWord.MODE):
             modes.overdue(ending)
         elif not was_on:
             modes.over(ending)
@@ -409,8 +409,8 @@ class Session(OpenStream):
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
-        lost = self._worker_reason is Reason.WORKER_DIED or self._mode_on
-        lost = lost or bool(self._word(StatusWord.UNSTOPPED))
+        lost = self._worker_reason is Reason.WORKER_DIED or self._word(StatusWord.MODE)
+        lost = lost or self._word(StatusWord.UNSTOPPED)
         if lost and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 
@@ -453,10 +453,10 @@ class Session(OpenStream):
                 return False
 
     async def _kill_if_hung(self, patience: float) -> None:
-        beat, changed = self._beat, time.monotonic()
+        beat, changed = self._word(StatusWord.BEAT), time.monotonic()
         async for _ in every(_LOOK):
-            if self._beat != beat or not self._ready:
-                beat, changed = self._beat, time.monotonic()
+            if self._word(StatusWord.BEAT) != beat or not self._word(StatusWord.READY):
+                beat, changed = self._word(StatusWord.BEAT), time.monotonic()
             elif time.monotonic() - changed > patience:
                 self.kill()
 
@@ -580,21 +580,6 @@ class Session(OpenStream):
         with contextlib.suppress(ValueError):
             if self.block is not None:
                 self.block.control[word] = value
-
-    @property
-    def _beat(self) -> int:
-        """Time of the worker's last tick [ns of the monotonic clock]; 0 before the first."""
-        return self._word(StatusWord.BEAT)
-
-    @property
-    def _ready(self) -> bool:
-        """Whether the worker is connected."""
-        return bool(self._word(StatusWord.READY))
-
-    @property
-    def _mode_on(self) -> bool:
-        """Whether the mode of the stream may be on, or its points in the track pool."""
-        return bool(self._word(StatusWord.MODE))
 
     @property
     def quiet(self) -> bool:

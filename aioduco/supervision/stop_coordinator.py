@@ -583,20 +583,18 @@ class StopCoordinator:
     async def pause(self) -> None:
         """Pause all tasks, and wait until the arm stands."""
         with self.gate.stop(PermitEnding.PAUSED):
-            await self._pause()
-
-    async def _pause(self) -> None:
-        if self._halt_streams():
-            # A stream follows a clock, so it cannot continue later where it was. But what it has
-            # sent is paused, and continues when resumed.
-            await self._silence_streams()
-            self.unfollowed_motion = True
-        # A paused motion whose task has ended looks as if it were over, but continues when resumed.
-        self.unfollowed_motion = self.unfollowed_motion or any(
-            task.life.continues_after_task for task in self.follower.tasks
-        )
-        await self._controlled("pause")
-        await self.standstill()
+            if self._halt_streams():
+                # A stream follows a clock, so it cannot continue later where it was. But what it
+                # has sent is paused, and continues when resumed.
+                await self._silence_streams()
+                self.unfollowed_motion = True
+            # A paused motion whose task has ended looks as if it were over, but continues when
+            # resumed.
+            self.unfollowed_motion = self.unfollowed_motion or any(
+                task.life.continues_after_task for task in self.follower.tasks
+            )
+            await self._controlled("pause")
+            await self.standstill()
 
     async def resume(self) -> None:
         """Resume all paused tasks."""
@@ -606,8 +604,13 @@ class StopCoordinator:
         self.liveness.will_move("resume")
         # Motions of other programs are resumed, too, and are this program's from now on.
         self.gate.resume()
-        answer = await self._resumed(permit)
-        await self.follower.complete("resume", answer, _PAUSE_LIMIT, permit.stops)
+        lane, timeout = self._channel.others, self._settings.call_timeout
+        call, cancelled = await self.answered(
+            lane, permit, "resume", (False,), timeout, followed=False
+        )
+        if (error := cancelled or call.error or refusal("resume", call.value)) is not None:
+            raise error
+        await self.follower.complete("resume", call.value, _PAUSE_LIMIT, permit.stops)
 
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands."""
@@ -656,17 +659,6 @@ class StopCoordinator:
         for task in self.follower.tasks:
             task.release_clock()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
-
-    async def _resumed(self, permit: Permit) -> int:
-        """Send resume. Returns the id of the task that it became."""
-        lane, timeout = self._channel.others, self._settings.call_timeout
-        call, cancelled = await self.answered(
-            lane, permit, "resume", (False,), timeout, followed=False
-        )
-        if (error := cancelled or call.error or refusal("resume", call.value)) is not None:
-            raise error
-        answer: int = call.value
-        return answer
 
 
 def _give_up(call: LaneCall) -> None:

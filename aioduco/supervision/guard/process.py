@@ -21,6 +21,7 @@ import signal
 import socket
 import syslog
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 import anyio
@@ -175,11 +176,10 @@ class GuardedRobot:
         motion = UnansweredMotion(now, now, now + ABANDONED_LIMIT)
         motion.connection_reset(begin)
         motion.stopped(now, now)
-        if not await bring_to_rest(motion, self._stop_again, self.stop_channel.moving):
+        if not await bring_to_rest(
+            motion, partial(self.stop_channel.stop, ABANDONED_LIMIT), self.stop_channel.moving
+        ):
             _log.critical("the arm was told to stop, and begins to move again and again")
-
-    async def _stop_again(self) -> None:
-        await self.stop_channel.stop(ABANDONED_LIMIT)
 
     async def aclose(self) -> None:
         """End the heartbeat and close the connections."""
