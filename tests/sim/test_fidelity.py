@@ -98,9 +98,16 @@ def test_each_function_is_simulated_or_refused_with_a_reason(name: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(set(idl.functions()) - set(NOT_PUBLIC)))
 def test_each_handler_takes_what_the_wire_brings(name: str) -> None:
-    ours = inspect.signature(getattr(Handlers, name)).parameters
-    theirs = inspect.signature(getattr(Functions, name)).parameters
-    assert list(ours) == list(theirs)
+    handler = getattr(Handlers, name)
+    theirs = list(inspect.signature(getattr(Functions, name)).parameters)
+    assert list(inspect.signature(handler).parameters) == theirs
+    command = inspect.getclosurevars(handler).nonlocals.get("command")
+    if command is not None:  # it gets the controller, and all but `block` by name
+        ours = inspect.signature(command).parameters.values()
+        named = [each.name for each in ours if each.kind is not each.VAR_KEYWORD][2:]
+        given = [each for each in theirs[1:] if each != "block"]
+        assert named == given[: len(named)]
+        assert len(named) == len(given) or len(named) < len(ours) - 2
 
 
 def test_the_reasons_are_those_that_callers_get() -> None:
