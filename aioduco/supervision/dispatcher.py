@@ -145,8 +145,19 @@ class Dispatcher:
         *,
         deadline: float | None = None,
         on_cancel: OnCancel | None = None,
+        behind: Task | None = None,
     ) -> Task:
-        """Send a command and return its task; `MotionCommand.start` describes it."""
+        """Send a command and return its task; `MotionCommand.start` describes it.
+
+        Args:
+            command: the command.
+            deadline: seconds after which the arm is stopped.
+            on_cancel: what happens if the await of the task is cancelled.
+            behind: the motion of a path after which it is sent; None for any other.
+
+        Raises:
+            TaskError: that motion has ended, and did not succeed; nothing was sent.
+        """
         permit = self._asked(command)
         # Locked until the result of the command is certain: while a command that was lost is being
         # stopped, no other motion is sent, and the robot is not closed.
@@ -154,6 +165,8 @@ class Dispatcher:
             if command.motion:
                 command = await self._prepared(command, permit)
             errors = await self._coordinator.follower.error_list()
+            if behind is not None:
+                await self._coordinator.follower.others_ended(behind)
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
             return await self._launch(command, permit, errors, deadline, on_cancel)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.supervision.command import MotionCommand
@@ -99,8 +100,9 @@ class MotionPath(Uncopied):
         if self._permits.gate.ending(permit) is not None:
             await self._until(0)
             raise RobotStateError(f"{motion!r} was not sent: the arm was stopped on this path")
-        with self._permits.within(permit):
-            task = await motion.start()
+        behind = self._live[-1] if self._live else None
+        with self._permits.within(permit), trial.started():
+            task = await self._dispatcher.launch(motion.command, behind=behind)
         self._live.append(task)
         return task
 

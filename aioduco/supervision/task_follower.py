@@ -15,6 +15,8 @@ Guarantees:
 - A task that could not be polled for `LOST_AFTER` seconds ends with an unknown outcome. Nothing is
   assumed about it.
 - If another program stops a motion, those that this program has sent after it are stopped, too.
+- The next motion of a path is not sent while another program's task may brake the arm: see
+  `others_ended`.
 - A motion that cannot be followed any more, or is overdue, is stopped. Its await ends when the arm
   stands, when no stop was accepted in time, or when the controller must have stopped the arm by
   itself, because no heartbeat reaches it.
@@ -105,6 +107,10 @@ ASK_LIMIT = 0.5
 #: seconds without an answer about a task after which its outcome is unknown
 LOST_AFTER = 2.0
 
+#: tasks of others after a motion that are looked at, at most
+_OTHERS = 8
+
+_UNDER_WAY = (TaskState.RUNNING, TaskState.PAUSED)
 #: outcomes to which the controller's error list belongs
 _WITH_ERRORS = {Outcome.FAILED, Outcome.ILLEGAL, Outcome.PARAMETER_MISMATCH}
 
@@ -243,6 +249,38 @@ class TaskFollower:
             )
         return task.result()
 
+    async def others_ended(self, last: Task) -> None:
+        """Wait until the tasks that others have made since a motion have ended, or the motion has.
+
+        Another program's abort ends motions with the state of blending, once the arm stands. Its
+        task, whose number is behind that of the motion (manual 1.3.3), runs until then. So nothing
+        is taken for an abort here: what would follow the motion only waits for such a task.
+
+        Args:
+            last: the motion that the next one is to follow.
+
+        Raises:
+            TaskError: the motion has ended, and did not succeed.
+        """
+        own = {task.id for task in self.tasks}
+        found = False
+        try:
+            for number in range(last.id + 1, last.id + 1 + _OTHERS):
+                if number in own:
+                    continue
+                while (state := await self._state(number)) in _UNDER_WAY and not last.done:
+                    found = True
+                    await anyio.sleep(STEADY)
+                if not state.ended:
+                    break  # there is no such task
+                found = True
+            if found and (await self._state(last.id)).ended:
+                await last.wait()
+        except DucoError:
+            return  # a lost connection is handled elsewhere
+        if last.done:
+            last.result()
+
     async def motions_ended(self) -> None:
         """Wait until the motions are seen to have ended, for a second at most."""
         with anyio.move_on_after(END_LIMIT):
@@ -272,7 +310,7 @@ class TaskFollower:
             answered = await self._ask_whether_it_stands(task)
         elif not task.life.undecided:
             try:
-                state = await self._state(task)
+                state = await self._state(task.id)
                 if state is TaskState.INTERRUPT and await self._aborted(task):
                     task.life.all_interrupted()
             except ControllerError:
@@ -307,10 +345,10 @@ class TaskFollower:
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
         self._due[task] = next_poll(self._due[task], now, every)
 
-    async def _state(self, task: Task) -> TaskState:
+    async def _state(self, number: int) -> TaskState:
         """Poll the state of a task."""
         self.polls += 1
-        value: int = await self._lane.call("get_noneblock_taskstate", (task.id,), ASK_LIMIT)
+        value: int = await self._lane.call("get_noneblock_taskstate", (number,), ASK_LIMIT)
         return TaskState(value)
 
     async def _aborted(self, task: Task) -> bool:
@@ -320,7 +358,7 @@ class TaskFollower:
         motion was sent, that may have replaced the last one, as set-points do.
         """
         *_, last = self.motions or (task,)
-        if last is task or await self._state(last) is not TaskState.INTERRUPT:
+        if last is task or await self._state(last.id) is not TaskState.INTERRUPT:
             return False
         return last.life.successor is Successor.NONE
 
@@ -408,7 +446,7 @@ class TaskFollower:
         if last is task or last.life.successor is Successor.SENT:
             return last.life.successor is Successor.SENT
         try:
-            return not (await self._state(last)).ended
+            return not (await self._state(last.id)).ended
         except DucoError:
             return True  # it may
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 
 import anyio
@@ -11,7 +12,7 @@ from moments import cancelled_once
 import aioduco
 from aioduco import Outcome, TaskState
 from aioduco.testing import eventually_async
-from client.bench import HOME, POSE, Bench
+from client.bench import HOME, POSE, Bench, BenchTask
 
 
 def motions(robot: aioduco.Robot, radii: list[float]) -> list[aioduco.MotionCommand]:
@@ -274,6 +275,47 @@ async def test_an_abort_by_somebody_else_is_not_taken_for_blending(
     with pytest.raises(aioduco.TaskInterrupted):
         await along()
     assert len(bench.received("movel")) == 2
+
+
+@pytest.mark.parametrize("abort", [True, False])
+async def test_a_path_goes_on_when_the_task_of_another_program_has_ended(
+    robot: aioduco.Robot, bench: Bench, abort: bool
+) -> None:
+    """That of an abort ends with the motions, when the arm stands; another one before them."""
+    bench.motion_time = 30.0
+    legs = motions(robot, [0.02, 0.02, 0.0])
+    for leg in legs:
+        leg.mark_used()
+    sent: list[int] = []
+
+    async def end_their_task(theirs: int, second: int) -> None:
+        state = "get_noneblock_taskstate"
+        await eventually_async(
+            lambda: any(call.args == (theirs,) for call in bench.received(state))
+        )
+        sent.append(len(bench.received("movel")))
+        with bench._lock:
+            bench.tasks[theirs].state = TaskState.FINISHED
+            if abort:
+                bench.tasks[second].state = TaskState.INTERRUPT
+
+    async def along() -> None:
+        async with anyio.create_task_group() as tg, robot.motion.path() as path:
+            _, second = [await path.add(leg) for leg in legs[:2]]
+            bench.arrive()  # the first one blends into the second
+            theirs = bench._add(BenchTask("theirs", 0.0, math.inf, motion=False))
+            tg.start_soon(end_their_task, theirs, second.id)
+            await path.add(legs[2])
+            bench.arrive()
+            bench.arrive()
+
+    if abort:
+        with pytest.raises(ExceptionGroup) as raised:
+            await along()
+        assert isinstance(raised.value.exceptions[0], aioduco.TaskInterrupted)
+    else:
+        await along()
+    assert [*sent, len(bench.received("movel"))] == [2, 2 if abort else 3]
 
 
 async def test_a_motion_that_is_sent_meanwhile_may_have_replaced_the_last_one(
