@@ -172,7 +172,7 @@ class LoopWatchdog:
                 continue
             # Now, while it is blocked: afterwards the blocking line cannot be found.
             line, stack = blocking_calls(sys._current_frames().get(self._loop_thread))
-            while self._latest() == stamp:
+            while self._latest() <= stamp:  # below it: the robot that it was of has been left
                 if self._changed.wait(limit / 4):
                     return
             self._report(self._latest() - stamp, line, stack)

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import re
 import sys
+import threading
 import time
 from collections import deque
 from typing import Any
@@ -23,7 +24,7 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
 from aioduco.supervision.events import Event
-from aioduco.supervision.loop_watchdog import LoopWatchdog, blocking_calls
+from aioduco.supervision.loop_watchdog import Liveness, LoopWatchdog, blocking_calls
 from aioduco.supervision.state_feed import Policy, Subscription
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 
@@ -294,6 +295,16 @@ async def test_events_of_the_lines(bench: Bench) -> None:
                 assert beat.after is HeartbeatState.BEATING
 
 
+def blocks_told(caplog: pytest.LogCaptureFixture) -> list[float]:
+    """How long the loop was blocked, of each block that the log tells [s]."""
+    return [
+        float(seconds)
+        for record in caplog.records
+        if record.name == "aioduco.supervision.loop_watchdog"
+        for seconds in re.findall(r"for (-?[\d.]+) s", record.getMessage())
+    ]
+
+
 def block_the_loop(seconds: float) -> None:
     time.sleep(seconds)
 
@@ -308,14 +319,29 @@ async def test_the_time_until_a_robot_is_open_is_not_taken_for_a_blocked_loop(
             await robot.feed.latest()
             block_the_loop(0.5)
             await some(events, changes.LoopBlocked)
-    told = [
-        float(seconds)
-        for record in caplog.records
-        if record.name == "aioduco.supervision.loop_watchdog"
-        for seconds in re.findall(r"for (-?[\d.]+) s", record.getMessage())
-    ]
+    told = blocks_told(caplog)
     assert told
     assert all(0.0 < seconds < 30.0 for seconds in told)
+
+
+def test_a_block_lasts_until_a_robot_that_is_still_open_has_a_keep_alive(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    left, kept = Liveness(), Liveness()
+    kept.ran -= 60.0
+    watchdog = LoopWatchdog(threading.get_ident())
+    for life in (left, kept):
+        watchdog.add(life, 0.02, lambda seconds, where: None)
+    try:
+        time.sleep(0.1)  # meanwhile the watchdog waits for the end of the block
+        assert not watchdog.remove(left)
+        time.sleep(0.1)
+        kept.touch(time.monotonic())
+        eventually(lambda: bool(blocks_told(caplog)))
+    finally:
+        watchdog.remove(kept)
+        assert watchdog.join(5.0)
+    assert all(0.0 < seconds < 30.0 for seconds in blocks_told(caplog))
 
 
 async def test_what_blocks_the_loop_is_named(
