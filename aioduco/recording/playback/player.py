@@ -302,16 +302,18 @@ async def run_waypoints(
     if not isinstance(waypoints, WaypointFile):
         raise ParameterError("waypoints", waypoints, "a WaypointFile")
     speed = _SHARE("speed", speed)
-    found = await check_waypoints_on(robot, waypoints, arm=arm)
-    if found:
-        raise refused(waypoints.title, found)
-    # all motions are made first: arguments that are not allowed are found before the arm moves
-    motions: list[MotionCommand] = []
-    for waypoint in waypoints.waypoints:
-        motions.append(await _motion(robot, waypoint, speed))
-        motions[-1].mark_used()  # if it is not sent, the error that prevents it is report enough
-    ahead: list[MotionCommand] = []
-    with robot.permit("run_waypoints"):  # a stop during a dwell ends them all
+    # a stop ends them all from now on, also while they are checked, and during a dwell
+    with robot.permit("run_waypoints"):
+        found = await check_waypoints_on(robot, waypoints, arm=arm)
+        if found:
+            raise refused(waypoints.title, found)
+        # all motions are made first: arguments that are not allowed are found before the arm moves
+        motions: list[MotionCommand] = []
+        for waypoint in waypoints.waypoints:
+            motions.append(await _motion(robot, waypoint, speed))
+            # if it is not sent, the error that prevents it is report enough
+            motions[-1].mark_used()
+        ahead: list[MotionCommand] = []
         for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
             ahead.append(motion)
             if waypoint.stops or motion is motions[-1]:

@@ -12,9 +12,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import anyio
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from client.bench import Bench
 from numpy.typing import NDArray
 from patient import COMMAND_LINE, patient_queue
 
@@ -36,6 +38,7 @@ from aioduco.recording.playback import (
 )
 from aioduco.recording.playback.sample_times import RecordedGap, gaps_in_words
 from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
 from recording.playback.recorded import FAR, HOME, nod, write
 
 Array = NDArray[np.float64]
@@ -252,6 +255,27 @@ async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -
                     await run_waypoints(robot, file)
                 gc.collect()
             assert [str(each.message) for each in said] == []
+
+
+async def test_a_stop_while_waypoints_are_checked_ends_them() -> None:
+    """They were asked for before the stop: what is computed meanwhile does not make them newer."""
+    with Bench() as bench:
+        bench.answer("get_robot_type", ["GCR5 910", "", ""])
+        gate = bench.hold("cal_fkine", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
+        async with (
+            aioduco.connect(bench.host, bench.port) as robot,
+            anyio.create_task_group() as tasks,
+        ):
+
+            async def run() -> None:
+                with pytest.raises(aioduco.TaskStopped):
+                    await run_waypoints(robot, waypoints())
+
+            tasks.start_soon(run)
+            await eventually_async(lambda: bool(bench.received("cal_fkine")))
+            await robot.stop()
+            gate.set()
+        assert not bench.received("movej2")
 
 
 @pytest.mark.slow
