@@ -23,7 +23,7 @@ import anyio
 import aioduco
 from aioduco import JogDirections, ProgramState, events
 from aioduco._process.copying import Uncopied
-from aioduco.errors import DucoError, MissingExtra, ParameterError
+from aioduco.errors import DucoError, MissingExtra, ParameterError, StopsUnconfirmed
 from aioduco.integrations.panel.control_lease import (
     BeginLease,
     BeginMotion,
@@ -438,10 +438,12 @@ class Panel(Uncopied):
         self._resumed = False
         failed = "the panel has ended"
         try:
-            await self._observer.stop()
+            # what a page commanded may still be on its way: its robot's stop waits for that
+            commander = () if self._commander is None else (self._commander,)
+            await aioduco.stop_all((self._observer, *commander))
             failed = ""
-        except DucoError as error:
-            failed = f"stop failed: {error}"
+        except StopsUnconfirmed as error:
+            failed = f"stop failed: {error.__cause__}"  # of the one arm: the first robot's reason
         finally:
             self._busy.remove("stop")
             self._lease.stop_ended()

@@ -21,7 +21,7 @@ import aioduco
 from aioduco.errors import ConnectError, ParameterError
 from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
-from aioduco.testing import eventually_async
+from aioduco.testing import Delay, FaultProxy, eventually_async
 
 if importlib.util.find_spec("viser") is None:  # which takes long to load
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)
@@ -44,6 +44,9 @@ class Page:
 
     def all(self, kind: str) -> list[dict[str, Any]]:
         return [message for message in self.told if message["tell"] == kind]
+
+    def texts(self) -> list[str]:
+        return [event["text"] for event in self.all("event")]
 
     @property
     def number(self) -> int:
@@ -186,6 +189,23 @@ async def test_the_lease_ends_with_its_page_and_the_arm_is_stopped(bench: Bench)
             assert any(
                 "its page is gone" in line["text"] for line in late.all("hello")[0]["events"]
             )
+
+
+async def test_a_stop_is_confirmed_when_a_motion_that_was_on_its_way_is_ruled_out(
+    bench: Bench,
+) -> None:
+    bench.motion_time = 60.0
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with Panel(proxy.host, proxy.port, **PATIENT) as panel, page_of(panel) as page:
+            await page.command(panel.token)
+            proxy.on("movej2", Delay(request=0.3, reply=0.3))
+            await page.press()
+            await eventually_async(lambda: proxy.calls("movej2"))
+            assert not bench.received("movej2")
+            await page.ask("stop")
+            await eventually_async(lambda: any("stands" in each for each in page.texts()))
+            assert bench.received("movej2")
+            assert not bench.moving()
 
 
 @pytest.mark.parametrize("path", ["socket", "picture", ""])
