@@ -213,7 +213,7 @@ class Panel(Uncopied):
         self._resumed = False
         self._aim: tuple[float, ...] | None = None
         self._busy: list[str] = []
-        self._running_stops = 0
+        self._stops: set[_Stopping] = set()
         self._next_stop: _Stopping | None = None
         self._wrong_tokens: list[str] = []
         self._sample: Snapshot | None = None
@@ -425,8 +425,8 @@ class Panel(Uncopied):
         if self._all is None:
             stopping.end("the panel is not connected")
             return stopping
-        if self._running_stops < _MOST_STOPS:
-            self._running_stops += 1
+        if len(self._stops) < _MOST_STOPS:
+            self._stops.add(stopping)
             self._all.start_soon(self._stop, stopping)
         else:
             self._next_stop = stopping
@@ -447,13 +447,13 @@ class Panel(Uncopied):
         finally:
             self._busy.remove("stop")
             self._lease.stop_ended()
+            self._stops.remove(stopping)
             stopping.end(failed)
-            self._running_stops -= 1
             after, self._next_stop = self._next_stop, None
             if after is not None and self._all is not None:
-                self._running_stops += 1
+                self._stops.add(after)
                 self._all.start_soon(self._stop, after)
-        if not self._running_stops:
+        if not self._stops:
             self._note(failed or "stopped: the arm stands", "alarm" if failed else "good")
 
     async def _stop_for_all(self) -> str:
@@ -483,6 +483,9 @@ class Panel(Uncopied):
                         work.cancel_scope.cancel()
                 finally:
                     self._commander = self._work = None
+                    with anyio.CancelScope(shield=True):
+                        for stopping in tuple(self._stops):  # they need this robot
+                            await stopping.over.wait()
                     if self._resumed:  # not a motion of this robot, but this lease resumed it
                         self._resumed = False
                         with anyio.CancelScope(shield=True):
