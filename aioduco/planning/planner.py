@@ -17,6 +17,7 @@ from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import POSE
 from aioduco.models.rules import Number
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
@@ -95,12 +96,17 @@ class Planner(Closable):
 
     Raises:
         MissingExtra: something of `aioduco[plan]` is not installed.
+        ParameterError: `scene` is no scene, or the seed is out of range.
     """
 
     def __init__(self, scene: Scene, *, tool: PoseLike | None = None, seed: int = 1) -> None:
         for package in _NEEDS:
             if importlib.util.find_spec(package) is None:
                 raise MissingExtra("planning", package, "plan")
+        from aioduco.planning.scene import Scene  # noqa: PLC0415 - whoever has a scene has loaded it
+
+        if not isinstance(scene, Scene):
+            raise ParameterError("scene", scene, "a Scene")
         if not 1 <= seed < 2**31:
             raise ParameterError("seed", seed, "from 1")
         self.scene = scene
@@ -243,7 +249,8 @@ class Planner(Closable):
     ) -> _Request:
         scene = self.scene
         speed = _SPEED("speed", speed)
-        goals = (Pose.of(to),) if via is None else (Pose.of(via), Pose.of(to))
+        end = Pose(*POSE("to", to))
+        goals = (end,) if via is None else (Pose(*POSE("via", via)), end)
         if via is not None:
             # Raises if the three points are on a line, which is not an arc.
             first = scene.arm.fkine(start) @ self._tip

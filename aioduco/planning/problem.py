@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import POSE
 from aioduco.models.rules import Number, Vector
 
 if TYPE_CHECKING:
@@ -63,14 +64,22 @@ def goals_of(goal: GoalLike) -> tuple[Goal, ...]:
     """Make a tuple of one goal or several.
 
     Raises:
-        ParameterError: something else was given, such as six numbers that could be either.
+        ParameterError: something else was given, such as six numbers that could be either, or a
+            pose is out of range.
     """
     if isinstance(goal, Joints | Pose | Region):
-        return (goal,)
+        return (_in_range(goal),)
     given = tuple(goal) if isinstance(goal, Iterable) else ()
     if not given or not all(isinstance(each, Joints | Pose | Region) for each in given):
         raise ParameterError("goal", goal, "Joints, a Pose, a Region, or several of these")
-    return given
+    return tuple(map(_in_range, given))
+
+
+def _in_range(goal: Goal) -> Goal:
+    """Check the pose of a goal as motions do: turned by 180 rad, it is one in degrees."""
+    if not isinstance(goal, Joints):
+        POSE("goal", goal.at if isinstance(goal, Region) else goal)
+    return goal
 
 
 class WorkerScene(NamedTuple):

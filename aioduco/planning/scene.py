@@ -12,6 +12,7 @@ import numpy as np
 from aioduco.errors import MissingExtra, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
 from aioduco.planning.clearance import TOUCHING
 from aioduco.planning.problem import WorkerScene
@@ -207,8 +208,9 @@ class Scene:
 
         Raises:
             SceneError: there is no thing of this name.
+            ParameterError: the configuration is not six joint angles, or out of range.
         """
-        place = self._own.place(Joints.of(joints).array, self._body(name))
+        place = self._own.place(np.array(JOINTS("joints", joints)), self._body(name))
         with self._lock:
             self._attached[name] = place
             self._loose = None if self._loose is None else self._loose_without(name)
@@ -223,11 +225,12 @@ class Scene:
 
         Raises:
             SceneError: nothing of this name is held, or the thing is from a simulator's scene.
+            ParameterError: the configuration is not six joint angles, or out of range.
         """
         if name not in self._attached:
             raise SceneError(f"nothing called {name!r} is held; held: {', '.join(self._attached)}")
         thing = self._known(name)
-        flange = self.mounting.matrix @ self.arm.fkine(Joints.of(joints).array)
+        flange = self.mounting.matrix @ self.arm.fkine(np.array(JOINTS("joints", joints)))
         with self._lock:
             at = Pose.from_matrix(flange @ self._attached.pop(name))
             self._things[name] = dataclasses.replace(thing, at=tuple(at))
@@ -246,9 +249,14 @@ class Scene:
             self._changed()
 
     def forbid(self, one: str, other: str) -> None:
-        """Undo `allow` for two bodies."""
+        """Undo `allow` for two bodies.
+
+        Raises:
+            SceneError: there is no body of one of the names.
+        """
+        pair = self._body(one), self._body(other)
         with self._lock:
-            self._allowed -= {(one, other), (other, one)}
+            self._allowed -= {pair, pair[::-1]}
             self._changed()
 
     # -- questions -----------------------------------------------------------------------------
@@ -396,7 +404,11 @@ class Scene:
 
     def _known(self, name: str) -> Thing:
         if name not in self._things:
-            raise SceneError(f"nothing is called {name!r}; there are {', '.join(self._things)}")
+            own = ", ".join(self._things) or "none"
+            raise SceneError(
+                f"nothing is called {name!r} of what was added to this scene: {own}. A thing of a "
+                "simulator's scene or of an MJCF file can be attached, but not moved or detached"
+            )
         return self._things[name]
 
     def _body(self, name: str) -> str:

@@ -357,3 +357,16 @@ def test_a_gripper_leaves_the_part_between_its_fingers_and_comes_back() -> None:
 def test_what_is_no_goal_is_refused(goal: Any) -> None:
     with pytest.raises(ParameterError, match="Joints, a Pose, a Region, or several of these"):
         goals_of(goal)
+
+
+def test_a_pose_in_degrees_or_millimetres_and_what_is_no_scene_are_refused(scene: Scene) -> None:
+    turned = Pose(0.4, 0.1, 0.4, 180.0, 0.0, 0.0)
+    wrong: list[Any] = [turned, [RIGHT, turned], Region(turned)]
+    for goal in wrong:
+        with pytest.raises(ParameterError, match=r"goal\[3\] is 180"):
+            goals_of(goal)
+    with Planner(scene) as planner, pytest.raises(ParameterError, match=r"to\[0\] is 400"):
+        planner.line_blocking(RIGHT, Pose(400.0, 0.1, 0.4, math.pi, 0.0, 0.0))
+    for it in ("gcr5_910", None):
+        with pytest.raises(ParameterError, match="a Scene"):
+            Planner(it)  # type: ignore[arg-type]  # the wrong type is the point

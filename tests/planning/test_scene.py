@@ -140,6 +140,10 @@ def test_what_is_held_moves_with_the_arm_and_stays_where_it_is_let_go() -> None:
     assert not list(scene.attached)
     with pytest.raises(SceneError, match="is held"):
         scene.detach("part", turned)
+    for change in (scene.attach, scene.detach):
+        scene.attach("part", turned)
+        with pytest.raises(ParameterError, match="not degrees"):
+            change("part", turned.degrees)
 
 
 def test_a_contact_that_is_allowed_is_none_until_it_is_forbidden() -> None:
@@ -156,6 +160,8 @@ def test_a_contact_that_is_allowed_is_none_until_it_is_forbidden() -> None:
     assert scene.collides(READY)
     with pytest.raises(SceneError, match=r"nothing is called 'nobody'; there are [a-z]"):
         scene.allow("nobody", "it")
+    with pytest.raises(SceneError, match=r"nothing is called 'nobody'; there are [a-z]"):
+        scene.forbid("nobody", "it")
 
 
 def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
