@@ -174,6 +174,8 @@ async def test_all_robots_of_a_cell_are_connected_and_move_within_its_limits() -
         ('frame = "table"', 'frame = "tabel"', 28, "did you mean 'table'"),
         ("joints = [0, 0, 1.5,", "jonits = [0, 0, 1.5,", 31, "did you mean 'joints'"),
         ("pose = [0.5, 0,", "pose = [0.5,", 35, "six"),
+        ("pose = [0.5, 0,", "pose = [500, 0,", 35, "millimetres"),
+        ("joints = [0, 0, 1.5,", "joints = [0, 0, 90,", 31, "not degrees"),
         ('frame = "table"', 'frame = ["table"]', 28, "there are table"),
         ("padding = 0.01", "padding = 4", 38, "0.1 m"),
         ('kind = "box"', 'kind = "bocks"', 40, "there are box"),

@@ -19,6 +19,7 @@ from aioduco.models.address import CELL_KEYS, RobotAddress, WrongAddress, robots
 from aioduco.models.load import Load
 from aioduco.models.points import Point, point_of
 from aioduco.models.pose import Pose
+from aioduco.models.ranges import JOINTS, POSE
 from aioduco.models.similar import did_you_mean, unknown
 from aioduco.planning.shapes import Ground, Mesh
 from aioduco.recording.playback.envelope_file import limit_of
@@ -213,8 +214,15 @@ def _pose(place: TomlPath, found: dict[str, Any], name: str) -> Pose | None:
         wrong((*place, given[1]), f"give {given[0]} or {given[1]}")
     key = given[0]
     with at(*place):
-        point = point_of(key, {fields[key]: found.pop(key)})
+        point = _in_range(key, point_of(key, {fields[key]: found.pop(key)}))
     assert isinstance(point, Pose)
+    return point
+
+
+def _in_range(name: str, point: Point) -> Point:
+    """Check a point as motions do: 20 rad or 120 m are degrees or millimetres."""
+    rule = POSE if isinstance(point, Pose) else JOINTS
+    rule(name, point)
     return point
 
 
@@ -313,7 +321,7 @@ def points(value: Any, known: Mapping[str, Pose]) -> dict[str, CellPoint]:
         if frame and (not isinstance(frame, str) or frame not in known):
             wrong((*place, "frame"), f"frame {unknown(str(frame), known)}")
         try:
-            point = point_of(name, found)
+            point = _in_range(name, point_of(name, found))
         except ParameterError as error:
             field = found if len(found) == 1 else ()
             wrong((*place, *field), f"is {error.value!r}, but must be {error.expected}")
