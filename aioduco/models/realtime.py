@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from aioduco._wire import rpc
 from aioduco.models.named_int import NamedInt
-from aioduco.models.rules import JointsRule, Number, PoseRule, Vector
+from aioduco.models.rules import Choice, JointsRule, Number, PoseRule, Vector
 
 if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
@@ -29,6 +29,8 @@ TWIST = Vector(
     *[Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5")] * 3,
 )
 _TORQUES = Vector(Number(unit="N·m", source=_SOURCE), length=6)
+#: by mode, the rule of its values
+_RULES = (_JOINTS, JOINT_VELOCITIES, _TORQUES, _POSE, TWIST)
 
 
 class RealtimeMode(NamedInt):
@@ -41,6 +43,7 @@ class RealtimeMode(NamedInt):
     TWIST = 4
 
 
+_MODE = Choice({int(each): each.name for each in RealtimeMode}, source=_SOURCE)
 #: by mode, the field of the wire's struct
 _FIELDS = (
     *("joint_pos_cmd", "joint_vel_cmd", "joint_torq_cmd"),
@@ -55,10 +58,18 @@ class RealtimePoint:
     Attributes:
         mode: the mode that follows the command; commands of another mode have no effect in it.
         values: six numbers in the units of the mode.
+
+    Raises:
+        ParameterError: the mode is none, or the values are not as its class method takes them.
     """
 
     mode: RealtimeMode
     values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        mode = RealtimeMode(_MODE("mode", self.mode))
+        object.__setattr__(self, "mode", mode)
+        object.__setattr__(self, "values", tuple(_RULES[mode]("values", self.values)))
 
     @classmethod
     def joint_position(cls, q: VectorLike) -> RealtimePoint:

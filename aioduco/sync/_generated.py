@@ -3898,8 +3898,9 @@ class Realtime(_Section):
             period: time between two polls of the queue [s].
             filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
             com_lost_time: time with an empty queue after which the controller faults, up to 10 [s].
-            max_step: largest step between two set-points [rad], or [m, rad].
-            reach: largest distance of the arm from the first set-point [rad], or [m, rad].
+            max_step: only for positions: largest step between two set-points [rad], or [m, rad].
+            reach: only for positions: largest distance of the arm from the first set-point [rad],
+                or [m, rad].
             options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it: `source_rate`, set-points per second [Hz], by default
                 1000, or measured with `latest`; `latest`, `upsample`, `ahead` as for `robot.servo`;

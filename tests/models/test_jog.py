@@ -135,6 +135,14 @@ def test_realtime_commands_out_of_range_are_refused(mode: RealtimeMode) -> None:
     for values in wrong:
         with pytest.raises(ParameterError):
             make(values)
+        with pytest.raises(ParameterError):
+            RealtimePoint(mode, values)
+
+
+@pytest.mark.parametrize("mode", [-1, 7, True, "joint_position", None])
+def test_what_is_no_mode_makes_no_realtime_command(mode: Any) -> None:
+    with pytest.raises(ParameterError, match="mode"):
+        RealtimePoint(mode, tuple(SIX))
 
 
 def test_poses_and_joints_are_not_mixed_up() -> None:

@@ -66,6 +66,15 @@ def positions(queue: Cycles) -> Any:
     return np.array([point.joint_pos_cmd for point in queue.points])
 
 
+@pytest.mark.parametrize("name", ["max_step", "reach"])
+@pytest.mark.parametrize(
+    ("mode", "limit"), [("twist", (0.1, 0.5)), ("joint_velocity", 0.5)], ids=["twist", "joints"]
+)
+def test_of_speeds_there_is_no_step_and_no_reach(name: str, mode: str, limit: Any) -> None:
+    with pytest.raises(ParameterError, match=f"{name} is .*left out: it is for positions alone"):
+        RealtimeStreams(Controller.nowhere()).stream(mode, v=limit, a=limit, **{name: limit})
+
+
 @pytest.mark.cases(1)
 @workers
 async def test_an_array_goes_through_the_queue_from_rest_to_rest(

@@ -89,8 +89,9 @@ class RealtimeStreams(StreamMaker):
             period: time between two polls of the queue [s].
             filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
             com_lost_time: time with an empty queue after which the controller faults, up to 10 [s].
-            max_step: largest step between two set-points [rad], or [m, rad].
-            reach: largest distance of the arm from the first set-point [rad], or [m, rad].
+            max_step: only for positions: largest step between two set-points [rad], or [m, rad].
+            reach: only for positions: largest distance of the arm from the first set-point [rad],
+                or [m, rad].
             options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it: `source_rate`, set-points per second [Hz], by default
                 1000, or measured with `latest`; `latest`, `upsample`, `ahead` as for `robot.servo`;
@@ -119,6 +120,9 @@ class RealtimeStreams(StreamMaker):
             else per_group("max_step", step if max_step is None else max_step, groups),
             reach=per_group("reach", near if reach is None else reach, groups),
         )
+        for name, given in (("max_step", max_step), ("reach", reach)):
+            if speeds and given is not None:
+                raise ParameterError(name, given, "left out: it is for positions alone")
         _DEPTH("depth", depth)
         if frame is not None and chosen is not RealtimeMode.TWIST:
             raise ParameterError("frame", frame, 'left out: it is for mode="twist" alone')
