@@ -117,6 +117,8 @@ class RobotSettings:
             FILE("record", self.record)
         if not isinstance(self.clock, Clock):
             raise ParameterError("clock", self.clock, "a Clock, such as Simulator.clock, or None")
+        if self.trace is not None and not callable(self.trace):
+            raise ParameterError("trace", self.trace, "a function of an event, or None")
         one_of("on_cancel", self.on_cancel, get_args(OnCancel))
 
     @property

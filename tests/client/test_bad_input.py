@@ -33,6 +33,7 @@ from client.bench import HOME, Bench
         ({"on_cancel": "go on"}, "on_cancel"),
         ({"stop_timeout": -1.0}, "stop_timeout"),
         ({"standstill_timeout": True}, "standstill_timeout"),
+        ({"trace": "log.txt"}, "trace"),
     ],
 )
 def test_bad_settings_are_refused_by_name(arguments: dict[str, Any], parameter: str) -> None:

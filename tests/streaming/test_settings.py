@@ -43,7 +43,15 @@ def test_what_is_not_allowed_is_refused_before_anything_is_sent(
 
 @pytest.mark.parametrize(
     "options",
-    [{"run_in": "fiber"}, {"priority": 100}, {"spin": -1.0}, {"timeout": math.inf}],
+    [
+        {"run_in": "fiber"},
+        {"priority": 100},
+        {"spin": -1.0},
+        {"timeout": math.inf},
+        {"cpus": 3},
+        {"cpus": "3"},
+        {"cpus": (-1,)},
+    ],
 )
 def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(ParameterError):

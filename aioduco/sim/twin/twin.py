@@ -25,6 +25,7 @@ from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.pose import Pose
+from aioduco.models.rules import Flag
 from aioduco.models.trace import CallFinished
 from aioduco.models.words import one_of
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
 __all__ = ["Twin", "TwinAction", "TwinStatistics"]
 
 _log = BackgroundLogger(__name__)
+
+_COMMANDS = Flag(source="this package")
 
 TwinAction: TypeAlias = Literal["report", "pause", "stop"]
 
@@ -102,7 +105,7 @@ class Twin(Uncopied):
         self._action = action
         self._model = None if arm is None else arm_of(arm).name
         self._mounting = None if mounting is None else Pose.of(mounting)
-        self._commands = commands
+        self._commands = _COMMANDS("commands", commands)
         self._queue: SimpleQueue[object] = SimpleQueue()
         self._received: deque[TwinUpdate | Exception] = deque()
         self._linked: LinkedProcess | None = None

@@ -76,10 +76,16 @@ class WorkerOptions:
     away_limit: float = 0.25
 
     def __post_init__(self) -> None:
-        from aioduco.models.rules import Integer, Number, stored  # noqa: PLC0415 - not in a worker
+        from aioduco.models.rules import (  # noqa: PLC0415 - not in a worker
+            Integer,
+            Integers,
+            Number,
+            stored,
+        )
         from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
         one_of("run_in", self.run_in, ("process", "thread"))
+        Integers(Integer(0, 4095, source=_SOURCE), source=_SOURCE)("cpus", self.cpus)
         if self.priority is not None:
             Integer(0, 99, source=_SOURCE)("priority", self.priority)
         pause = Number(0.0, 3600.0, "s", source=_SOURCE)

@@ -120,6 +120,8 @@ async def test_what_makes_no_sense_is_refused(robot: aioduco.Robot) -> None:
         robot.twin(action="power_off")  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="TwinLimits"):
         robot.twin("limits.json")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="True or False"):
+        robot.twin(commands="no")  # type: ignore[arg-type]
     another = dataclasses.replace(LIMITS, arm="gcr20_1100")
     with pytest.raises(ParameterError, match="gcr5_910"):
         await robot.twin(another).start()
