@@ -35,21 +35,28 @@ def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
         ParameterError: it is neither a name nor a pose.
     """
     high = arm.reach + arm.geometry.d1
-    named = {
-        "floor": Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        "wall": Pose(0.0, 0.0, 4.0 / 3.0 * high, 0.0, 0.5 * math.pi, 0.0),
-        "ceiling": Pose(0.0, 0.0, 2.0 * high, math.pi, 0.0, 0.0),
-    }
     if not isinstance(mounting, str):
         return Pose.of(mounting)
-    return named[one_of("mounting", mounting, named, besides="a pose")]
+    heights = {"floor": 0.0, "wall": 4.0 / 3.0 * high, "ceiling": 2.0 * high}
+    return _turned(mounting).shifted(z=heights[mounting])
 
 
-def gravity(mounting: Pose) -> Array:
+def gravity(mounting: MountingLike) -> Array:
     """Return the acceleration of gravity along the base's axes [m/s²]. Shape (3,).
 
     Args:
-        mounting: pose of the base in the world [m, rad].
+        mounting: "floor", "wall" or "ceiling", or pose of the base in the world [m, rad].
+
+    Raises:
+        ParameterError: it is neither a name nor a pose.
     """
-    down: Array = -GRAVITY * mounting.matrix[2, :3]
+    base = _turned(mounting) if isinstance(mounting, str) else Pose.of(mounting)
+    down: Array = -GRAVITY * base.matrix[2, :3]
     return down
+
+
+def _turned(mounting: str) -> Pose:
+    """Return how the base of an arm that is mounted so is turned, at the world's origin."""
+    turns = {"floor": (0.0, 0.0), "wall": (0.0, 0.5 * math.pi), "ceiling": (math.pi, 0.0)}
+    about_x, about_y = turns[one_of("mounting", mounting, turns, besides="a pose")]
+    return Pose(0.0, 0.0, 0.0, about_x, about_y, 0.0)

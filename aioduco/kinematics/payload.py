@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from aioduco.errors import CalibrationError, ParameterError
+from aioduco.kinematics.arm import Arm
+from aioduco.kinematics.catalogue import arm as _model
 from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
@@ -20,7 +22,6 @@ from aioduco.models.rules import Number, Vector
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.kinematics.arm import Arm
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rotation import Array
     from aioduco.models.rules import VectorLike
@@ -97,7 +98,7 @@ def identify_load_by_forces(
 
 
 def identify_load_by_torques(
-    arm: Arm,
+    arm: Arm | str,
     joints: Sequence[JointsLike] | Array,
     torques: Sequence[VectorLike] | Array,
     *,
@@ -110,7 +111,7 @@ def identify_load_by_torques(
     by 30 degrees or more.
 
     Args:
-        arm: the arm, from `aioduco.kinematics.arm`.
+        arm: the arm, from `aioduco.kinematics.arm`, or its model.
         joints: for each pose, the joints [rad]. Shape (n, 6).
         torques: for each pose, the torques on the joints by the load [N·m], such as the mean of
             many readings of `await robot.state.get_ext_torque()`, which are those by the load that
@@ -132,8 +133,13 @@ def identify_load_by_torques(
     q = _rows("joints", joints, count)
     read = _centred(_rows("torques", torques, count))
     down = _acceleration(gravity)
-    moves = np.swapaxes(arm.jacobian(q), 1, 2)
-    turns = arm.fkine(q)[:, :3, :3]
+    if known is not None and not isinstance(known, Load):
+        raise ParameterError("known", known, "a Load, or None")
+    model = _model(arm) if isinstance(arm, str) else arm
+    if not isinstance(model, Arm):
+        raise ParameterError("arm", arm, "an Arm, or the name of a model")
+    moves = np.swapaxes(model.jacobian(q), 1, 2)
+    turns = model.fkine(q)[:, :3, :3]
     levers = -_crossing(down) @ turns
     by_mass, by_moment = moves[:, :, :3] @ down, moves[:, :, 3:] @ levers
     slopes = _centred(np.concatenate([by_mass[:, :, None], by_moment], axis=2))
@@ -145,7 +151,7 @@ def identify_load_by_torques(
         )
     # Friction and noise grow with a joint's drive: so they are weighed. How far each joint really
     # disagrees is what the uncertainty comes from, so that it holds with other weights, too.
-    sizes = np.array(arm.effort) / max(arm.effort)
+    sizes = np.array(model.effort) / max(model.effort)
     rows = slopes / sizes[:, None]
     inverse = np.linalg.inv(np.einsum("nij,nik->jk", rows, rows))
     pull = inverse @ np.swapaxes(rows, 1, 2)

@@ -93,11 +93,26 @@ def test_a_load_that_the_controller_knows_is_added() -> None:
     # one that is lighter than the controller was told
     less = identify_load_by_torques(GCR5, POSES, -torques(Load(0.4, 0.0, 0.0, 0.05)), known=known)
     assert np.allclose(less.load, (0.6, 0.0, 0.0, 0.05))
+    for wrong in (1.0, [1.0, 0.0, 0.0, 0.05]):
+        with pytest.raises(ParameterError, match=r"known is .* a Load"):
+            identify_load_by_torques(GCR5, POSES, torques(beyond), known=wrong)  # type: ignore[arg-type]  # the point
+
+
+def test_an_arm_is_named_by_its_model() -> None:
+    hidden = Load(2.0, 0.02, -0.03, 0.1)
+    assert np.allclose(identify_load_by_torques("gcr5_910", POSES, torques(hidden)).load, hidden)
+    for wrong in ("gcr5", None):
+        with pytest.raises(ParameterError, match=r"gcr5_910|the name of a model"):
+            identify_load_by_torques(wrong, POSES, torques(hidden))  # type: ignore[arg-type]  # the point
 
 
 def test_gravity_follows_the_mounting() -> None:
     hidden, down = Load(2.0, 0.02, -0.03, 0.1), gravity(Pose(0.0, 0.0, 2.0, 0.0, np.pi / 2, 0.0))
     assert np.allclose(down, (9.81, 0.0, 0.0))
+    assert np.allclose(gravity("wall"), down)
+    assert np.allclose(gravity("ceiling"), -gravity("floor"))
+    with pytest.raises(ParameterError, match="did you mean 'ceiling'"):
+        gravity("celing")  # type: ignore[arg-type]  # the wrong name is the point
     by_forces = identify_load_by_forces(GCR5.fkine(POSES), wrenches(hidden, down), gravity=down)
     by_torques = identify_load_by_torques(GCR5, POSES, torques(hidden, down), gravity=down)
     assert np.allclose(by_forces.load, hidden)

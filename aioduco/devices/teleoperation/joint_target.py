@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aioduco._process.copying import Uncopied
+from aioduco.errors import ParameterError
+from aioduco.kinematics.arm import Arm
 from aioduco.models.ranges import TIMEOUT
 from aioduco.models.rules import Number, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from aioduco.kinematics import Arm
 
 __all__ = ["JointTarget"]
 
@@ -43,6 +43,8 @@ class JointTarget(Uncopied):
     def __init__(
         self, arm: Arm, *, fastest: float = 0.5, lead: float = 0.15, damping: float = 0.03
     ) -> None:
+        if not isinstance(arm, Arm):
+            raise ParameterError("arm", arm, "an Arm, such as aioduco.kinematics.arm gives")
         self._arm = arm
         self._fastest = _ABOVE("fastest", fastest)
         self._lead = _ABOVE("lead", lead)

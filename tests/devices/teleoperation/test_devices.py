@@ -349,6 +349,8 @@ def test_a_width_at_rest_is_a_share(width: Any) -> None:
 
 @pytest.mark.parametrize("wrong", [[math.nan] * 6, [0.0] * 5, "000000", None, [1e400] * 6])
 def test_a_target_of_joints_keeps_its_place_when_a_speed_is_no_number(wrong: Any) -> None:
+    with pytest.raises(ParameterError, match="an Arm"):
+        JointTarget("gcr5_910")  # type: ignore[arg-type]  # the wrong type is the point
     target = JointTarget(arm("gcr5_910"))
     before = target.by_joints([0.1] * 6, 0.02, READY)
     steps: list[Callable[[], object]] = [
