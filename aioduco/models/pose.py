@@ -351,9 +351,13 @@ class Joints(_Six):
     @classmethod
     def deg(cls, *angles: float) -> Self:
         """Make a joint vector from six angles in degrees: `Joints.deg(30, -15, 105, 0, -90, 0)`."""
+        expected = "six joint angles in degrees"
         if len(angles) != 6:
-            raise ParameterError("angles", angles, "six joint angles in degrees")
-        return cls.of([math.radians(angle) for angle in angles])
+            raise ParameterError("angles", angles, expected)
+        try:
+            return cls.of([math.radians(angle) for angle in angles])
+        except TypeError as exc:
+            raise ParameterError("angles", angles, expected) from exc
 
     @property
     def degrees(self) -> tuple[float, ...]:

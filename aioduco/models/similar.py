@@ -15,7 +15,7 @@ _LONGEST = 100
 _MISSPELT = 0.8
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: object, known: Iterable[str]) -> str:
     """The nearest of the known names, as the end of a message: ": did you mean 'left'?".
 
     Args:
@@ -27,7 +27,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     import difflib  # noqa: PLC0415 - for errors alone
 
-    if len(name) > _LONGEST:
+    if not isinstance(name, str) or len(name) > _LONGEST:
         return ""
     by_case = {each.casefold(): each for each in known}
     near = difflib.get_close_matches(name.casefold(), by_case, n=1, cutoff=0.6)

@@ -265,6 +265,8 @@ def test_degrees_and_millimetres_at_the_edge() -> None:
     assert joints == Joints(*deg(10, 20, 30, 40, 50, 60))
     with pytest.raises(ParameterError, match=r"angles is \(1, 2, 3\), but must be .* in degrees"):
         Joints.deg(1, 2, 3)
+    with pytest.raises(ParameterError, match="six joint angles in degrees"):
+        Joints.deg(1, 2, 3, 4, 5, "6")  # type: ignore[arg-type]  # the wrong type is the point
 
 
 def test_shifted_moves_along_the_axes_of_the_frame() -> None:

@@ -19,9 +19,11 @@ from aioduco.models.similar import did_you_mean, unknown
         ("LEFT", ": did you mean 'left'?"),
         ("get_tcp_pos", ": did you mean 'get_tcp_pose'?"),
         ("xyz", ""),
+        (5, ""),
+        (None, ""),
     ],
 )
-def test_the_nearest_name(name: str, says: str) -> None:
+def test_the_nearest_name(name: object, says: str) -> None:
     assert did_you_mean(name, ["left", "right", "get_tcp_pose", "get_tcp_offset"]) == says
 
 
