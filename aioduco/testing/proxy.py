@@ -101,12 +101,14 @@ class FaultProxy(Uncopied):
             skip: number of calls of the method that pass unchanged before.
 
         Raises:
-            ParameterError: there is no such function.
+            ParameterError: there is no such function, or no such fault.
         """
         known = idl.names()
         if method not in known:
             rule = f"a function of the wire{did_you_mean(str(method), known)}"
             raise ParameterError("method", method, rule)
+        if not isinstance(fault, Fault):
+            raise ParameterError("fault", fault, "a fault, such as Cut(Place.BEFORE_REPLY)")
         self._script.on(method, fault, times=times, skip=skip)
 
     def schedule(self, plan: Plan | None) -> None:

@@ -453,3 +453,6 @@ def test_a_proxy_that_cannot_start_leaves_nothing(monkeypatch: pytest.MonkeyPatc
 def test_a_fault_of_a_function_that_no_controller_has_is_refused(proxy: FaultProxy) -> None:
     with pytest.raises(ParameterError, match=r"method is 'movej3', .*did you mean 'movej'"):
         proxy.on("movej3", DropReply())
+    for wrong in ("cut", Cut, None):
+        with pytest.raises(ParameterError, match="a fault, such as Cut"):
+            proxy.on("movej2", wrong)  # type: ignore[arg-type]  # the wrong type is the point
