@@ -17,11 +17,15 @@ _LIBRARIES: Final = tuple(
 )
 
 
+#: names of what is typed at the prompts of Python and asyncio, of Python 3.13 on, and of IPython
+_PROMPTS: Final = ("<stdin>", "<console>", "<python-input", "<ipython-input")
+
+
 @cache
 def of_program(file: str) -> bool:
     """Whether a file belongs to the program, and not to this package or an installed library."""
     if file.startswith("<"):
-        return False
+        return file.startswith(_PROMPTS)
     path = Path(file).resolve()
     installed = {"site-packages", "dist-packages"} & set(path.parts)
     return not installed and not any(map(path.is_relative_to, (PACKAGE, *_LIBRARIES)))

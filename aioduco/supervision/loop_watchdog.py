@@ -275,5 +275,5 @@ def _line(stack: traceback.StackSummary) -> str:
             calls.clear()  # these only run the loop
     for call in reversed(calls):
         if of_program(call.filename):
-            return f"{call.filename}:{call.lineno}, in {call.name}: {call.line}"
+            return f"{call.filename}:{call.lineno}, in {call.name}: {call.line}".removesuffix(": ")
     return ""

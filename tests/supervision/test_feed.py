@@ -386,6 +386,17 @@ def test_of_a_busy_loop_one_line_is_told_and_the_calls_are_for_debugging() -> No
     assert blocking_calls(None) == ("", "")
 
 
+def test_a_line_that_was_typed_at_a_prompt_is_of_the_program() -> None:
+    seen: list[tuple[str, str]] = []
+    typed: dict[str, Any] = {"look": lambda: seen.append(blocking_calls(sys._getframe().f_back))}
+    text = "async def program():\n    look()"
+    for prompt in ("<console>", "<stdin>", "<python-input-3>", "<ipython-input-4-5a>", "<string>"):
+        exec(compile(text, prompt, "exec"), typed)
+        asyncio.run(typed["program"]())
+        line = "" if prompt == "<string>" else f"{prompt}:2, in program"
+        assert seen.pop()[0] == line
+
+
 @pytest.mark.parametrize("line", ["", "a.py:3, in work: solve()"])
 def test_a_block_is_one_line_of_the_log(line: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.DEBUG)
