@@ -253,8 +253,9 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
         (("--mounting", "0,0,0.5"), 2, "mounting is '0,0,0.5', but must be"),
         (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
         (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
-        (("--gripper", "hand"), 1, "robotiq_2f85"),
-        (("--generation", "5"), 1, "4.3"),
+        (("--gripper", "hand"), 2, "robotiq_2f85"),
+        (("--generation", "5"), 2, "4.3"),
+        (("--pedestal", "-1"), 2, "pedestal"),
     ],
 )
 def test_sim_says_what_it_cannot_do(options: tuple[str, ...], code: int, says: str) -> None:

@@ -12,13 +12,13 @@ import typer
 from aioduco.cli import extras, picture, watching
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import USAGE, fail
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, require_folder
 from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
-from aioduco.errors import RenderError
+from aioduco.errors import ParameterError, RenderError
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
@@ -141,6 +141,8 @@ def sim(
                 on_shutdown=ring,
             )
             simulator.start()
+        except ParameterError as error:
+            fail(str(error), USAGE)
         except ValueError as error:
             fail(str(error))
         except OSError as error:
