@@ -255,7 +255,6 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
         (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
         (("--gripper", "hand"), 2, "robotiq_2f85"),
         (("--generation", "5"), 2, "4.3"),
-        (("--pedestal", "-1"), 2, "pedestal"),
     ],
 )
 def test_sim_says_what_it_cannot_do(options: tuple[str, ...], code: int, says: str) -> None:

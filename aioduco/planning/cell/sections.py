@@ -155,7 +155,8 @@ def at(*place: str | int) -> Iterator[None]:
         raise WrongField((*place, *error.place), str(error)) from error
     except ParameterError as error:
         text = f"{error.parameter} is {error.value!r}, but must be {error.expected}"
-        raise WrongField((*place, error.parameter.partition(" ")[0]), text) from error
+        field = error.parameter.partition(" ")[0].partition("[")[0]
+        raise WrongField((*place, field), text) from error
     except SceneError as error:
         raise WrongField(place, str(error)) from error
 
