@@ -22,6 +22,7 @@ from aioduco.devices.bus import ModbusRtu, Port
 from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
 from aioduco.devices.teleoperation import JointTarget
 from aioduco.integrations.fleet import FleetClient, FleetSettings
+from aioduco.kinematics import arm
 from aioduco.planning import Planner, Scene
 from aioduco.sim import Simulator
 from aioduco.streaming.ticks import Ticks
@@ -114,7 +115,7 @@ ABOVE: dict[str, Callable[[Any, float], Any]] = {
     "the vendor's class": lambda _, x: DucoCobot("arm", timeout=x),
     "end of a preflight": lambda _, x: PreflightSettings(timeout=x),
     "its patience": lambda _, x: PreflightSettings(patience=x),
-    "step of a joint target": lambda _, x: JointTarget(None).by_joints(HOME, x, HOME),  # type: ignore[arg-type]  # no arm is needed
+    "step of a joint target": lambda _, x: JointTarget(arm("gcr5_910")).by_joints(HOME, x, HOME),
     "state of a fleet": lambda _, x: FleetClient(FleetSettings("cell")).status(x),
     "stop of a fleet": lambda _, x: FleetClient(FleetSettings("cell")).stop(timeout=x),
     "throttle": lambda _, x: Throttle(x),
