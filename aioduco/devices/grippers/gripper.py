@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import anyio
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
@@ -359,7 +360,8 @@ class PolledGripper(Uncopied, ABC):
         """For each command that moves the fingers: one at a time, and none after the block."""
         async with self._lock:
             self._require_open()
-            yield
+            with trial.at_own_pace():  # it is polled by this computer's clock
+                yield
 
     def _cannot(self, name: str, value: float) -> None:
         raise ParameterError(name, value, f"None: that of a {self._model.title} cannot be set")

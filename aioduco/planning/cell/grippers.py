@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from aioduco.api.bus import Bus
 from aioduco.devices.grippers import DhGripper, DigitalGripper, Robotiq, VacuumGripper
 from aioduco.models.gripper_models import GRIPPERS
 from aioduco.planning.cell.sections import at, kind_of, only, table, wrong
-from aioduco.robot import connect
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,9 +50,11 @@ def gripper(value: Any) -> CellGripper:
     known = [each for each in inspect.signature(_maker(kind)).parameters if each not in _OWN]
     only(("gripper",), found, ("kind", *known))
     made = CellGripper(kind, found)
+    # No `Robot`: a preflight would start its own simulator for it, before the program starts one.
+    nowhere: Any = SimpleNamespace(bus=Bus.__new__(Bus))
     with at("gripper"):
         try:
-            made.driver(connect("127.0.0.1"))
+            made.driver(nowhere)
         except TypeError as error:
             wrong(("gripper",), f"a {kind} cannot be made of {found}: {error}")
     return made

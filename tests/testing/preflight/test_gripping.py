@@ -71,3 +71,45 @@ def test_a_grip_is_meant_and_a_collision_is_found(
             each.kind == "collision of the tool" and f"touches {found}" in each.text
             for each in report.findings
         ), texts
+
+
+WITH_CELL = """
+import asyncio
+from aioduco import Cell
+from aioduco.sim import Simulator
+
+CELL = Cell.load("cell.toml")
+
+async def main(sim):
+    async with CELL.connect(host=sim.host, port=sim.port) as robot:
+        await robot.bring_up()
+        async with CELL.gripper.driver(robot) as gripper:
+            await asyncio.wait_for(gripper.close(), 20.0)
+            await asyncio.wait_for(gripper.open(), 20.0)
+
+with Simulator(gripper="parallel") as sim:
+    asyncio.run(main(sim))
+"""
+CELL = """
+arm = "gcr5_910"
+
+[robots.arm]
+host = "192.168.1.10"
+
+[gripper]
+kind = "parallel"
+close = 1
+shut = 1
+opened = 2
+"""
+
+
+@pytest.mark.slow
+def test_the_gripper_of_a_cell_moves_in_the_programs_own_simulator(tmp_path: Path) -> None:
+    """Reading a cell starts no simulator, and no limit of the program is over meanwhile."""
+    (tmp_path / "cell.toml").write_text(CELL, encoding="utf-8")
+    program = tmp_path / "program.py"
+    program.write_text(WITH_CELL, encoding="utf-8")
+    settings = PreflightSettings(timeout=110, cwd=str(tmp_path))
+    report = preflight(program, (), settings, quiet=True)
+    assert report.ok, [str(each) for each in report.findings]
