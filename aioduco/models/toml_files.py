@@ -92,12 +92,16 @@ def rewrite(path: str | os.PathLike[str], text: str) -> None:
     """Write a file completely or not at all; it stays the same file but for its text.
 
     The file behind a symbolic link is written. An existing file keeps its mode and its byte order
-    mark, and its line ends if the text has none of its own but "\\n".
+    mark, and its line ends if the text has none of its own but "\\n". A device or a pipe is not
+    replaced by a file: the text is written to it.
 
     Raises:
         OSError: it cannot be written; an existing one stays unchanged.
     """
     target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        target.write_text(text, encoding="utf-8")
+        return
     try:
         before, mode = target.read_bytes(), target.stat().st_mode & 0o7777
     except FileNotFoundError:

@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import os
+import stat
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -299,3 +300,18 @@ def test_a_value_of_another_kind_is_refused_by_a_typed_error(
             except Exception as error:  # all of them in one message
                 wrong.append(f"{place} = {other!r}: {error!r}")
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.linux("named pipes")
+def test_what_is_no_file_is_written_to_and_not_replaced(tmp_path: Path) -> None:
+    """As root, `/dev/null` itself would become a file."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        rewrite(pipe, 'name = "é"\n')
+        assert os.read(reader, 100) == 'name = "é"\n'.encode()
+    finally:
+        os.close(reader)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert list(tmp_path.iterdir()) == [pipe]
