@@ -104,11 +104,15 @@ async def test_the_replayed_joints_are_the_recorded_ones_at_each_moment(tmp_path
                 )
 
             run = read(write(tmp_path / "run.mcap", done, seconds=times[-1] - times[0] + 0.3))
-            await robot.motion.movej2(HOME, v=1.0, a=3.0)
-            log.taken()
             path = RecordedPath.of(run)
-            result = await play(robot, path, through="realtime", tolerances=PATIENT)
-            replayed = log.taken()
+            for _ in range(3):
+                await robot.motion.movej2(HOME, v=1.0, a=3.0)
+                log.taken()
+                result = await play(robot, path, through="realtime", tolerances=PATIENT)
+                replayed = log.taken()
+                if not result.statistics.drained:
+                    break  # else a busy machine let the queue run dry: the arm waited on its way
+    assert result.statistics.drained == 0
     assert apart((times, joints), replayed) < 1e-3
     assert np.abs(result.goal_error).max() < 1e-3
 
