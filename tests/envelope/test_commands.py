@@ -212,9 +212,9 @@ async def test_a_loop_of_motions_does_not_creep(
         except aioduco.TaskError:
             stopped += 1
     # the world's axes are those of the base only if the arm stands on a floor, which is not known:
-    # the arm is stopped there. While it stops, a motion is refused, too
+    # the arm is stopped there, later on a busy machine. While it stops, a motion is refused, too
     assert stopped > 0 if kind == "jog world" else refused >= 4
-    assert nearest(seen) > -LAG
+    assert nearest(seen) > (-BEYOND if kind == "jog world" else -LAG)
     assert nearest(seen) < 0.08
 
 
