@@ -279,8 +279,7 @@ class Channel(Carrier):
         If not, a connection is opened for it first, or the call is over.
         """
         self.call, call.carrier = call, self
-        if call.late():
-            self._end(error=NotSent(f"{call.name} was not sent: there was no time left for it"))
+        if self._too_late(call):
             return False
         stream = self._stream
         if stream is not None:
@@ -371,6 +370,14 @@ class Channel(Carrier):
         """Wait until nothing runs for it any more."""
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
+    def _too_late(self, call: LaneCall) -> bool:
+        """End a call whose deadline has passed before it was sent; return whether it has."""
+        if not call.late():
+            return False
+        error = NotSent(f"{call.name} was not sent: there was no time left for it")
+        self._end(error=failures.of_two(call.first, error))
+        return True
+
     def _open_for(self, call: LaneCall) -> None:
         call.fresh = True
         self._opening = self._begin(self._reopen(call))
@@ -380,7 +387,8 @@ class Channel(Carrier):
         try:
             await self.open(limit if call.deadline is None else min(limit, call.deadline))
             self._opening = None
-            if self.life.begin():
+            # Its deadline may have passed just now; nothing would end it after that.
+            if not self._too_late(call) and self.life.begin():
                 self.send(call)
         except ConnectError as exc:
             self._opening = None

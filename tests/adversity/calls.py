@@ -152,6 +152,7 @@ class Book:
         self._outcomes: list[tuple[Call, str]] = []
         self.wrong: list[str] = []
         self.overshoot = 0.0
+        self._longest = "no call"
 
     @property
     def outcomes(self) -> Counter[str]:
@@ -175,7 +176,7 @@ class Book:
             await self._outcome(call, begin(call.method, call.args, timeout))
         if scope.cancelled_caught:
             self.note(call, "cancelled")
-        self.overshoot = max(self.overshoot, time.monotonic() - start - limit)
+        self._took(call, time.monotonic() - start - limit)
 
     def follow_blocking(
         self,
@@ -189,7 +190,13 @@ class Book:
             self._answered(call, begin(call.method, call.args, timeout))
         except Exception as exc:
             self._failed(call, exc)
-        self.overshoot = max(self.overshoot, time.monotonic() - start - timeout)
+        self._took(call, time.monotonic() - start - timeout)
+
+    def _took(self, call: Call, longer: float) -> None:
+        """Note by how much a call outlived its time, with what came of it."""
+        if longer > self.overshoot:
+            self.overshoot = longer
+            self._longest = f"{call}, {self._outcomes[-1][1]}, on {threading.current_thread().name}"
 
     async def _outcome(self, call: Call, answer: Awaitable[Any]) -> None:
         try:
@@ -246,7 +253,7 @@ class Book:
         patience = self.PATIENCE + 4.0 * (lag.worst if lag else 0.0)
         if self.overshoot > patience:
             self.wrong.append(
-                f"a call took {self.overshoot:.3f} s longer than it may; "
+                f"{self._longest}, took {self.overshoot:.3f} s longer than it may; "
                 f"the machine was late by {lag.worst if lag else 0.0:.3f} s at worst"
             )
         if self.wrong:

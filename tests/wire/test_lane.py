@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import socket
+import time
 import weakref
 from typing import Any
 
@@ -11,6 +12,7 @@ import anyio
 import pytest
 
 from aioduco._process.reporting import reporter
+from aioduco._wire import channel as lane_channel
 from aioduco._wire.lane import WireLane
 from aioduco.errors import (
     ConnectError,
@@ -23,7 +25,7 @@ from aioduco.errors import (
 from aioduco.models.trace import CallFinished, ConnectionEnded, ConnectionOpened, TraceEvent
 from aioduco.testing import eventually_async, no_leaks
 
-from .lanes import SHORT, Gate, opened
+from .lanes import SHORT, Gate, channel, opened
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest
 
 # Life
@@ -210,6 +212,27 @@ async def test_a_call_that_finds_no_free_connection_in_time_was_not_sent() -> No
         assert server.names == ["pause"]
         assert await lane.rpc.stop(True) == 0
         assert server.connections == 1
+
+
+async def test_a_call_whose_connection_opens_just_after_its_deadline_was_not_sent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The time for the connection ends a moment after that for the call."""
+    connect = lane_channel.connect
+    async with opened(honest) as (lane, server):
+        channel(lane)._drop("for the test")
+
+        async def late(loop: Any, endpoint: Any, _: float) -> Any:
+            stream = await connect(loop, endpoint, time.monotonic() + PATIENCE)
+            await eventually_async(lambda: not lane._deadlines._calls)
+            return stream
+
+        monkeypatch.setattr(lane_channel, "connect", late)
+        with pytest.raises(NotSent, match="resume was not sent: there was no time left for it"):
+            await lane.call("resume", (True,), SHORT)
+        assert await lane.rpc.stop(True) == 0
+        assert server.names == ["stop"]
+        assert server.connections == 2  # the late one serves the next call
 
 
 async def test_functions_that_block_may_take_longer_than_the_lanes_limit() -> None:
