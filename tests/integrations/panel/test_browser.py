@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import pytest_asyncio
 from test_cli_robot import HOME
 
 import aioduco
@@ -19,7 +20,7 @@ from aioduco.testing import eventually_async
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from playwright.async_api import Browser, Page
+    from playwright.async_api import Browser, BrowserContext, Page
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = [
@@ -27,6 +28,7 @@ pytestmark = [
     pytest.mark.browser,
     pytest.mark.timeout(600),
     pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
+    pytest.mark.asyncio(loop_scope="module"),  # that of the browser
 ]
 
 #: nothing of these tests is about how long a page takes, on a machine that is busy with others
@@ -39,22 +41,28 @@ SOFTWARE = [
 ]
 
 
-@asynccontextmanager
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def browser() -> AsyncIterator[Browser]:
     playwright = pytest.importorskip("playwright.async_api")
     async with playwright.async_playwright() as driver:
         chromium = await driver.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE)
-        try:
-            yield chromium
-        finally:
-            await chromium.close()
+        yield chromium
+        await chromium.close()
 
 
-async def opened(chromium: Browser, url: str, *, scene: bool = False) -> Page:
-    page = await chromium.new_page(
+@pytest_asyncio.fixture(loop_scope="module")
+async def chromium(browser: Browser) -> AsyncIterator[BrowserContext]:
+    """The browser, without what other tests left in it."""
+    context = await browser.new_context(
         viewport={"width": 1200, "height": 800},
         bypass_csp=True,  # for the functions that the tests wait for
     )
+    yield context
+    await context.close()
+
+
+async def opened(chromium: BrowserContext, url: str, *, scene: bool = False) -> Page:
+    page = await chromium.new_page()
     page.set_default_timeout(120_000)
     if not scene:  # drawn in software, it takes most of what the computer has
         await page.route("**/scene*", lambda route: route.abort())
@@ -63,7 +71,7 @@ async def opened(chromium: Browser, url: str, *, scene: bool = False) -> Page:
     return page
 
 
-async def commanding(chromium: Browser, panel: Panel) -> Page:
+async def commanding(chromium: BrowserContext, panel: Panel) -> Page:
     page = await opened(chromium, panel.link)
     assert "token" not in page.url, "the page takes the token out of sight"
     await page.click("#take")
@@ -88,9 +96,9 @@ async def arm_and_panel(**options: Any) -> AsyncIterator[tuple[Simulator, Panel]
             yield sim, panel
 
 
-async def test_jog_by_press_and_hold_then_move_and_switch() -> None:
+async def test_jog_by_press_and_hold_then_move_and_switch(chromium: BrowserContext) -> None:
     """A jog lasts as long as its button; so does a motion to where the sliders point."""
-    async with arm_and_panel() as (sim, panel), browser() as chromium:
+    async with arm_and_panel() as (sim, panel):
         page = await commanding(chromium, panel)
         await press(page, '[data-jog="1+"]')
         await eventually_async(lambda: sim.joints[0] > HOME[0] + 0.02, timeout=120)
@@ -160,8 +168,10 @@ OVERLAPS = """() => {
 }"""
 
 
-async def test_every_text_can_be_read_also_of_what_is_pressed_or_off() -> None:
-    async with arm_and_panel() as (_, panel), browser() as chromium:
+async def test_every_text_can_be_read_also_of_what_is_pressed_or_off(
+    chromium: BrowserContext,
+) -> None:
+    async with arm_and_panel() as (_, panel):
         watching = await opened(chromium, panel.url)
         assert await watching.evaluate(UNREADABLE) == []
         await watching.close()
@@ -184,8 +194,10 @@ async def test_every_text_can_be_read_also_of_what_is_pressed_or_off() -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1020, 768), (390, 844)])
-async def test_nothing_lies_over_anything_and_the_head_is_small(width: int, height: int) -> None:
-    async with arm_and_panel() as (_, panel), browser() as chromium:
+async def test_nothing_lies_over_anything_and_the_head_is_small(
+    chromium: BrowserContext, width: int, height: int
+) -> None:
+    async with arm_and_panel() as (_, panel):
         page = await opened(chromium, panel.url)
         await page.set_viewport_size({"width": width, "height": height})
         await page.evaluate("document.querySelector('[data-tab=simulator]').hidden = false")
@@ -208,8 +220,8 @@ async def test_nothing_lies_over_anything_and_the_head_is_small(width: int, heig
         assert stop["height"] >= 60
 
 
-async def test_the_place_of_the_picture_says_that_it_is_loading() -> None:
-    async with arm_and_panel() as (_, panel), browser() as chromium:
+async def test_the_place_of_the_picture_says_that_it_is_loading(chromium: BrowserContext) -> None:
+    async with arm_and_panel() as (_, panel):
         page = await opened(chromium, panel.url)  # its picture never comes
         assert "is loading" in await page.inner_text("#scene-wait")
         covered = "document.elementFromPoint(...['x', 'y'].map((side, i) => {"
@@ -218,12 +230,11 @@ async def test_the_place_of_the_picture_says_that_it_is_loading() -> None:
         assert await page.evaluate(covered) == "scene-wait"
 
 
-async def test_stop_in_mid_motion_needs_no_lease() -> None:
+async def test_stop_in_mid_motion_needs_no_lease(chromium: BrowserContext) -> None:
     """Whoever moves the arm, and from a page that only watches."""
     async with (
         arm_and_panel() as (sim, panel),
         aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot,
-        browser() as chromium,
     ):
         page = await opened(chromium, panel.url)
         task = await robot.motion.movej2((3.0, *HOME[1:]), v=0.05, a=1.0).start()
@@ -237,16 +248,20 @@ async def test_stop_in_mid_motion_needs_no_lease() -> None:
 
 
 @pytest.mark.parametrize("how", ["closed", "silent"])
-async def test_the_arm_stands_when_its_page_is_lost_in_mid_jog(how: str) -> None:
+async def test_the_arm_stands_when_its_page_is_lost_in_mid_jog(
+    chromium: BrowserContext, how: str
+) -> None:
     options = {"hold_limit": 20.0} if how == "silent" else {}
-    async with arm_and_panel(**options) as (sim, panel), browser() as chromium:
+    async with arm_and_panel(**options) as (sim, panel):
         page = await commanding(chromium, panel)
         await press(page, '[data-jog="1+"]')
         await eventually_async(lambda: sim.joints[0] > HOME[0] + 0.02, timeout=120)
         if how == "closed":
             await page.close()
         else:  # its script hangs, as in a page whose computer swaps; the connection is there
-            await page.evaluate("window.setTimeout(() => { for (;;) {} }, 0)")
+            debugger = await chromium.new_cdp_session(page)
+            await debugger.send("Debugger.enable")
+            await page.evaluate("window.setTimeout(() => { debugger; }, 0)")
         await eventually_async(lambda: not sim.moving, timeout=120)
         if how == "closed":
             await eventually_async(lambda: "free" in repr(panel), timeout=120)
@@ -257,9 +272,9 @@ async def test_the_arm_stands_when_its_page_is_lost_in_mid_jog(how: str) -> None
 
 
 async def test_the_second_page_only_watches_and_a_wrong_token_moves_nothing(
-    caplog: pytest.LogCaptureFixture,
+    chromium: BrowserContext, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with arm_and_panel() as (sim, panel), browser() as chromium:
+    async with arm_and_panel() as (sim, panel):
         second = await opened(chromium, panel.url)
         await second.click("#take")
         await second.fill("#token", "a guess")
@@ -289,20 +304,19 @@ async def test_the_second_page_only_watches_and_a_wrong_token_moves_nothing(
         await second.wait_for_selector("#take:enabled")
 
 
-async def test_a_page_says_at_once_that_it_lost_its_server() -> None:
-    async with browser() as chromium:
-        async with arm_and_panel() as (_, panel):
-            page = await opened(chromium, panel.url)
-            assert not await page.is_visible("#lost")
-        await page.wait_for_selector("#lost", state="visible")
-        assert "THIS PAGE CANNOT STOP THE ARM" in await page.inner_text("#lost")
-        box = await page.locator("#lost").bounding_box()
-        assert box == {"x": 0, "y": 0, "width": 1200, "height": 800}
+async def test_a_page_says_at_once_that_it_lost_its_server(chromium: BrowserContext) -> None:
+    async with arm_and_panel() as (_, panel):
+        page = await opened(chromium, panel.url)
+        assert not await page.is_visible("#lost")
+    await page.wait_for_selector("#lost", state="visible")
+    assert "THIS PAGE CANNOT STOP THE ARM" in await page.inner_text("#lost")
+    box = await page.locator("#lost").bounding_box()
+    assert box == {"x": 0, "y": 0, "width": 1200, "height": 800}
 
 
-async def test_the_picture_shows_the_arm_where_it_is() -> None:
+async def test_the_picture_shows_the_arm_where_it_is(chromium: BrowserContext) -> None:
     """By viser's page, in a frame of ours and without its controls."""
-    async with arm_and_panel() as (_, panel), browser() as chromium:
+    async with arm_and_panel() as (_, panel):
         page = await opened(chromium, panel.url, scene=True)
         frame = page.frame_locator("#scene")
         await frame.locator("canvas").first.wait_for(state="visible")
@@ -317,29 +331,30 @@ async def test_the_picture_shows_the_arm_where_it_is() -> None:
         await page.wait_for_function("document.body.innerText.includes('stopped: the arm stands')")
 
 
-async def test_the_simulator_is_pushed_and_faulted_and_led_out_of_it() -> None:
-    async with browser() as chromium:
-        with Simulator(joints=HOME) as sim:
-            with_lines = LineServer(Console(sim).answer, 0)
-            try:
-                async with Panel(
-                    sim.host, sim.port, simulator_port=with_lines.port, clock=sim.clock, **PATIENT
-                ) as panel:
-                    page = await commanding(chromium, panel)
-                    await page.click("[data-tab=simulator]")
-                    await page.click("[data-line=estop]")
-                    await page.wait_for_function(
-                        "document.getElementById('alarm').textContent === 'EMERGENCY STOP PRESSED'"
-                    )
-                    await page.click("[data-line=release]")
-                    await page.click("[data-line='speed 3']")
-                    await eventually_async(lambda: sim.speed == 3.0, timeout=120)
-                    await page.click("[data-verb=bring_up]")
-                    await page.click("#ask-yes")
-                    await page.wait_for_function("state.sample.robot === 'ENABLE'")
-                    await page.click("[data-push='0 0 -1']")
-                    await page.wait_for_function(
-                        "document.getElementById('events').innerText.includes('push 0 0 -40: ok')"
-                    )
-            finally:
-                with_lines.close()
+async def test_the_simulator_is_pushed_and_faulted_and_led_out_of_it(
+    chromium: BrowserContext,
+) -> None:
+    with Simulator(joints=HOME) as sim:
+        with_lines = LineServer(Console(sim).answer, 0)
+        try:
+            async with Panel(
+                sim.host, sim.port, simulator_port=with_lines.port, clock=sim.clock, **PATIENT
+            ) as panel:
+                page = await commanding(chromium, panel)
+                await page.click("[data-tab=simulator]")
+                await page.click("[data-line=estop]")
+                await page.wait_for_function(
+                    "document.getElementById('alarm').textContent === 'EMERGENCY STOP PRESSED'"
+                )
+                await page.click("[data-line=release]")
+                await page.click("[data-line='speed 3']")
+                await eventually_async(lambda: sim.speed == 3.0, timeout=120)
+                await page.click("[data-verb=bring_up]")
+                await page.click("#ask-yes")
+                await page.wait_for_function("state.sample.robot === 'ENABLE'")
+                await page.click("[data-push='0 0 -1']")
+                await page.wait_for_function(
+                    "document.getElementById('events').innerText.includes('push 0 0 -40: ok')"
+                )
+        finally:
+            with_lines.close()
