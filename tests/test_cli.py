@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -129,53 +130,35 @@ def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) ->
 
 
 @pytest.mark.slow
-def test_sim_pushes_status_frames_where_it_says() -> None:
-    with process("sim", "--port", "0", "--status-port", "0") as sim:
-        assert sim.stdout is not None
-        _, _, said = sim.stdout.readline().partition(", status frames on ")
-        with socket.create_connection(("127.0.0.1", int(said.split(",")[0])), timeout=5) as port:
-            assert port.recv(1)
-            sim.send_signal(signal.SIGTERM)
-            sim.communicate(timeout=20)
-    assert sim.returncode == 0
-
-
-@pytest.mark.slow
-def test_sim_plays_the_generation_and_streams_the_forces_that_it_is_told() -> None:
-    with process("sim", "--port", "0", "--generation", "4.3", "--force-port", "0") as sim:
+def test_sim_serves_what_it_is_told_and_does_what_a_shell_tells_it() -> None:
+    ports = ("--port", "0", "--status-port", "0", "--force-port", "0")
+    with process("sim", *ports, "--generation", "4.3") as sim:
         assert sim.stdout is not None
         said = sim.stdout.readline()
-        host, port = said.split()[3].rstrip(",").split(":")
+        host, port, status, forces, commands = re.findall(
+            r" on (\S+):(\d+),.* status frames on (\d+),.* from UDP (\d+),.* commands on (\d+);",
+            said,
+        )[0]
         with DucoCobot(host, int(port)) as robot:
             assert robot.get_robot_version().startswith("4.3")
-        forces = int(said.partition("forces from UDP ")[2].split(",")[0])
+        with socket.create_connection((host, int(status)), timeout=5) as frames:
+            assert frames.recv(1)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
             asking.settimeout(20.0)
-            asking.sendto(FORCE_REQUEST, (host, forces))
+            asking.sendto(FORCE_REQUEST, (host, int(forces)))
             assert len(asking.recv(256)) == 48
-        sim.send_signal(signal.SIGTERM)
-        sim.communicate(timeout=20)
-    assert sim.returncode == 0
-
-
-@pytest.mark.slow
-def test_sim_does_what_a_shell_tells_it() -> None:
-    with process("sim", "--port", "0") as sim:
-        assert sim.stdout is not None
-        _, _, said = sim.stdout.readline().partition(", commands on ")
-        port = said.split(";")[0]
-        done = run("sim-do", "--control-port", port, "push", "0", "0", "-20")
+        done = run("sim-do", "--control-port", commands, "push", "0", "0", "-20")
         assert (done.exit_code, done.output) == (0, "ok\n")
-        assert "emergency stop" in run("sim-do", "--control-port", port).output
-        wrong = run("sim-do", "--control-port", port, "input", "99", "on")
-        assert (wrong.exit_code, wrong.output.split(":")[0]) == (1, "error")
-        no_text = run("sim-do", "--control-port", port, "where", "\udcff")
-        assert (no_text.exit_code, no_text.output.split(":")[0]) == (1, "error")
+        assert "emergency stop" in run("sim-do", "--control-port", commands).output
+        for wrong in (("input", "99", "on"), ("where", "\udcff")):
+            refused = run("sim-do", "--control-port", commands, *wrong)
+            assert (refused.exit_code, refused.output.split(":")[0]) == (1, "error")
         sim.send_signal(signal.SIGTERM)
         assert sim.communicate(timeout=60)[1] == ""
-    nobody = run("sim-do", "--control-port", port, "estop")
+    assert sim.returncode == 0
+    nobody = run("sim-do", "--control-port", commands, "estop")
     assert nobody.exit_code == 1
-    assert f"no simulator takes commands on 127.0.0.1:{port}" in nobody.output
+    assert f"no simulator takes commands on 127.0.0.1:{commands}" in nobody.output
     assert (control_port_of(7003), control_port_of(0), control_port_of(60_000)) == (17003, 0, 0)
 
 
@@ -334,7 +317,7 @@ async def opening(robot):
     return robot
 
 session.perform, aioduco.Robot.__aenter__ = performing, opening
-sys.argv = ["aioduco", "demo", "--speed", "8", "--no-plot", "--json", "result.json"]
+sys.argv = ["aioduco", "demo", "--speed", "8", "--no-plot", "--json", "-"]
 try:
     app()
 finally:
@@ -349,28 +332,19 @@ finally:
 
 
 @pytest.mark.slow
-def test_demo_loads_everything_before_its_event_loop_runs(tmp_path: Path) -> None:
+def test_demo_loads_all_before_its_event_loop_runs_and_gives_its_result_alone_on_the_output() -> (
+    None
+):
     """Loading holds up the loop; a robot that is open has no time for that.
 
     How the demonstration ends is another test's: the simulated clock runs fast here.
     """
-    done = python("-W", "error", "-c", IMPORTS, cwd=tmp_path)
-    assert complaints(done.stderr) == "1\n[]\n"
-
-
-@pytest.mark.slow
-def test_demo_gives_its_result_alone_on_the_output() -> None:
-    """How the demonstration ends is another test's: the simulated clock runs fast here."""
-    done = subprocess.run(
-        [*COMMAND_LINE, "demo", "--speed", "8", "--no-plot", "--json", "-"],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=100,
-    )
+    done = python("-W", "error", "-c", IMPORTS)
+    said = complaints(done.stderr)
+    assert said.endswith("\n1\n[]\n")
+    assert "to the start" in said
     report = json.loads(done.stdout)
     assert done.returncode == (0 if report["ok"] else 1), report
-    assert "to the start" in done.stderr
 
 
 def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:

@@ -52,8 +52,8 @@ def test_every_arm_reaches_its_points_and_touches_nothing(model: str, tmp_path: 
     assert report.ok, str(report)
     scene, way = cell.scene(), [ready.array]
     for name in ("pick", "place"):
-        for height in (0.06, 0.0, 0.06):
-            way.append(arm(model).ikine(cell.pose(name).shifted(z=height), ready))
+        visit = [cell.pose(name).shifted(z=height) for height in (0.06, 0.0, 0.06)]
+        way += [arm(model).ikine(pose, ready) for pose in visit]
     for here, there in pairwise([*way, ready.array]):
         for part in np.linspace(0.0, 1.0, 10):
             closest = scene.clearance(here + part * (there - here))

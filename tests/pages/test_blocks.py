@@ -30,6 +30,8 @@ from ports import free_port
 import aioduco
 import aioduco.sync
 from aioduco.sim import Simulator
+from aioduco.sim.console import Console
+from aioduco.sim.server.line_server import LineServer
 from aioduco.testing import eventually
 from pages.blocks import PYTHON, ROOT, SHELL, Block, Page, pages
 from pages.session import ENDLESS, INSTALLS, SHOWN, Session, commands
@@ -228,11 +230,12 @@ def session(folder: Path) -> Iterator[tuple[Session, str]]:
     ],
 )
 def test_a_block_of_commands_runs(block: Block, tmp_path: Path) -> None:
-    with session(tmp_path) as (there, host):
-        begun = there.run(f"aioduco sim --host {host} --control-port 0 --speed 3")
-        found = re.search(r"commands on (\d+)", begun)
-        assert found is not None
-        there.replace({"aioduco sim-do": f"aioduco sim-do --control-port {found[1]}"})
+    with (
+        session(tmp_path) as (there, host),
+        Simulator(host=host, port=7003, speed=3) as sim,
+        contextlib.closing(LineServer(Console(sim).answer, 0)) as lines,
+    ):
+        there.replace({"aioduco sim-do": f"aioduco sim-do --control-port {lines.port}"})
         for command in commands(block.after, "sh"):
             there.run(command)
         tried = 0

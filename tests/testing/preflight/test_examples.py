@@ -22,16 +22,15 @@ WITH_ADDRESS = {
     "12_policy.py": [THERE, *BRIEF],
     "14_realtime_velocity.py": [THERE, *BRIEF],
     "15_policy_sync.py": [THERE, *BRIEF],
-    "manual/project_sync.py": [THERE],
     "manual/project_async.py": [THERE],
     "press_on_table.py": [THERE],
 }
+#: of the manual's examples each group and each dialect; `tests/manual` runs all of them
 ON_ITS_OWN = [
-    *("01_connect_and_move.py", "03_blended_motions.py", "07_plain_script.py"),
-    *("13_play_npy.py", "press_on_table.py", "polish.py", "pick_and_place.py", "log_to_json.py"),
-    *(f"manual/{group}_{dialect}.py" for group in ("project", "realtime", "serial", "modbus")
-      for dialect in ("async", "sync", "compat")),
-]  # fmt: skip
+    *("01_connect_and_move.py", "13_play_npy.py", "polish.py", "pick_and_place.py"),
+    *("log_to_json.py", "manual/project_sync.py", "manual/realtime_async.py"),
+    *("manual/serial_compat.py", "manual/modbus_sync.py"),
+]
 
 
 @pytest.mark.slow
