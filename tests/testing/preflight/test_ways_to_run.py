@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from cli_runner import CliRunner
+from interpreter import python
 
+from aioduco.cli.app import app
 from aioduco.testing.preflight import PreflightSettings, preflight
 
 BEGIN = """import sys
@@ -55,12 +57,9 @@ for name, module in list(sys.modules.items()):
 def aioduco_preflight(folder: Path, *arguments: str) -> tuple[int, str, dict[str, Any]]:
     """Exit status, what was said, and the result as JSON."""
     result = folder / "result.json"
-    command = [sys.executable, "-m", "aioduco.cli", "preflight", "--json", str(result), *arguments]
-    done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, timeout=250, check=False
-    )
-    said = done.stdout + done.stderr
-    return done.returncode, said, json.loads(result.read_text()) if result.is_file() else {}
+    with contextlib.chdir(folder):
+        done = CliRunner().invoke(app, ["preflight", "--json", str(result), *arguments])
+    return done.exit_code, done.output, json.loads(result.read_text()) if result.is_file() else {}
 
 
 @pytest.fixture
@@ -93,7 +92,7 @@ def test_a_cluster_elsewhere_runs_in_the_same_folder(cell: Path) -> None:
     """Its workers were started in another folder. Of these seeds one cuts a command here."""
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
+        n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
     ) as cluster:
         status, said, result = aioduco_preflight(
             cell, "--runs", "3", "--seed", "3", "--vary", "faults", "--timeout", "200",
@@ -125,14 +124,7 @@ def test_a_cut_connection_is_found_where_the_program_does_not_expect_it(
 def test_the_fixture_in_a_project_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "program.py").write_text(CARELESS)
     (tmp_path / "test_outside.py").write_text(OUTSIDE)
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_outside.py"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=250,
-        check=False,
-    )
+    done = python("-m", "pytest", "-q", "-p", "no:cacheprovider", "test_outside.py", cwd=tmp_path)
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
