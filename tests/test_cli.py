@@ -227,31 +227,6 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
     assert "there is no display" in answer.output
 
 
-@pytest.mark.parametrize(
-    ("options", "code", "says"),
-    [
-        (("--render", "out.mp4"), 2, ".gif or .png"),
-        (("--render", "no_folder/out.gif"), 2, "there is no folder no_folder"),
-        (("--mounting", "roof"), 2, "mounting is 'roof', but must be"),
-        (("--mounting", "0,0,0.5"), 2, "mounting is '0,0,0.5', but must be"),
-        (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
-        (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
-        (("--gripper", "hand"), 2, "robotiq_2f85"),
-        (("--generation", "5"), 2, "4.3"),
-    ],
-)
-def test_sim_says_what_it_cannot_do(options: tuple[str, ...], code: int, says: str) -> None:
-    answer = run("sim", "--port", "0", *options)
-    assert answer.exit_code == code
-    assert says in answer.output
-
-
-def test_a_preflight_says_that_a_mounting_is_no_pose() -> None:
-    answer = run("preflight", "program.py", "--mounting", "0,0,0.5")
-    assert answer.exit_code == 2
-    assert "mounting is '0,0,0.5', but must be" in answer.output
-
-
 # -- demo ----------------------------------------------------------------------------------------
 
 
@@ -479,29 +454,6 @@ def test_a_call_that_moves_the_arm_asks_first() -> None:
         assert sim.joints.j1 == pytest.approx(0.3, abs=1e-3)
 
 
-@pytest.mark.slow
-def test_a_call_that_cannot_be_made_says_why() -> None:
-    unknown = run("call", "no_such_function")
-    assert unknown.exit_code == 2
-    assert "no_such_function" in unknown.stderr
-    nobody = run("call", "get_tcp_pose", "--port", "1")
-    assert nobody.exit_code == 1
-    assert "127.0.0.1:1" in nobody.stderr
-
-
-def test_a_call_with_other_arguments_than_it_takes_asks_nothing_and_sends_nothing() -> None:
-    for words, why in (
-        (["movel", "3"], "missing a required argument: 'v'"),
-        (["cal_fkine", "0", "0", "1.57", "0", "-1.57", "0"], "too many positional arguments"),
-        (["movej2", "[0]", "v=1", "acc=1"], "missing a required argument: 'a'"),
-    ):
-        refused = run("call", *words, "--port", "1")
-        assert refused.exit_code == 2
-        message = " ".join(refused.stderr.replace("│", " ").split())  # it stands in a frame
-        assert why in message
-        assert f"aioduco call {words[0]} --describe" in message
-
-
 def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:
     """The command, the page of functions and the objects agree."""
     page = (Path(__file__).parents[1] / "docs" / "functions.md").read_text("utf-8")
@@ -590,20 +542,6 @@ def test_sigterm_cancels_the_program_of_an_event_loop_and_no_other_task(
     assert capsys.readouterr().err == "interrupted: it stands\n"
 
 
-def test_a_figure_that_is_no_file_is_refused(tmp_path: Path) -> None:
-    assert CliRunner().invoke(app, ["plot", "."]).exit_code == 2
-    missing = CliRunner().invoke(app, ["plot", str(tmp_path / "x.json")])
-    assert missing.exit_code == 1
-    assert "No such file or directory" in missing.output
-    assert "FileNotFoundError" not in missing.output
-
-
-def test_a_tap_says_which_function_it_would_never_show() -> None:
-    for words in ("movej2,movej3", "movej3,", ","):
-        assert run("tap", "127.0.0.1:1", "--only", words).exit_code == 2
-    assert "'movej3' is not known" in run("tap", "127.0.0.1:1", "--only", "movej3").stderr
-
-
 def test_a_tap_says_that_it_cannot_listen() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         there = f"127.0.0.1:{taken.getsockname()[1]}"
@@ -625,18 +563,6 @@ def test_a_tap_whose_reader_has_ended_ends_without_a_message() -> None:
             assert (tap.wait(60), tap.stderr.read()) == (1, "")
 
 
-def test_an_argument_of_a_call_that_is_given_twice_is_refused() -> None:
-    refused = run("call", "movej2", "[0,0,0,0,0,0]", "v=1", "v=2", "a=1", "--port", "1")
-    assert refused.exit_code == 2
-    assert "v is given twice: 1 and 2" in refused.stderr
-
-
-def test_a_simulator_above_the_ports_for_commands_needs_one() -> None:
-    answer = run("sim-do", "--port", "60000", "state")
-    assert answer.exit_code == 2
-    assert "no port for commands belongs to 60000" in answer.stderr
-
-
 def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
     (tmp_path / "wrong.xml").write_text("no MJCF")
     (tmp_path / "program.py").write_text("raise SystemExit(7)")
@@ -654,6 +580,41 @@ def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
 
 
 NOBODY = "127.0.0.1:1"
+
+
+@pytest.mark.cases(12)
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        ("sim --render out.mp4", 2, ".gif or .png"),
+        ("sim --render no_folder/out.gif", 2, "there is no folder no_folder"),
+        ("sim --mounting roof", 2, "mounting is 'roof', but must be"),
+        ("sim --mounting 0,0,0.5", 2, "mounting is '0,0,0.5', but must be"),
+        ("sim --mounting wall --pedestal 0.5", 1, "a pedestal is for an arm on the floor"),
+        ("sim --scene nowhere.xml", 2, "nowhere.xml"),
+        ("sim --gripper hand", 2, "robotiq_2f85"),
+        ("sim --generation 5", 2, "4.3"),
+        ("sim-do --port 60000 state", 2, "no port for commands belongs to 60000"),
+        ("preflight program.py --mounting 0,0,0.5", 2, "mounting is '0,0,0.5', but must be"),
+        ("plot .", 2, ". is no file"),
+        ("plot x.json", 1, "No such file or directory"),
+        (f"tap {NOBODY} --only movej2,movej3", 2, "'movej3' is not known"),
+        (f"tap {NOBODY} --only movej3,", 2, "'movej3' is not known"),
+        (f"tap {NOBODY} --only ,", 2, "'' is not known"),
+        ("call no_such_function", 2, "no_such_function"),
+        ("call get_tcp_pose --port 1", 1, NOBODY),
+        ("call movej2 [0,0,0,0,0,0] v=1 v=2 a=1 --port 1", 2, "v is given twice: 1 and 2"),
+        ("call movel 3 --port 1", 2, "missing a required argument: 'v'"),
+        ("call movel 3 --port 1", 2, "aioduco call movel --describe"),
+        ("call cal_fkine 0 0 1.57 0 -1.57 0 --port 1", 2, "too many positional arguments"),
+        ("call movej2 [0] v=1 acc=1 --port 1", 2, "missing a required argument: 'a'"),
+    ],
+)
+def test_a_command_says_why_it_cannot_be_carried_out(words: str, code: int, says: str) -> None:
+    answer = run(*words.split())
+    told = " ".join(answer.output.replace("│", " ").split())  # it stands in a frame
+    assert (answer.exit_code, says in told) == (code, True), answer.output
+    assert "Error: " not in told
 
 
 @pytest.mark.cases(8)
