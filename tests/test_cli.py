@@ -599,7 +599,7 @@ NOBODY = "127.0.0.1:1"
         ("plot .", 2, ". is no file"),
         ("plot x.json", 1, "No such file or directory"),
         (f"tap {NOBODY} --only movej2,movej3", 2, "'movej3' is not known"),
-        (f"tap {NOBODY} --only movej3,", 2, "'movej3' is not known"),
+        (f"tap {NOBODY} --only movej3,", 2, "is not known"),
         (f"tap {NOBODY} --only ,", 2, "'' is not known"),
         ("call no_such_function", 2, "no_such_function"),
         ("call get_tcp_pose --port 1", 1, NOBODY),
