@@ -8,17 +8,28 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING
 
+from aioduco.errors import ParameterError
+from aioduco.models.enums import OperationMode
+from aioduco.models.ranges import FLAG
+from aioduco.models.rules import Integer, Number, Vector
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.enums import OperationMode
     from aioduco.sim.assembly import SimulatorAssembly
 
 __all__ = ["OperatorActions"]
 
-#: largest force and torque of a push [N, N m]; largest load [kg], and distance of its centre [m]:
-#: far beyond what an arm bears, and still safe to compute with
-_LARGEST_PUSH, _HEAVIEST, _FARTHEST = 1e4, 1000.0, 10.0
+_JOINT = Integer(1, 6, source="this package")
+# far beyond what an arm bears, and still safe to compute with
+_WRENCH = Vector(
+    *[Number(-1e4, 1e4, "N", source="this package")] * 3,
+    *[Number(-1e4, 1e4, "N·m", source="this package")] * 3,
+)
+_MASS = Number(0.0, 1000.0, "kg", source="this package")
+_CENTRE = Vector(Number(-10.0, 10.0, "m", source="this package"), length=3)
+_DRY = Vector(Number(0.0, 1e4, "N·m", source="this package"), length=6)
+_VISCOUS = Vector(Number(0.0, 1e4, "N·m·s/rad", source="this package"), length=6)
 
 
 class OperatorActions:
@@ -29,12 +40,24 @@ class OperatorActions:
         """The parts of the running simulation."""
 
     def set_digital_input(self, num: int, value: bool) -> None:
-        """Set a general input of the cabinet, 1 to 16."""
+        """Set a general input of the cabinet, 1 to 16.
+
+        Raises:
+            IndexError: there is no such input.
+            ParameterError: `value` is neither True nor False.
+        """
+        value = FLAG("value", value)
         with self._running().runtime.command() as controller:
             controller.signals.standard_in[num] = value
 
     def set_tool_digital_input(self, num: int, value: bool) -> None:
-        """Set an input of the tool, 1 or 2."""
+        """Set an input of the tool, 1 or 2.
+
+        Raises:
+            IndexError: there is no such input.
+            ParameterError: `value` is neither True nor False.
+        """
+        value = FLAG("value", value)
         with self._running().runtime.command() as controller:
             controller.signals.tool_in[num] = value
 
@@ -45,7 +68,12 @@ class OperatorActions:
 
         Args:
             mode: manual, automatic or remote.
+
+        Raises:
+            ParameterError: it is none of them.
         """
+        if not isinstance(mode, OperationMode):
+            raise ParameterError("mode", mode, "an OperationMode")
         with self._running().runtime.command() as controller:
             controller.switch_mode(mode)
 
@@ -60,9 +88,12 @@ class OperatorActions:
             controller.release_emergency_stop()
 
     def collide(self, joint: int) -> None:
-        """Make a joint, 1 to 6, detect a collision, unless a program has switched detection off."""
-        if not 1 <= joint <= 6:
-            raise ValueError(f"joint is {joint}, but must be from 1 to 6")
+        """Make a joint, 1 to 6, detect a collision, unless a program has switched detection off.
+
+        Raises:
+            ParameterError: there is no such joint.
+        """
+        joint = _JOINT("joint", joint)
         with self._running().runtime.command() as controller:
             if controller.collisions.level:
                 controller.collide(joint)
@@ -75,15 +106,9 @@ class OperatorActions:
                 to end the push.
 
         Raises:
-            ValueError: `wrench` is not six such numbers; the push is as before.
+            ParameterError: `wrench` is not six such numbers; the push is as before.
         """
-        if len(wrench) != 6:
-            raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
-        if not all(abs(each) <= _LARGEST_PUSH for each in wrench):
-            raise ValueError(
-                f"wrench is {list(wrench)}, but must be numbers from -{_LARGEST_PUSH:g} to "
-                f"{_LARGEST_PUSH:g} [N, N m]: the push is as before"
-            )
+        wrench = _WRENCH("wrench", wrench)
         self._running().runtime.push(wrench)
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
@@ -99,17 +124,9 @@ class OperatorActions:
             centre: its centre of mass in the frame of the flange, at most 10 m along each axis [m].
 
         Raises:
-            ValueError: One of the numbers is none of these; the load is as before.
+            ParameterError: One of the numbers is none of these; the load is as before.
         """
-        if not 0.0 <= mass <= _HEAVIEST:
-            raise ValueError(
-                f"mass is {mass}, but must be from 0 to {_HEAVIEST:g} kg: the load is as before"
-            )
-        if len(centre) != 3 or not all(abs(each) <= _FARTHEST for each in centre):
-            raise ValueError(
-                f"centre is {tuple(centre)}, but must be three numbers from -{_FARTHEST:g} to "
-                f"{_FARTHEST:g} m: the load is as before"
-            )
+        mass, centre = _MASS("mass", mass), _CENTRE("centre", centre)
         self._running().runtime.carry(mass, centre)
 
     def drag(
@@ -128,12 +145,7 @@ class OperatorActions:
             viscous: torque that grows with the speed, likewise [N m s/rad].
 
         Raises:
-            ValueError: One of them is not six such numbers; the drag is as before.
+            ParameterError: One of them is not six such numbers; the drag is as before.
         """
-        for name, values in {"dry": dry, "viscous": viscous}.items():
-            if len(values) != 6 or not all(0.0 <= each <= _LARGEST_PUSH for each in values):
-                raise ValueError(
-                    f"{name} is {tuple(values)}, but must be six numbers from 0 to "
-                    f"{_LARGEST_PUSH:g}: the drag is as before"
-                )
+        dry, viscous = _DRY("dry", dry), _VISCOUS("viscous", viscous)
         self._running().runtime.drag(dry, viscous)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from aioduco.errors import ParameterError
 from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.ranges import FILE
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import parse_toml, read_text, rewrite
 from aioduco.models.toml_lines import line_of
@@ -151,13 +152,12 @@ class ArmProfile:
         Raises:
             ParameterError: the file cannot be read, or is no profile; the message has the line.
         """
+        path = FILE("profile", path)
         try:
             text = read_text(path)
             data = parse_toml(text)
         except (OSError, ValueError) as error:
-            raise ParameterError(
-                "profile", os.fspath(path), f"a readable TOML file: {error}"
-            ) from None
+            raise ParameterError("profile", str(path), f"a readable TOML file: {error}") from None
         return cls(*_Reader(path, text).parts(data))
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -10,6 +10,13 @@ class Refusal(Exception):
     """The call is answered with a Thrift application error that carries this text."""
 
 
+class SimulationFailed(Refusal, RuntimeError):
+    """The simulation has failed, and stands still; for the methods of a simulator, too."""
+
+    def __init__(self, failure: Exception) -> None:
+        super().__init__(f"the simulation failed: {failure!r}")
+
+
 class Rejected(Portable):
     """A task cannot be carried out: it ends at once, in a state that gives the reason."""
 

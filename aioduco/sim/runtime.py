@@ -31,7 +31,7 @@ from aioduco.sim.physics.temperature import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planning import PlanningThreads
 from aioduco.sim.plant_changes import PlantChanges
-from aioduco.sim.refusal import Pending, Refusal
+from aioduco.sim.refusal import Pending, Refusal, SimulationFailed
 from aioduco.sim.snapshot import SimulationSnapshot
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ class SimulationRuntime(PlantChanges):
         self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
         self._closing = False
-        self._failure: BaseException | None = None
+        self._failure: Exception | None = None
         #: called after every cycle
         self.observer: Observer | None = None
         self._thread = threading.Thread(target=self._run, name="sim-loop", daemon=True)
@@ -177,15 +177,23 @@ class SimulationRuntime(PlantChanges):
 
     # -- for handlers and tests, from any thread -----------------------------------------------
 
+    def check(self) -> None:
+        """Check that the simulation has not failed.
+
+        Raises:
+            SimulationFailed: It has.
+        """
+        if self._failure is not None:
+            raise SimulationFailed(self._failure) from self._failure
+
     @property
     def snapshot(self) -> SimulationSnapshot:
         """The latest snapshot.
 
         Raises:
-            Refusal: The simulation has failed, so the latest snapshot is out of date.
+            SimulationFailed: The simulation has failed, so the latest snapshot is out of date.
         """
-        if self._failure is not None:
-            raise Refusal(f"the simulation failed: {self._failure!r}")
+        self.check()
         self._catch_up()
         return self._snapshot
 
@@ -201,10 +209,9 @@ class SimulationRuntime(PlantChanges):
         By then a commanded motion has been planned, or its task has ended.
 
         Raises:
-            Refusal: The simulation has failed.
+            SimulationFailed: The simulation has failed.
         """
-        if self._failure is not None:
-            raise Refusal(f"the simulation failed: {self._failure!r}")
+        self.check()
         if self._within:  # a program of the controller makes a call, under the lock of the tick
             yield self._controller
             return
@@ -359,7 +366,7 @@ class SimulationRuntime(PlantChanges):
 
         Raises:
             RuntimeError: simulated time is not locked.
-            Refusal: The simulation has ended or failed.
+            Refusal: The simulation has ended, or failed (`SimulationFailed`).
         """
         with self._holding:
             self._limit = self._locked() + cycles
@@ -373,7 +380,7 @@ class SimulationRuntime(PlantChanges):
         Raises:
             RuntimeError: simulated time is not locked.
             ParameterError: there is no such thing.
-            Refusal: The simulation has ended or failed.
+            Refusal: The simulation has ended, or failed (`SimulationFailed`).
         """
         with self._holding:
             self._locked()
@@ -390,9 +397,10 @@ class SimulationRuntime(PlantChanges):
         return self._limit
 
     def _await_stand(self) -> None:
-        self._stands.wait()
+        if not self._closing:  # checked after the event was cleared: `release` sets the flag first
+            self._stands.wait()
         if self._closing:
-            _ = self.snapshot  # raises the reason, if the simulation failed
+            self.check()
             raise Refusal("the simulation ended")
 
     def set_speed(self, speed: float) -> None:

@@ -6,6 +6,8 @@ import atexit
 import contextlib
 import math
 import threading
+from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import anyio
@@ -19,7 +21,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.host_port import host_port
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.ranges import JOINTS, LISTEN_HOST, LISTEN_PORT, WAIT
+from aioduco.models.ranges import FLAG, JOINTS, LISTEN_HOST, LISTEN_PORT, WAIT
 from aioduco.models.rules import Integer, Number
 from aioduco.models.words import one_of
 from aioduco.sim import trial
@@ -40,9 +42,8 @@ from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
     from os import PathLike
-    from pathlib import Path
     from typing import Self
 
     from numpy.typing import NDArray
@@ -65,7 +66,9 @@ CYCLE = 0.001
 HEARTBEAT_SLACK = 0.5
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
+_USUAL = "gcr5_910"
 _SEED = Integer(0, 2**31 - 1, source="this package")
+_CYCLES = Integer(1, 2**31 - 1, source="this package")
 
 
 class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
@@ -131,8 +134,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
 
     Raises:
         ParameterError: There is no such model or generation, or `joints` are not six angles within
-            two turns; a port or the seed is out of range; or the profile is not valid, or of
-            another model.
+            two turns; a port or the seed is out of range; the profile is not valid, or of another
+            model; or an argument is of another type.
         ValueError: `external_axes` are not valid.
         SceneError: `mounting` or `pedestal` is not valid, or `scene` or `tool` holds an object that
             is not a `Thing`.
@@ -177,6 +180,13 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             if number is not None:
                 LISTEN_PORT(name, number)
         seed = _SEED("seed", seed)
+        strict, real_readings = FLAG("strict", strict), FLAG("real_readings", real_readings)
+        if not callable(on_shutdown):
+            raise ParameterError("on_shutdown", on_shutdown, "a function")
+        _by_name("external_axes", external_axes)
+        _by_name("values", values)
+        if not isinstance(programs, (str, Path)):
+            _by_name("programs", programs)
         known = None if profile is None else ArmProfile.of(profile)
         if known is not None:
             named = model.name if isinstance(model, Arm) else model
@@ -194,7 +204,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
         if gripper is not None and tool is not None:
             raise ValueError("a gripper is the tool: give one of the two")
         if not isinstance(model, Arm):
-            model = known.arm if known is not None else arm_of(model or "gcr5_910")
+            model = known.arm if known is not None else arm_of(_USUAL if model is None else model)
         joints = READY if joints is None else JOINTS("joints", joints)
         if trial.current is not None:
             joints, cycle, speed = trial.current.made(
@@ -414,6 +424,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
         Args:
             observer: called on the simulation's thread, which waits for it, with the state after
                 the cycle and with a function that describes the arm's contacts; None for nothing.
+                An error that it raises ends the simulation: clients get an application error, and
+                the methods of this simulator raise RuntimeError.
 
         Raises:
             ParameterError: It is neither a function nor None.
@@ -499,7 +511,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             inverted: whether the input is on while the output is off.
 
         Raises:
-            ValueError: There is no such signal, or the time is negative.
+            ParameterError: There is no such signal, or the time is negative.
         """
         rule = SignalRule(output, input, after, inverted)
         running = self._assembly
@@ -529,11 +541,10 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
                 duration of each, 1 ms by default.
 
         Raises:
-            ValueError: `cycles` is less than 1.
+            ParameterError: `cycles` is no whole number, or less than 1.
             RuntimeError: simulated time is not locked.
         """
-        if not cycles >= 1:
-            raise ValueError(f"cycles is {cycles}, but must be at least 1")
+        cycles = _CYCLES("cycles", cycles)
         self._running().runtime.advance(cycles)
 
     def arrange(self, things: Mapping[str, PoseLike]) -> None:
@@ -584,6 +595,7 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
     def _running(self) -> SimulatorAssembly:
         if self._assembly is None:
             raise RuntimeError("this simulator is not running: enter it by `with` or `async with`")
+        self._assembly.runtime.check()
         return self._assembly
 
     def _network(self, up: bool | None) -> None:
@@ -593,3 +605,9 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
         if up is None:
             self._halted.set()
             self._on_shutdown()
+
+
+def _by_name(name: str, table: object) -> None:
+    """Check that an argument is a dict, or None."""
+    if table is not None and not isinstance(table, Mapping):
+        raise ParameterError(name, table, "a dict: what there is, by its name")

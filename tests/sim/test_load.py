@@ -7,6 +7,7 @@ import math
 import pytest
 
 from aioduco._wire.rpc import Op
+from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.models.enums import TaskState
 from aioduco.sim.scene import Rod
@@ -61,7 +62,7 @@ def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> 
 
 @pytest.mark.parametrize("wrong", [[1.0] * 5, [1.0] * 5 + [-1.0], [math.nan] * 6])
 def test_drag_is_six_numbers(sim: Simulator, wrong: list[float]) -> None:
-    with pytest.raises(ValueError, match="the drag is as before"):
+    with pytest.raises(ParameterError, match="dry"):
         sim.drag(wrong)
 
 

@@ -209,6 +209,8 @@ def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
         _ = runtime.snapshot
     with pytest.raises(Refusal, match="fell apart"), runtime.command():
         pass
+    with pytest.raises(Refusal, match="fell apart"):  # and is not waited for
+        runtime.lock()
 
 
 @pytest.mark.usefixtures("real_cycle", "real_power")

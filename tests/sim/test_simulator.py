@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import threading
 
+import numpy as np
 import psutil
 import pytest
 
@@ -496,12 +498,72 @@ def test_a_simulator_is_entered_before_it_is_used_and_once() -> None:
         ({"status_port": -1}, "status_port is -1"),
         ({"force_port": 2**16}, "force_port is 65536"),
         ({"seed": -1}, "seed is -1"),
+        ({"model": 0}, "model is 0"),
+        ({"profile": 5}, "profile is 5"),
+        ({"strict": "no"}, "strict is 'no'"),
+        ({"real_readings": 1}, "real_readings is 1"),
+        ({"values": ["speed"]}, "values is ['speed']"),
+        ({"external_axes": 3}, "external_axes is 3"),
+        ({"programs": ["main"]}, "programs is ['main']"),
+        ({"on_shutdown": "end"}, "on_shutdown is 'end'"),
     ],
 )
 def test_wrong_options_are_named(options: dict[str, object], said: str) -> None:
     with pytest.raises(ParameterError) as refused:
         Simulator(**options)  # type: ignore[arg-type]  # that is the test
     assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("method", "arguments", "said"),
+    [
+        ("push", (None,), "wrench is None"),
+        ("push", ([math.nan] * 6,), "wrench[0] is nan"),
+        ("load", (1.0, None), "centre is None"),
+        ("load", ("x",), "mass is 'x'"),
+        ("drag", (np.ones((6, 1)),), "dry is"),  # this ended the simulation
+        ("drag", ([1.0] * 6, ["1"] * 6), "viscous[0] is '1'"),
+        ("collide", (None,), "joint is None"),
+        ("collide", (2.7,), "joint is 2.7"),
+        ("switch_mode", ("auto",), "mode is 'auto'"),
+        ("set_digital_input", (3, "off"), "value is 'off'"),
+        ("set_tool_digital_input", (1, 2), "value is 2"),
+        ("advance", (None,), "cycles is None"),
+        ("rule", (None, 2), "output is None"),
+        ("rule", (1, True), "input is True"),
+        ("rule", (1, 2.5), "input is 2.5"),
+        ("where", ([],), "name is []"),
+        ("render", (), "positions is True"),
+    ],
+)
+def test_what_a_method_cannot_take_is_named_and_nothing_changes(
+    sim: Simulator, method: str, arguments: tuple[object, ...], said: str
+) -> None:
+    options = {"positions": True} if method == "render" else {}
+    with pytest.raises(ParameterError) as refused:
+        getattr(sim, method)(*arguments, **options)
+    assert said in str(refused.value)
+    with pytest.raises(IndexError, match="no signal '3'"):
+        sim.get_digital_output("3")  # type: ignore[arg-type]  # that is the test
+    now = sim.time
+    sim.wait_until(lambda: sim.time > now)
+
+
+def test_after_its_observer_has_raised_each_method_says_so(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("of the test")
+
+    with caplog.at_level(logging.CRITICAL), Simulator() as sim:
+        sim.observe(fail)
+        with pytest.raises(RuntimeError, match="of the test"):
+            sim.wait_until(lambda: False)
+        for act in (sim.lock_time, sim.statistics, sim.emergency_stop):  # the first one waited
+            with pytest.raises(RuntimeError, match="of the test"):
+                act()
+        with pytest.raises(RuntimeError, match="of the test"):
+            sim.push([0.0] * 6)
 
 
 @pytest.mark.slow

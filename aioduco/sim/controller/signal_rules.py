@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import math
+import numbers
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from aioduco.errors import ParameterError
+from aioduco.models.ranges import FLAG, WAIT
 
 if TYPE_CHECKING:
     from aioduco.sim.cabinet.grippers import ValveGripper
@@ -13,6 +16,8 @@ if TYPE_CHECKING:
 __all__ = ["SignalRule", "SignalRules", "place"]
 
 _TOOL = "tool"
+#: what counts as a number of a signal: also numpy's
+_WHOLE: Any = numbers.Integral
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +31,7 @@ class SignalRule:
         inverted: whether it is on while the output is off.
 
     Raises:
-        ValueError: There is no such signal, or the time is negative.
+        ParameterError: There is no such signal, or the time is negative.
     """
 
     output: int | str
@@ -37,12 +42,11 @@ class SignalRule:
     def __post_init__(self) -> None:
         for name, signal in (("output", self.output), ("input", self.input)):
             tool, num = place(signal)
-            if not 1 <= num <= (2 if tool else 16):
-                raise ValueError(
-                    f'{name} is {signal!r}, but must be 1 to 16, or "tool 1" or "tool 2"'
-                )
-        if not 0.0 <= self.after < math.inf:
-            raise ValueError(f"after is {self.after}, but must be from 0 s")
+            whole = isinstance(num, _WHOLE) and not isinstance(num, bool)
+            if not whole or not 1 <= num <= (2 if tool else 16):
+                raise ParameterError(name, signal, '1 to 16, or "tool 1" or "tool 2"')
+        WAIT("after", self.after)
+        FLAG("inverted", self.inverted)
 
 
 def place(signal: int | str) -> tuple[bool, int]:

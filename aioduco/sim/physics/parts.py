@@ -192,7 +192,7 @@ class Parts:
         data.eq_active[weld] = stuck
 
     def _joint(self, name: str) -> int:
-        if name not in self._joints:
+        if not isinstance(name, str) or name not in self._joints:
             names = sorted(self._joints)
             raise ParameterError("name", name, f"one of the things that may move: {names}")
         return self._joints[name]

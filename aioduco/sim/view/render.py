@@ -107,8 +107,10 @@ class PictureProcess:
             raise ParameterError(
                 "size", (width, height), f"from (1, 1) to ({most.offwidth}, {most.offheight})"
             )
-        if positions.shape != (self.model.nq,):
-            raise ParameterError("positions", positions.shape, f"of shape ({self.model.nq},)")
+        shape = getattr(positions, "shape", None)
+        if shape != (self.model.nq,):
+            given = positions if shape is None else shape
+            raise ParameterError("positions", given, f"an array of shape ({self.model.nq},)")
         seen = self._camera(camera)
         request = PictureRequest(positions, width, height, seen, marks, depth)
         with self._lock, trial.untimed():
