@@ -10,6 +10,7 @@ import numpy as np
 
 from aioduco.errors import FirstPointTooFar, ParameterError, PlanObstructed
 from aioduco.models.ranges import JOINT_SPEED
+from aioduco.planning.scene import require_scene
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -77,9 +78,14 @@ async def execute(
     Raises:
         FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
         PlanObstructed: the arm would touch something in the scene that is watched.
+        ParameterError: an argument is not allowed; nothing was sent.
     """
+    if watch is not None:
+        require_scene("watch", watch, plan.arm)
     if planner is not None and watch is None:
         raise ParameterError("planner", planner, "given with a scene to watch")
+    if planner is not None and not callable(getattr(planner, "plan", None)):
+        raise ParameterError("planner", planner, "a Planner")
     blended = through == "blended"
     supervision = (watch, tolerances, feedback, options)
     if blended and any(each is not None for each in supervision):

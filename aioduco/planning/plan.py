@@ -10,6 +10,7 @@ import numpy as np
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import FINITE, WAIT
 from aioduco.planning.clearance import TOUCHING
+from aioduco.planning.scene import require_scene
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
@@ -168,7 +169,11 @@ class Plan:
 
         Returns:
             The result: true if the arm touches nothing.
+
+        Raises:
+            ParameterError: it is no scene of the plan's arm, or the time is below 0.
         """
+        require_scene("scene", scene, self.arm)
         times, q = self._samples(WAIT("after", after))
         checker = scene.checker()
         checker.padding = _NEAR
@@ -203,8 +208,10 @@ class Plan:
             Red, green, blue. Shape (height, width, 3).
 
         Raises:
+            ParameterError: it is no scene of the plan's arm, or the picture is too large.
             RenderError: this computer has no OpenGL that draws off screen.
         """
+        require_scene("scene", scene, self.arm)
         times = np.linspace(0.0, self.duration, _GHOSTS)
         shown = self._curve().at(times)
         pictures = np.array(

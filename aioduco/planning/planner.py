@@ -18,7 +18,7 @@ from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningEr
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import POSE
-from aioduco.models.rules import Number
+from aioduco.models.rules import Integer, Number
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
 from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Planner"]
 
+_SEED = Integer(1, 2**31 - 1, source="this package")
 _SPEED = Number(1e-4, unit="m/s", source="this package")
 _TIMEOUT = Number(1e-3, 600.0, "s", source="this package")
 _NEEDS = ("mujoco", "ompl")
@@ -107,8 +108,7 @@ class Planner(Closable):
 
         if not isinstance(scene, Scene):
             raise ParameterError("scene", scene, "a Scene")
-        if not 1 <= seed < 2**31:
-            raise ParameterError("seed", seed, "from 1")
+        seed = _SEED("seed", seed)
         self.scene = scene
         self._tip = np.eye(4) if tool is None else Pose.of(tool).matrix
         self._seed = seed

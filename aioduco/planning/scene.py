@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.errors import MissingExtra, SceneError
+from aioduco.errors import MissingExtra, ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import JOINTS
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from aioduco.sim.simulator import Simulator
     from aioduco.sim.view.camera import Camera
 
-__all__ = ["Scene"]
+__all__ = ["Scene", "require_scene"]
 
 _PADDING = Number(0.0005, 0.1, "m", source="this package")
 
@@ -421,3 +421,18 @@ class Scene:
     def _changed(self) -> None:
         self._model = self._checker = None
         self._revision += 1
+
+
+def require_scene(name: str, scene: object, arm: Arm) -> None:
+    """Check that an argument is a scene of an arm.
+
+    Args:
+        name: the parameter's name.
+        scene: the argument, of any type.
+        arm: the arm.
+
+    Raises:
+        ParameterError: it is no scene, or that of another arm.
+    """
+    if not isinstance(scene, Scene) or scene.arm.name != arm.name:
+        raise ParameterError(name, scene, f"a Scene of the plan's arm, {arm.name}")

@@ -365,8 +365,16 @@ def test_a_pose_in_degrees_or_millimetres_and_what_is_no_scene_are_refused(scene
     for goal in wrong:
         with pytest.raises(ParameterError, match=r"goal\[3\] is 180"):
             goals_of(goal)
-    with Planner(scene) as planner, pytest.raises(ParameterError, match=r"to\[0\] is 400"):
-        planner.line_blocking(RIGHT, Pose(400.0, 0.1, 0.4, math.pi, 0.0, 0.0))
+    with Planner(scene) as planner:
+        with pytest.raises(ParameterError, match=r"to\[0\] is 400"):
+            planner.line_blocking(RIGHT, Pose(400.0, 0.1, 0.4, math.pi, 0.0, 0.0))
+        plan = planner.plan_blocking(RIGHT, LEFT, v=1.5, a=3.0)
     for it in ("gcr5_910", None):
         with pytest.raises(ParameterError, match="a Scene"):
             Planner(it)  # type: ignore[arg-type]  # the wrong type is the point
+        with pytest.raises(ParameterError, match="a Scene"):
+            plan.check(it)  # type: ignore[arg-type]  # the wrong type is the point
+    with pytest.raises(ParameterError, match="a Scene of the plan's arm, gcr5_910"):
+        plan.check(Scene("gcr16_960"))
+    with pytest.raises(ParameterError, match="seed is 'one'"):
+        Planner(scene, seed="one")  # type: ignore[arg-type]  # the wrong type is the point
