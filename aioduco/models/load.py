@@ -29,16 +29,20 @@ class Load(NamedTuple):
     z: float = 0.0
 
     def with_load(self, other: Load) -> Load:
-        """Return this load and another one in the same frame together."""
-        return self._sum(other, 1.0)
+        """Return this load and another one in the same frame together.
+
+        Raises:
+            ParameterError: the other one is no `Load`.
+        """
+        return self._sum(_checked(other), 1.0)
 
     def without_load(self, other: Load) -> Load:
         """Return what remains of this load without a part of it, in the same frame.
 
         Raises:
-            ParameterError: the part is as heavy as this load, or heavier.
+            ParameterError: the part is no `Load`, as heavy as this load, or heavier.
         """
-        if other.mass >= self.mass:
+        if _checked(other).mass >= self.mass:
             raise ParameterError("other", other, f"lighter than the whole, {self.mass:g} kg")
         return self._sum(other, -1.0)
 
@@ -66,3 +70,9 @@ class Load(NamedTuple):
             return Load(0.0)
         pairs = zip(self[1:], other[1:], strict=True)
         return Load(mass, *((self.mass * a + sign * other.mass * b) / mass for a, b in pairs))
+
+
+def _checked(other: Load) -> Load:
+    if not isinstance(other, Load):
+        raise ParameterError("other", other, "a Load")
+    return other

@@ -129,6 +129,9 @@ def test_loads_add_and_change_frames() -> None:
     assert np.allclose(held.in_tool(at).in_flange(at), held)
     with pytest.raises(ParameterError, match="lighter"):
         tool.without_load(held)
+    for change in (tool.with_load, tool.without_load):
+        with pytest.raises(ParameterError, match="a Load"):
+            change([0.5, 0.0, 0.0, 0.1])  # type: ignore[arg-type]  # that is the test
 
 
 def test_poses_that_leave_the_load_open_are_refused() -> None:
