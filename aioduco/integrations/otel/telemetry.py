@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections.abc import Collection
 from contextlib import asynccontextmanager
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -14,12 +15,13 @@ from opentelemetry import metrics, trace
 from opentelemetry.trace import SpanKind, StatusCode
 
 import aioduco
-from aioduco import RobotStateError, TaskState, events
+from aioduco import ParameterError, RobotStateError, TaskState, events
 from aioduco._process.copying import Uncopied
 from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
+from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Collection, Iterable
+    from collections.abc import AsyncIterator, Iterable
 
     from opentelemetry.metrics import CallbackOptions, MeterProvider, Observation
     from opentelemetry.trace import Span, TracerProvider
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 __all__ = ["Telemetry"]
 
 _NAME: Final = "aioduco"
+#: lanes whose calls are reported
+_LANES: Final = ("stop", "control", "poll", "motion", "feed", "call", "blocking")
 #: the lane on which motions are started, and the function that polls their state
 _MOTIONS: Final = "motion"
 _ASK: Final = "get_noneblock_taskstate"
@@ -76,10 +80,14 @@ class Telemetry(Uncopied):
 
     Args:
         robot: name of the arm: the attribute `duco.robot` of all spans and metrics.
-        without_lanes: lanes whose calls make no span, such as `feed`, `poll` and `heartbeat`,
-            which send many calls a second; their latency is measured nevertheless.
+        without_lanes: lanes whose calls make no span, such as `feed` and `poll`, which send many
+            calls a second; their latency is measured nevertheless. Heartbeats and the set-points of
+            streams make none in any case.
         tracer_provider: provider for spans; None for OpenTelemetry's global one.
         meter_provider: provider for metrics; None for OpenTelemetry's global one.
+
+    Raises:
+        ParameterError: there is no such lane.
     """
 
     def __init__(
@@ -91,7 +99,9 @@ class Telemetry(Uncopied):
         meter_provider: MeterProvider | None = None,
     ) -> None:
         self._robot = robot
-        self._without = frozenset(without_lanes)
+        if isinstance(without_lanes, str) or not isinstance(without_lanes, Collection):
+            raise ParameterError("without_lanes", without_lanes, 'names, such as ("feed", "poll")')
+        self._without = frozenset(one_of("without_lanes", each, _LANES) for each in without_lanes)
         version = aioduco.__version__
         self._tracer = trace.get_tracer(_NAME, version, tracer_provider=tracer_provider)
         meter = metrics.get_meter(_NAME, version, meter_provider=meter_provider)

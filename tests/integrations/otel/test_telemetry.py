@@ -69,6 +69,12 @@ def called(function: str, result: Any, *arguments: Any, **more: Any) -> CallFini
     return CallFinished(function=function, result=result, arguments=arguments, **options)
 
 
+@pytest.mark.parametrize("lanes", [("fed",), ("heartbeat",), "feed", None, 3])
+def test_a_lane_that_is_none_is_refused(lanes: Any) -> None:
+    with pytest.raises(aioduco.ParameterError, match="without_lanes is"):
+        Backend().telemetry(without_lanes=lanes)
+
+
 async def test_calls_motions_and_recoveries_of_a_robot(duco_simulator: Simulator) -> None:
     backend = Backend()
     telemetry = backend.telemetry(without_lanes=("feed", "poll"))
