@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import warnings
+from collections.abc import Iterable
 from contextlib import contextmanager
 from functools import cached_property
 from importlib import import_module
@@ -17,6 +18,7 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import (
     DucoError,
     MissingExtra,
+    ParameterError,
     RobotStateError,
     StopsUnconfirmed,
 )
@@ -24,7 +26,7 @@ from aioduco.models.address import host_alone
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
-from aioduco.models.ranges import PORT
+from aioduco.models.ranges import PORT, TEXT
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.similar import MisspeltRefused
 from aioduco.models.trace import ProcedureFinished, emit
@@ -32,7 +34,7 @@ from aioduco.supervision.concurrency import DaemonThread
 from aioduco.supervision.settings import RobotSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
     from os import PathLike
     from types import TracebackType
@@ -245,11 +247,16 @@ async def stop_all(robots: Iterable[Robot]) -> None:
         robots: the robots, all of this event loop.
 
     Raises:
+        ParameterError: this is no list of robots; no stop was sent.
         StopsUnconfirmed: it is not known that some of the arms stand, or their robots were not
             open, or are no robots: press their emergency stops. The other arms stand.
 
     Manual section 1.3.3.
     """
+    if isinstance(robots, Robot):  # in place of a list: what is meant as a stop stops
+        robots = (robots,)
+    if not isinstance(robots, Iterable):
+        raise ParameterError("robots", robots, "a list of robots")
     chosen = tuple(robots)
     known = [isinstance(robot, Robot) for robot in chosen]
     errors: list[DucoError | None] = [None] * len(chosen)
@@ -823,10 +830,12 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
             name: what the block does, for messages.
 
         Raises:
+            ParameterError: the name is no text.
             RobotStateError: the robot is not open.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
             TaskStopped: an outer block has ended.
         """
+        TEXT("name", name)
         self._supervisor.check_usable(name)
         return self._supervisor.permits.undertaking(name)
 

@@ -6482,6 +6482,7 @@ class Robot(RobotLifecycle, ManualNames):
             name: what the block does, for messages.
 
         Raises:
+            ParameterError: the name is no text.
             RobotStateError: the robot is not open.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
             TaskStopped: an outer block has ended.

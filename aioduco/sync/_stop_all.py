@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, cast
 
-from aioduco.errors import DucoError, RobotStateError, StopsUnconfirmed
+from aioduco.errors import DucoError, ParameterError, RobotStateError, StopsUnconfirmed
 from aioduco.models.host_port import host_port
 from aioduco.sync._robot import RobotLifecycle
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from aioduco.sync._generated import Robot
     from aioduco.sync._runner import StartedCall
 
@@ -27,11 +26,16 @@ def stop_all(robots: Iterable[Robot]) -> None:
         robots: the robots.
 
     Raises:
+        ParameterError: this is no list of robots; no stop was sent.
         StopsUnconfirmed: some arms are not known to stand, or their robots were not open, or are no
             robots; the others stand. Press the emergency stops of the former.
 
     Manual section 1.3.3.
     """
+    if isinstance(robots, RobotLifecycle):  # in place of a list: what is meant as a stop stops
+        robots = (cast("Robot", robots),)
+    if not isinstance(robots, Iterable):
+        raise ParameterError("robots", robots, "a list of robots")
     chosen = tuple(robots)
     known = [isinstance(robot, RobotLifecycle) for robot in chosen]
     errors: list[DucoError | None] = [None] * len(chosen)

@@ -14,7 +14,13 @@ from client.bench import HOME, POSE, Bench
 import aioduco
 import aioduco.sync
 from aioduco.envelope import Envelope, Zone
-from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
+from aioduco.errors import (
+    HeartbeatLost,
+    ParameterError,
+    RobotStateError,
+    StopUnconfirmed,
+    TaskStopped,
+)
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.testing import eventually_async
 
@@ -349,6 +355,8 @@ async def test_a_program_that_resumed_a_motion_stops_it_when_it_leaves(bench: Be
 
 async def test_nothing_of_a_block_is_sent_after_a_stop(bench: Bench) -> None:
     async with aioduco.connect(bench.host, bench.port) as robot:
+        with pytest.raises(ParameterError, match="name is 3"):
+            robot.permit(3)  # type: ignore[arg-type]  # that is the test
         with robot.permit("pick"):
             assert await robot.motion.movej2(HOME, v=1.0, a=1.0)
             await robot.pause()

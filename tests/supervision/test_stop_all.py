@@ -104,6 +104,17 @@ async def test_a_stop_that_nobody_awaited_is_no_later_one(fleet: Fleet) -> None:
         assert len(fleet[0].received("stop")) == 2
 
 
+async def test_a_robot_in_place_of_a_list_is_stopped(fleet: Fleet) -> None:
+    async with AsyncExitStack() as stack:
+        (robot,) = await open_all(stack, fleet[:1])
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await aioduco.stop_all(robot)  # type: ignore[arg-type]  # that is the test
+        assert not fleet[0].moving()
+        assert await task.wait() is aioduco.Outcome.STOPPED
+    with pytest.raises(aioduco.ParameterError, match="robots is None"):
+        await aioduco.stop_all(None)  # type: ignore[arg-type]  # that is the test
+
+
 async def test_nobody_to_stop() -> None:
     await aioduco.stop_all([])
 

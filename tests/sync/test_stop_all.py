@@ -75,6 +75,15 @@ def test_what_is_no_robot_keeps_no_other_from_its_stop(
     assert not any(desk.moving() for desk in desks)
 
 
+def test_a_robot_in_place_of_a_list_is_stopped(robots: list[Robot], desks: list[Desk]) -> None:
+    start_all(robots, desks)
+    stop_all(robots[0])  # type: ignore[arg-type]  # that is the test
+    assert [desk.moving() for desk in desks] == [False, True, True]
+    with pytest.raises(aioduco.ParameterError, match="robots is 3"):
+        stop_all(3)  # type: ignore[arg-type]  # that is the test
+    stop_all(robots)
+
+
 def test_an_interrupt_goes_on_when_all_stand(
     robots: list[Robot], desks: list[Desk], interrupts: Interrupts
 ) -> None:
