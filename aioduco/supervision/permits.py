@@ -6,6 +6,8 @@ import contextlib
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
+import anyio
+
 from aioduco._process.platform import boot_time
 from aioduco.supervision.concurrency import every
 
@@ -60,6 +62,19 @@ class Permits:
         if self.gate.stopping:
             async for _ in every(_STOPPING_EVERY):
                 if not self.gate.waits(permit, boot_time()):
+                    return
+
+    async def stops_ended(self, timeout: float) -> None:
+        """Wait until no stop is being confirmed, before the connections are closed.
+
+        A stop that another task waits for would otherwise not learn that it was accepted.
+
+        Args:
+            timeout: the longest wait [s].
+        """
+        with anyio.move_on_after(timeout):
+            async for _ in every(_STOPPING_EVERY):
+                if not self.gate.stopping:
                     return
 
     def check(self, permit: Permit) -> None:

@@ -53,7 +53,8 @@ class ClosingSteps:
             controller misses the heartbeat, if there is one; the motion has the time of
             `standstill` to end by itself.
         standstill: time for the arm to stand [s]; a stop that has no effect is repeated. Without
-            it, the arm may still move when the block has been left.
+            it, the arm may still move when the block has been left. Also the longest wait for a
+            stop, a pause or an abort that another task of the program has asked for.
         modes: time to end modes that a stop leaves on [s]: hand guiding, realtime mode, and, if
             the arm stands, force control; and to empty a track pool into which this program has
             put points. Without it, force control stays on after the program, and so do the other

@@ -77,6 +77,22 @@ async def test_an_exception_inside(bench: Bench) -> None:
     await left_standing(bench)
 
 
+@pytest.mark.parametrize("name", ["stop", "pause", "abort"])
+async def test_a_stop_of_another_task_is_confirmed_before_the_connections_close(
+    bench: Bench, name: str
+) -> None:
+    """Somebody else's arm is moving, so that leaving has nothing to stop."""
+    bench.motion_time, bench.braking_time = 30.0, 0.3
+    bench._answers["movej2"](HOME, 1.0, 1.0, 0.0, False, None, False)
+    async with (
+        anyio.create_task_group() as tasks,
+        aioduco.connect(bench.host, bench.port, stop_timeout=0.5) as robot,
+    ):
+        tasks.start_soon(getattr(robot, name))  # it raises nothing
+        await eventually_async(lambda: bool(bench.received(name)))
+    await left_standing(bench)
+
+
 async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> None:
     bench.motion_time = 30.0
     gate = bench.hold("movej2", bench._answers["movej2"])
