@@ -368,6 +368,10 @@ class Dispatcher:
 
     def _refuse_beside_stream(self, name: str) -> None:
         for stream in self._coordinator.streams:
+            if stream.quiet:  # it has ended, perhaps by a stop, and its program does not know yet
+                raise RobotStateError(
+                    f"{name} was not sent: the block of {stream!r} is open; leave it first"
+                )
             raise RobotStateError(
                 f"{name} was not sent: the arm follows {stream!r}; close it first"
             )

@@ -342,6 +342,18 @@ async def test_no_motion_while_a_stream_is_open(robot: aioduco.Robot) -> None:
         await stream.send(START)
 
 
+async def test_nor_in_the_block_of_a_stream_that_has_ended(robot: aioduco.Robot) -> None:
+    stream = robot.servo.joints(v=1.0, a=8.0, options=THREAD)
+    await stream.__aenter__()
+    await stream.send(START)
+    await robot.stop()
+    with pytest.raises(RobotStateError, match=r"the block of <Stream .* is open; leave it first"):
+        await robot.motion.movej2(START, v=1.0, a=1.0)
+    with pytest.raises(StreamStopped):
+        await stream.__aexit__(None, None, None)
+    await robot.motion.movej2(START, v=1.0, a=1.0)
+
+
 async def test_no_stream_while_a_motion_is_under_way(robot: aioduco.Robot) -> None:
     target = [START[0] + 0.5, *START[1:]]
     motion = await robot.motion.movej2(target, v=0.05, a=5.0).start()
