@@ -96,7 +96,8 @@ def check(
 
     For a controller: list where it behaves otherwise than `aioduco sim`. It only reads unless
     --move is given. Exit codes: 0 nothing differs; 1 something does, or it was not reached; 2 wrong
-    options; 3 not confirmed; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+    options; 3 not confirmed; 4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the
+    arm was stopped.
 
     For a file: check reach, joint limits, singularities, branches of its points. Nothing moves.
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
+import socket
+import threading
+import time
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +19,15 @@ from client.bench import Bench
 from test_cli import process
 
 import aioduco.sync
+from aioduco._wire.connection import Connection
 from aioduco.cli.app import app
-from aioduco.errors import ConnectError
+from aioduco.errors import ConnectError, ConnectTimeout, NotAController, StopUnconfirmed
 from aioduco.sim import Simulator
 from aioduco.sim.controller.tasks import TaskTable
-from aioduco.testing import check_controller
+from aioduco.testing import FaultProxy, check_controller
 from aioduco.testing.conformance import CheckResult, ControllerReport, Verdict
+from aioduco.testing.conformance.check_session import CheckSession
+from aioduco.testing.conformance.moving import MOVING
 from aioduco.testing.conformance.reading import READING
 
 
@@ -95,6 +103,92 @@ def test_functions_that_are_missing_are_named() -> None:
 def test_no_controller() -> None:
     with pytest.raises(ConnectError):
         check_controller("127.0.0.1", 1)
+
+
+@contextlib.contextmanager
+def listener(answer: bytes) -> Iterator[tuple[str, int]]:
+    """The address of a program that is no controller: it sends this text to all that comes."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            with contextlib.suppress(OSError):
+                while True:
+                    connection, _ = server.accept()
+                    threading.Thread(target=answer_all, args=(connection,), daemon=True).start()
+
+        def answer_all(connection: socket.socket) -> None:
+            with connection, contextlib.suppress(OSError):
+                while connection.recv(4096):
+                    connection.sendall(answer)
+
+        threading.Thread(target=serve, daemon=True).start()
+        yield server.getsockname()
+        server.shutdown(socket.SHUT_RDWR)
+
+
+def test_what_is_no_controller() -> None:
+    with listener(b"SSH-2.0-OpenSSH_9.2\r\n") as address, pytest.raises(NotAController):
+        check_controller(*address)
+
+
+def test_what_never_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CheckSession.call, "__kwdefaults__", {"timeout": 0.1})
+    with listener(b"") as address, pytest.raises(ConnectTimeout):
+        check_controller(*address)
+
+
+@pytest.fixture
+def lost_connection(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what moves the arm, only the check that ends a connection in mid motion."""
+    (looked,) = (each for each in MOVING if each[1] == "a connection that ends in mid motion")
+    monkeypatch.setattr("aioduco.testing.conformance.moving.MOVING", (looked,))
+
+
+@pytest.mark.usefixtures("lost_connection")
+def test_an_arm_that_cannot_be_stopped_is_said_and_not_moved_again(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bring_up(sim)
+    monkeypatch.setattr("aioduco.testing.conformance.check_session._REST_LIMIT", 0.2)
+    with FaultProxy(sim.host, sim.port) as proxy:
+
+        def cut() -> None:
+            sim.wait_until(lambda: sim.moving, timeout=60)
+            proxy.refuse()
+            proxy.cut()
+
+        cutting = threading.Thread(target=cut)
+        cutting.start()
+        with pytest.raises(StopUnconfirmed, match="emergency stop"):
+            check_controller(proxy.host, proxy.port, move=True)
+        cutting.join()
+
+
+@pytest.mark.usefixtures("lost_connection")
+def test_a_motion_of_another_thread_comes_before_the_last_stop(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bring_up(sim)
+    before = sim.joints.array.copy()
+    another = CheckSession.another
+
+    def late(session: CheckSession) -> AbstractContextManager[Connection]:
+        if threading.current_thread() is not threading.main_thread():
+            time.sleep(0.3)  # as by a slow network
+        return another(session)
+
+    def interrupted(*_: object) -> bool:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(CheckSession, "another", late)
+    monkeypatch.setattr(CheckSession, "moves", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        check_controller(sim.host, sim.port, move=True)
+    for each in threading.enumerate():
+        if each.name == "aioduco check":
+            each.join()
+    assert not sim.moving
+    assert abs(sim.joints.array - before).max() < 0.1
 
 
 def run(*words: Any, answer: str = "") -> tuple[int, str]:

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.connection import Connection
-from aioduco._wire.lifecycle import ConnectionState
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.rpc import Op
+from aioduco.errors import (
+    CallTimeout,
+    ConnectionLost,
+    ConnectTimeout,
+    ControllerError,
+    NotAController,
+    StopUnconfirmed,
+)
 from aioduco.models.enums import RobotState, SafetyState, TaskState
+from aioduco.streaming.worker.rest import bring_to_rest
+from aioduco.supervision.unanswered import UnansweredMotion
 from aioduco.testing.waiting import eventually
 
 if TYPE_CHECKING:
@@ -18,6 +30,8 @@ __all__ = ["CheckSession", "NotTried"]
 
 #: time-outs for the answer to a call that does not block, and for a small motion [s]
 CALL, MOTION = 5.0, 30.0
+#: seconds after which it is given up to bring the arm to rest
+_REST_LIMIT = 15.0
 
 
 class NotTried(Exception):
@@ -34,7 +48,8 @@ class CheckSession:
 
     def __init__(self, host: str, port: int) -> None:
         self.address: tuple[str, int] = (host, port)
-        self._connection = Connection(host, port)
+        # After a missing answer, no other call can use its connection: the next one opens another.
+        self._own = OwnConnection(Endpoint(host, port, CALL))
 
     def open(self) -> None:
         """Connect.
@@ -42,11 +57,20 @@ class CheckSession:
         Raises:
             ConnectError: there is no controller.
         """
-        self._connection.open()
+        try:
+            self.call("get_robot_state")
+        except ControllerError:  # it is one of its checks whether the controller has this function
+            return
+        except CallTimeout as error:
+            reason = f"it accepts connections, but did not answer within {CALL:g} s"
+            raise ConnectTimeout(*self.address, reason) from error
+        except ConnectionLost as error:
+            reason = f"what answers there is no controller ({error})"
+            raise NotAController(*self.address, reason) from error
 
     def close(self) -> None:
         """End the connection."""
-        self._connection.close()
+        self._own.close()
 
     def call(self, name: str, *args: Any, timeout: float = CALL) -> Any:
         """Call a function of the wire.
@@ -54,12 +78,7 @@ class CheckSession:
         Raises:
             DucoError: there is no answer, or the answer is an error.
         """
-        if self._connection.state is not ConnectionState.IDLE:
-            # After a missing answer, no other call can use the connection.
-            self._connection.close()
-            self._connection = Connection(*self.address)
-            self._connection.open()
-        return self._connection.call(name, args, timeout)
+        return self._own.call(name, args, timeout)
 
     @contextlib.contextmanager
     def another(self) -> Iterator[Connection]:
@@ -111,14 +130,23 @@ class CheckSession:
             raise NotTried("the arm moves")
 
     def rest(self) -> None:
-        """Stop the arm, and wait until it stands.
+        """Stop the arm until it stands, and a motion that was not answered cannot move it.
 
         Raises:
-            NotTried: the arm does not come to rest.
+            StopUnconfirmed: that is not known.
         """
-        self.call("stop", True, timeout=MOTION)
-        if not self.until(lambda: not self.moving()):
-            raise NotTried("the arm does not come to rest")
+        now = time.monotonic()
+        motion = UnansweredMotion(now, now, now + _REST_LIMIT)
+        if self._own.idle:
+            motion.answered(now)
+        else:
+            self._own.close()
+            motion.connection_reset(now)
+        if not bring_to_rest(motion, self._own, CALL, lambda: None):
+            raise StopUnconfirmed(
+                f"the arm was told to stop, but not seen to stand within {_REST_LIMIT:g} s: it may "
+                "be moving. Press the emergency stop if it does"
+            )
 
     # -- motions ---------------------------------------------------------------------------------
 

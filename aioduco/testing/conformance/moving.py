@@ -163,9 +163,11 @@ def _lost_connection(session: CheckSession) -> Found:
         target=_call_and_disconnect, args=(session, goal, over), name="aioduco check", daemon=True
     )
     thread.start()
-    moves = session.moves()
-    over.set()
-    thread.join(MOTION)
+    try:
+        moves = session.moves()
+    finally:  # also if the check is told to end: the stop after it comes behind the motion
+        over.set()
+        thread.join(MOTION)
     if not moves:
         return False, "it does not move"
     session.until(lambda: not session.moving())

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.idl import functions
 from aioduco._wire.messages import Inbox, Message, MessageType
-from aioduco.errors import ControllerError, DucoError, UnknownFunction
+from aioduco.errors import ConnectError, ControllerError, DucoError, UnknownFunction
 from aioduco.kinematics import arm, models
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.models.pose import Pose
@@ -59,6 +60,8 @@ def _functions(session: CheckSession) -> Found:
             wrong.append(f"{name} is unknown")
         except ControllerError as error:
             (silent if name in NOT_PUBLIC else wrong).append(str(error))
+        except ConnectError:
+            raise
         except DucoError as error:
             wrong.append(f"{name}: {error}")
     answered = f"{count - len(wrong) - len(silent)} of {count} are answered"
@@ -86,7 +89,7 @@ def _exchange(session: CheckSession, message: Message) -> list[Message]:
     behind = Message(MessageType.CALL, "robotmoving", 8, b"\0")
     with (
         socket.create_connection(session.address, timeout=5.0) as sock,
-        contextlib.suppress(OSError),
+        contextlib.suppress(OSError, Malformed),
     ):
         for each in (message, behind):
             sock.sendall(each.encode())

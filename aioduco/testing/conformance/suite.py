@@ -6,7 +6,7 @@ import contextlib
 import time
 from typing import TYPE_CHECKING
 
-from aioduco.errors import DucoError
+from aioduco.errors import ConnectError, DucoError, StopUnconfirmed
 from aioduco.models.host_port import host_port
 from aioduco.testing.conformance.check_session import CheckSession, NotTried
 from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
@@ -47,15 +47,16 @@ def check_controller(
         corrected.
 
     Raises:
-        ConnectError: there is no controller.
+        ConnectError: there is no controller, or it can no longer be reached.
+        StopUnconfirmed: it is not known that the arm stands, after a check that moved it.
     """
     from aioduco.testing.conformance.moving import MOVING  # noqa: PLC0415 - loads NumPy
     from aioduco.testing.conformance.reading import READING  # noqa: PLC0415
 
     session = CheckSession(host, port)
-    session.open()
     results: list[CheckResult] = []
     try:
+        session.open()
         for looked in READING:
             _add(results, _checked(session, looked), progress)
         if move:
@@ -87,6 +88,8 @@ def _checked(session: CheckSession, looked: Looked) -> CheckResult:
         verdict = Verdict.SAME if same else Verdict.DIFFERENT
     except NotTried as reason:
         verdict, found = Verdict.OPEN, f"not tried: {reason}"
+    except (ConnectError, StopUnconfirmed):  # no further check can be made, or may be
+        raise
     except DucoError as error:
         verdict, found = Verdict.DIFFERENT, f"{type(error).__name__}: {error}"
     took = round(time.monotonic() - begin, 3)
