@@ -95,12 +95,21 @@ class Peer:
         raw = self._pending.pop(0)
         return self.server.note(raw)
 
+    def take(self) -> Received:
+        """The next call, which must come."""
+        call = self.receive()
+        assert call is not None
+        return call
+
     def send(self, data: bytes) -> None:
         with contextlib.suppress(OSError):
             self.sock.sendall(data)
 
     def answer(self, call: Received, value: Any = None) -> None:
         self.send(reply(call.raw, value))
+
+    def close(self) -> None:
+        self.sock.close()
 
     def reset(self) -> None:
         """Close the connection by RST."""
@@ -127,6 +136,17 @@ def honest(peer: Peer) -> None:
     """Answer every call truly."""
     while (call := peer.receive()) is not None:
         peer.answer(call)
+
+
+def silent(peer: Peer) -> None:
+    """Take calls, and answer none."""
+    while peer.receive() is not None:
+        pass
+
+
+def ending(peer: Peer) -> None:
+    """Take a call, and end the connection."""
+    peer.receive()
 
 
 class ScriptedServer:

@@ -21,7 +21,7 @@ from aioduco.errors import CallTimeout, ConnectError, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, channel, opened
-from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest
+from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest, silent
 
 Script = Callable[[Peer], None]
 
@@ -30,11 +30,6 @@ def doubling(peer: Peer) -> None:
     """Answer each task id by its double."""
     while (call := peer.receive()) is not None:
         peer.answer(call, 2 * call.args[0] if call.name == "get_noneblock_taskstate" else None)
-
-
-def silent(peer: Peer) -> None:
-    while peer.receive() is not None:
-        pass
 
 
 def start(call: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
@@ -92,8 +87,7 @@ async def test_a_call_cancelled_while_it_waits_leaves_no_trace() -> None:
     gate = threading.Event()
 
     def script(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         assert gate.wait(PATIENCE)
         peer.answer(call)
         doubling(peer)
@@ -122,8 +116,7 @@ async def test_a_call_cancelled_just_as_its_turn_comes() -> None:
     gate = threading.Event()
 
     def script(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         assert gate.wait(PATIENCE)
         peer.answer(call)
         doubling(peer)

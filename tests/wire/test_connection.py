@@ -30,7 +30,8 @@ from aioduco.errors import (
 )
 from aioduco.testing import eventually, no_leaks
 
-from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest, zero
+from .names import NAME, Names
+from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest, silent, zero
 
 #: seconds after which a server that says nothing is given up
 SHORT = 0.1
@@ -51,12 +52,6 @@ def connected(*scripts: Callable[[Peer], None]) -> Iterator[tuple[Connection, Sc
             yield connection, server
         finally:
             connection.close()
-
-
-def silent(peer: Peer) -> None:
-    """Take calls and never answer."""
-    while peer.receive() is not None:
-        pass
 
 
 # What a call returns
@@ -81,8 +76,7 @@ def test_a_caller_is_told_while_it_waits_for_an_answer() -> None:
             told.set()
 
     def patient(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         told.wait(PATIENCE)
         peer.answer(call, True)
 
@@ -193,15 +187,6 @@ def test_a_host_that_cannot_be(host: str) -> None:
         Connection(host, 7003).open()
 
 
-def test_an_unknown_host(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown(*_: object, **__: object) -> Any:
-        raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
-
-    monkeypatch.setattr(socket, "getaddrinfo", unknown)
-    with pytest.raises(ConnectError, match=r"unknown host|must be a name or an address"):
-        Connection("arm.example", 7003).open()
-
-
 def test_a_controller_that_does_not_answer_the_handshake() -> None:
     with black_hole() as (host, port):
         connection = Connection(host, port, connect_timeout=SHORT)
@@ -218,30 +203,24 @@ def test_the_deadline_of_the_caller_is_kept_if_it_is_sooner() -> None:
             connection.open(time.monotonic() + SHORT)
 
 
-def test_all_addresses_of_a_host_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_addresses_of_a_host_are_tried(names: Names) -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed:
         dead = closed.getsockname()
     with ScriptedServer() as server:
-        kind = (socket.AF_INET, socket.SOCK_STREAM, 6, "")
-        addresses = [(*kind, dead), (*kind, (server.host, server.port))]
-        monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: addresses)
-        connection = Connection("arm.example", 7003)
+        names.addresses = [dead, (server.host, server.port)]
+        connection = Connection(NAME, 7003)
         connection.open()
         assert connection.rpc.stop(True) == 0
         connection.close()
 
 
-def test_an_address_that_does_not_answer_leaves_time_for_the_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_address_that_does_not_answer_leaves_time_for_the_others(names: Names) -> None:
     """And the connections that share its route begin with the one that connected."""
     with black_hole() as dead, ScriptedServer() as server:
-        kind = (socket.AF_INET, socket.SOCK_STREAM, 6, "")
-        addresses = [(*kind, dead), (*kind, (server.host, server.port))]
-        monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: addresses)
+        names.addresses = [dead, (server.host, server.port)]
         route = Route()
         for patience in (2.0, 100 * PATIENCE):
-            connection = Connection("arm.example", 7003, connect_timeout=patience, route=route)
+            connection = Connection(NAME, 7003, connect_timeout=patience, route=route)
             connection.open()
             assert connection.rpc.stop(True) == 0
             connection.close()
@@ -311,8 +290,7 @@ def test_a_drip_feeding_controller_does_not_stretch_the_deadline() -> None:
     """Each byte comes long before any time-out on a single read, for as long as one likes."""
 
     def drip(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         head = b"\x80\x01\x00\x02\x00\x00\x00\x0cget_tcp_pose" + struct.pack("!i", call.raw.seqid)
         peer.sock.sendall(head + b"\x0f\x00\x00\x04" + struct.pack("!i", MAX_REPLY // 16))
         try:
@@ -428,8 +406,7 @@ def test_the_main_thread_can_take_a_signal_now_and_then() -> None:
 )
 def test_an_application_error_is_an_answer(code: int, error: type[ControllerError]) -> None:
     def script(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         peer.send(exception(call.raw, code, "no"))
         honest(peer)
 
@@ -490,26 +467,11 @@ def test_a_connection_that_is_not_open_sends_nothing(state: str) -> None:
 # Threads
 
 
-def in_thread(work: Callable[[], Any]) -> tuple[threading.Thread, list[Any]]:
-    outcome: list[Any] = []
-
-    def run() -> None:
-        try:
-            outcome.append(work())
-        except Exception as exc:
-            outcome.append(exc)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    return thread, outcome
-
-
-def test_only_the_owner_may_call() -> None:
+def test_only_the_owner_may_call(background: Any) -> None:
     with connected() as (connection, server):
-        thread, outcome = in_thread(lambda: connection.rpc.stop(True))
-        thread.join(PATIENCE)
-        assert isinstance(outcome[0], RuntimeError)
-        assert "belongs to the thread" in str(outcome[0])
+        error = background(lambda: connection.rpc.stop(True))()
+        assert isinstance(error, RuntimeError)
+        assert "belongs to the thread" in str(error)
         assert connection.state is ConnectionState.IDLE
         assert server.calls == []
 
@@ -519,7 +481,7 @@ def test_only_the_owner_may_call() -> None:
     [("get_tcp_pose", (), ConnectionLost), ("pause", (True,), OutcomeUnknown)],
 )
 def test_abandon_wakes_a_call_that_waits_for_ever(
-    name: str, args: tuple[Any, ...], error: type[Exception]
+    background: Any, name: str, args: tuple[Any, ...], error: type[Exception]
 ) -> None:
     with ScriptedServer(silent) as server:
         connection = Connection(server.host, server.port)
@@ -528,26 +490,22 @@ def test_abandon_wakes_a_call_that_waits_for_ever(
             connection.open()
             connection.call(name, args, None)
 
-        thread, outcome = in_thread(work)
+        outcome = background(work)
         server.wait_calls(1)
         connection.abandon("the program has something better to do")
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
-        assert type(outcome[0]) is error
-        assert "something better to do" in str(outcome[0])
+        assert type(outcome()) is error
+        assert "something better to do" in str(outcome())
         assert connection.state is ConnectionState.POISONED
         server.wait_finished(1)
 
 
-def test_abandon_wakes_a_handshake() -> None:
+def test_abandon_wakes_a_handshake(background: Any) -> None:
     with black_hole() as (host, port):
         connection = Connection(host, port, connect_timeout=PATIENCE * 10)
-        thread, outcome = in_thread(connection.open)
+        outcome = background(connection.open)
         eventually(lambda: connection._stream is not None)
         connection.abandon("enough")
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
-        (error,) = outcome
+        error = outcome()
         assert isinstance(error, ConnectionLost)
         assert "nothing was sent" in str(error)
 
@@ -631,8 +589,7 @@ def test_a_long_wait_of_the_main_thread_goes_on(monkeypatch: pytest.MonkeyPatch)
         limit_to(stream, deadline)
 
     def slow(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         assert enough.wait(PATIENCE)
         peer.answer(call)
         honest(peer)

@@ -20,7 +20,7 @@ from aioduco.errors import NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, Gate, opened
-from .servers import PATIENCE, Peer, ScriptedServer, honest
+from .servers import PATIENCE, Peer, ScriptedServer, ending, honest
 
 
 class UnreportingLoop(asyncio.SelectorEventLoop):
@@ -111,9 +111,6 @@ def test_a_call_without_an_answer_costs_its_connection(runner: asyncio.Runner, h
 
 
 def test_a_read_whose_connection_ends_is_made_on_another(runner: asyncio.Runner) -> None:
-    def ending(peer: Peer) -> None:
-        peer.receive()
-
     async def main() -> None:
         async with opened(ending, honest) as (lane, server):
             assert await lane.rpc.get_robot_version() == "3.8"

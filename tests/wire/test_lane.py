@@ -181,8 +181,7 @@ async def test_arguments_are_sent_as_they_were_when_the_call_began() -> None:
 
 async def test_an_application_error_costs_no_connection_and_is_no_failure() -> None:
     def script(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         peer.send(exception(call.raw, 6, "not simulated"))
         honest(peer)
 
@@ -257,8 +256,7 @@ async def test_the_hook_sees_connections_and_calls() -> None:
 
     def script(peer: Peer) -> None:
         for answer in (7, None):
-            call = peer.receive()
-            assert call is not None
+            call = peer.take()
             if answer is not None:
                 peer.answer(call, answer)
 
@@ -313,8 +311,7 @@ async def test_several_questions_are_asked_in_order_and_seen_one_by_one() -> Non
 
     def script(peer: Peer) -> None:
         for name in _STATE:
-            call = peer.receive()
-            assert call is not None
+            call = peer.take()
             if name == "get_tcp_force":
                 peer.send(exception(call.raw, 6, "not simulated"))
             else:
@@ -342,8 +339,7 @@ async def test_several_questions_are_asked_again_on_another_connection() -> None
     def breaking(peer: Peer) -> None:
         # A connection that was used before may have died since.
         for _ in ("stop", "get_robot_state"):
-            call = peer.receive()
-            assert call is not None
+            call = peer.take()
             peer.answer(call)
         peer.receive()
         peer.reset()

@@ -50,93 +50,59 @@ def numbered(peer: Peer) -> None:
 # Late
 
 
-@pytest.mark.parametrize("first", ALL, ids=[name for name, _ in ALL])
-async def test_a_late_answer_reaches_nobody(first: tuple[str, Any]) -> None:
+@each_kind
+async def test_a_late_answer_reaches_nobody(call: tuple[str, Any]) -> None:
     late = threading.Event()
 
     def tardy(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        received = peer.take()
         assert late.wait(PATIENCE)
-        peer.answer(call, [9] if call.name == CONSUMING[0] else 111)
+        peer.answer(received, [9] if received.name == CONSUMING[0] else 111)
 
     async with opened(tardy, numbered) as (lane, server):
-        error = CallTimeout if first is READ else OutcomeUnknown
-        with pytest.raises(error, match=first[0]):
-            await lane.call(*first, SHORT)
+        error = CallTimeout if call is READ else OutcomeUnknown
+        with pytest.raises(error, match=call[0]):
+            await lane.call(*call, SHORT)
         assert await lane.call(*READ, PATIENCE) == 14
         late.set()
         server.wait_finished(1)
         for number in range(5):
             assert await lane.call(READ[0], (number,), PATIENCE) == 2 * number
-        assert server.names[0] == first[0]
+        assert server.names[0] == call[0]
         assert server.connections == 2
 
 
 # Not its answer
 
 
-def wrong_sequence(peer: Peer, raw: Message) -> None:
-    peer.send(reply(Message(raw.kind, raw.name, raw.seqid + 1, b""), answer_of(raw.name)))
-
-
-def previous_sequence(peer: Peer, raw: Message) -> None:
-    peer.send(reply(Message(raw.kind, raw.name, raw.seqid - 1, b""), answer_of(raw.name)))
-
-
-def wrong_function(peer: Peer, raw: Message) -> None:
-    peer.send(reply(Message(raw.kind, "pause", raw.seqid, b""), 0))
-
-
-def wrong_kind(peer: Peer, raw: Message) -> None:
-    peer.send(Message(MessageType.CALL, raw.name, raw.seqid, b"\x00").encode())
-
-
-def garbage(peer: Peer, raw: Message) -> None:
-    peer.send(bytes(range(200, 256)))
-
-
-def zeros(peer: Peer, raw: Message) -> None:
-    peer.send(bytes(64))
-
-
-def http(peer: Peer, raw: Message) -> None:
-    peer.send(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n")
-
-
-def gigabytes(peer: Peer, raw: Message) -> None:
-    peer.send(
-        Message(
-            MessageType.REPLY, raw.name, raw.seqid, b"\x0b\x00\x00\x7f\xff\xff\xff" + b"x" * 99
-        ).encode()
-    )
-
-
 def answer_of(name: str) -> Any:
     return [1] if name == CONSUMING[0] else 5
 
 
-FALSE = [
-    wrong_sequence,
-    previous_sequence,
-    wrong_function,
-    wrong_kind,
-    garbage,
-    zeros,
-    http,
-    gigabytes,
-]
+def of_another_call(raw: Message, step: int) -> bytes:
+    return reply(Message(raw.kind, raw.name, raw.seqid + step, b""), answer_of(raw.name))
+
+
+#: what comes in place of an answer to a call
+FALSE: dict[str, Callable[[Message], bytes]] = {
+    "wrong_sequence": lambda raw: of_another_call(raw, 1),
+    "previous_sequence": lambda raw: of_another_call(raw, -1),
+    "wrong_function": lambda raw: reply(Message(raw.kind, "pause", raw.seqid, b""), 0),
+    "wrong_kind": lambda raw: Message(MessageType.CALL, raw.name, raw.seqid, b"\x00").encode(),
+    "garbage": lambda _: bytes(range(200, 256)),
+    "zeros": lambda _: bytes(64),
+    "http": lambda _: b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n",
+    "gigabytes": lambda raw: Message(
+        MessageType.REPLY, raw.name, raw.seqid, b"\x0b\x00\x00\x7f\xff\xff\xff" + b"x" * 99
+    ).encode(),
+}
 
 
 @each_kind
-@pytest.mark.parametrize("false", FALSE, ids=lambda false: false.__name__)
-async def test_what_is_not_its_answer_is_never_returned(
-    false: Callable[[Peer, Message], None], call: tuple[str, Any]
-) -> None:
+@pytest.mark.parametrize("false", FALSE)
+async def test_what_is_not_its_answer_is_never_returned(false: str, call: tuple[str, Any]) -> None:
     def script(peer: Peer) -> None:
-        received = peer.receive()
-        assert received is not None
-        false(peer, received.raw)
+        peer.send(FALSE[false](peer.take().raw))
         assert peer.wait_gone()
 
     async with opened(script, numbered) as (lane, server):
@@ -159,8 +125,7 @@ async def test_what_is_not_its_answer_is_never_returned(
 
 async def test_a_doubled_answer_in_one_piece() -> None:
     def script(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         peer.send(2 * reply(call.raw, 5))
         assert peer.wait_gone()
 
@@ -175,8 +140,7 @@ async def test_bytes_that_nobody_asked_for_cost_no_call(call: tuple[str, Any]) -
     """They came while the connection idled, so the next call uses another one from the start."""
 
     def script(peer: Peer) -> None:
-        received = peer.receive()
-        assert received is not None
+        received = peer.take()
         peer.answer(received, 5)
         again.wait(PATIENCE)
         peer.answer(received, 5)
@@ -200,16 +164,7 @@ def idle_connection_has_news(lane: WireLane) -> bool:
 # Ends
 
 
-def close_it(peer: Peer) -> None:
-    peer.sock.close()
-
-
-def reset_it(peer: Peer) -> None:
-    peer.reset()
-
-
-ENDS = [close_it, reset_it]
-each_end = pytest.mark.parametrize("end", ENDS, ids=lambda end: end.__name__)
+each_end = pytest.mark.parametrize("end", [Peer.close, Peer.reset], ids=lambda end: end.__name__)
 
 
 @each_kind
@@ -221,8 +176,7 @@ async def test_a_connection_that_ended_while_idle_costs_no_call(
     now = threading.Event()
 
     def script(peer: Peer) -> None:
-        received = peer.receive()
-        assert received is not None
+        received = peer.take()
         peer.answer(received, 5)
         now.wait(PATIENCE)
         end(peer)
@@ -276,8 +230,7 @@ async def test_a_connection_that_ends_in_the_answer(end: Script, call: tuple[str
     """The controller was there and answered: only a stop is sent again, to be sure."""
 
     def script(peer: Peer) -> None:
-        received = peer.receive()
-        assert received is not None
+        received = peer.take()
         encoded = reply(received.raw, answer_of(received.name))
         peer.send(encoded[:-3])
         # the client has them before the end can come
@@ -315,7 +268,7 @@ async def test_a_stop_whose_second_try_finds_nobody_says_that_it_was_sent() -> N
     def script(peer: Peer) -> None:
         peer.receive()
         peer.server.stop_listening()
-        close_it(peer)
+        peer.close()
 
     async with no_leaks():
         with ScriptedServer(script) as server:

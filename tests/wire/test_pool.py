@@ -13,7 +13,7 @@ from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown,
 from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, opened, own_threads
-from .servers import PATIENCE, Peer, honest
+from .servers import PATIENCE, Peer, ending, honest
 
 blocking = partial(opened, blocks=True)
 
@@ -88,8 +88,7 @@ async def test_a_call_keeps_its_deadline(
 
 async def test_a_connection_that_ended_while_idle_costs_no_call() -> None:
     def one(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         peer.answer(call)
 
     async with blocking(one, honest) as (lane, server):
@@ -100,9 +99,6 @@ async def test_a_connection_that_ended_while_idle_costs_no_call() -> None:
 
 
 async def test_a_command_whose_connection_ends_is_not_sent_again() -> None:
-    def ending(peer: Peer) -> None:
-        peer.receive()
-
     async with blocking(ending) as (lane, server):
         with pytest.raises(OutcomeUnknown):
             await lane.rpc.pause(True)

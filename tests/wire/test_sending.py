@@ -77,20 +77,14 @@ async def test_a_call_that_was_begun_and_not_awaited_disturbs_nothing() -> None:
 
 
 async def test_a_call_on_a_connection_that_was_closed_is_sent_on_another() -> None:
-    def closing(peer: Peer) -> None:
-        peer.sock.close()
-
-    async with opened(closing, honest) as (lane, server):
+    async with opened(Peer.close, honest) as (lane, server):
         server.wait_finished(1)  # the loop has not heard of it
         assert await lane.rpc.pause(True) == 0
         assert (server.names, server.connections) == (["pause"], 2)
 
 
 async def test_an_end_of_the_connection_is_noticed_while_it_is_idle() -> None:
-    def closing(peer: Peer) -> None:
-        peer.sock.close()
-
-    async with opened(closing, honest) as (lane, _):
+    async with opened(Peer.close, honest) as (lane, _):
         await eventually_async(lambda: channel(lane).life.reason != "")
         assert channel(lane).life.reason == "the controller closed the connection"
 

@@ -9,13 +9,7 @@ from aioduco.errors import NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async
 
 from .lanes import Gate, opened
-from .servers import PATIENCE, Peer
-
-
-def silent(peer: Peer) -> None:
-    """Take calls, and answer none."""
-    while peer.receive() is not None:
-        pass
+from .servers import PATIENCE, silent
 
 
 async def test_a_call_whose_wait_is_cancelled_goes_on() -> None:

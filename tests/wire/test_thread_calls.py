@@ -6,7 +6,6 @@ import signal
 import socket
 import threading
 import time
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -21,36 +20,6 @@ from .lanes import SHORT, Gate, opened
 from .servers import PATIENCE, Peer, ScriptedServer, honest
 
 # From other threads
-
-
-@pytest.fixture
-def background() -> Any:
-    """Run something on a thread; its outcome when it has ended."""
-    threads = []
-
-    def start(work: Callable[[], Any]) -> Callable[[], Any]:
-        outcome: list[Any] = []
-
-        def run() -> None:
-            try:
-                outcome.append(work())
-            except Exception as exc:
-                outcome.append(exc)
-
-        thread = threading.Thread(target=run)
-        threads.append(thread)
-        thread.start()
-
-        def result() -> Any:
-            thread.join(PATIENCE)
-            assert not thread.is_alive()
-            return outcome[0]
-
-        return result
-
-    yield start
-    for thread in threads:
-        thread.join(PATIENCE)
 
 
 async def test_a_thread_calls_while_the_loop_is_blocked(background: Any) -> None:
@@ -179,10 +148,7 @@ async def test_a_spare_connection_is_there_before_it_is_needed(background: Any) 
 
 
 async def test_a_spare_connection_that_was_lost_costs_no_stop(background: Any) -> None:
-    def closing(peer: Peer) -> None:
-        peer.sock.close()
-
-    async with opened(honest, closing, honest, spare=True) as (lane, server):
+    async with opened(honest, Peer.close, honest, spare=True) as (lane, server):
         server.wait_finished(1)
         stop = partial(lane.call_from_thread, "stop", (True,), PATIENCE)
         assert background(stop)() == 0
@@ -209,8 +175,7 @@ async def test_a_stop_whose_second_connection_is_refused_has_the_first_answer(
     late = threading.Event()
 
     def tardy(peer: Peer) -> None:
-        call = peer.receive()
-        assert call is not None
+        call = peer.take()
         assert late.wait(PATIENCE)
         peer.answer(call)
         honest(peer)
