@@ -83,9 +83,15 @@ def undisturbed(bench: Bench, ended: Ended) -> None:
     assert not bench.moving()
 
 
-@LOOPS
-@GUARDS
-@pytest.mark.parametrize("child", [*forking.CHILDREN, "multiprocessing"])
+#: each pair of a child, a loop and a guard
+PAIRS = [
+    (child, guard, ("asyncio", "uvloop")[(index + bool(guard)) % 2])
+    for index, child in enumerate([*forking.CHILDREN, "multiprocessing"])
+    for guard in ("", "process")
+]
+
+
+@pytest.mark.parametrize(("child", "guard", "loop"), PAIRS)
 def test_a_forked_child_that_ends_leaves_its_parents_robot_alone(
     bench: Bench, tmp_path: Path, guard: str, loop: str, child: str
 ) -> None:

@@ -133,13 +133,12 @@ def test_half_turns_alone_say_what_is_missing(mounted: Any, turns: Any, noise: f
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", ["of the board", "in the camera", "in depth", "of the flange"])
-@pytest.mark.parametrize("count", [4, 7, 15])
-def test_the_uncertainty_holds_for_hidden_cameras(count: int, noise: str) -> None:
+def test_the_uncertainty_holds_for_hidden_cameras(noise: str) -> None:
     """In 95 % of the calibrations at least, whatever is noisy; and it is of the error's size."""
-    arm, trials = arm_of("gcr5_910"), 300
-    within, ratios = np.zeros(2), []
-    for seed in range(trials):
-        rng = np.random.default_rng(seed)
+    arm, counts = arm_of("gcr5_910"), (4, 7, 15)
+    within, ratios = np.zeros((300, 2), dtype=bool), np.zeros(300)
+    for seed in range(300):
+        rng, count = np.random.default_rng(seed), counts[seed % 3]
         flanges = arm.fkine(READY + rng.uniform(-0.5, 0.5, (count, 6)))
         camera = pose(rng.normal(0, 1.0, 3), rng.normal(0, 0.06, 3))
         board = pose(rng.normal(0, 1.0, 3), (flanges @ camera)[:, :3, 3].mean(axis=0) - 0.3)
@@ -156,10 +155,11 @@ def test_the_uncertainty_holds_for_hidden_cameras(count: int, noise: str) -> Non
             flanges = flanges @ small
         found = calibrate_hand_eye(flanges, seen, limits=(0.05, 0.2))
         error = np.array(apart(camera, found.camera))
-        within += error <= found.uncertainty
-        ratios.append(found.uncertainty[0] / error[0])
-    assert within.min() >= 0.95 * trials
-    assert np.median(ratios) < 12.0
+        within[seed], ratios[seed] = error <= found.uncertainty, found.uncertainty[0] / error[0]
+    assert within.mean(axis=0).min() >= 0.95
+    for each, _ in enumerate(counts):
+        assert within[each::3].mean(axis=0).min() >= 0.91
+        assert np.median(ratios[each::3]) < 12.0
 
 
 @pytest.mark.slow
