@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,7 @@ BY_SECTION = {
 }
 
 
+@cache
 def modules() -> dict[str, ast.Module]:
     """The package's modules by their path below it."""
     return {

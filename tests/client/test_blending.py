@@ -19,6 +19,14 @@ def motions(robot: aioduco.Robot, radii: list[float]) -> list[aioduco.MotionComm
     return [robot.motion.movel(POSE, v=0.2, a=0.2, r=r) for r in radii]
 
 
+def three_legs(robot: aioduco.Robot) -> list[aioduco.MotionCommand]:
+    """Of which the last ones may not be sent."""
+    legs = motions(robot, [0.02, 0.02, 0.0])
+    for leg in legs:
+        leg.mark_used()
+    return legs
+
+
 async def test_run_sends_ahead_and_blends(robot: aioduco.Robot, bench: Bench) -> None:
     bench.lead("movel", 3)
     outcomes = await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]))
@@ -246,9 +254,7 @@ async def test_an_abort_by_somebody_else_is_not_taken_for_blending(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
     bench.motion_time = 30.0
-    legs = motions(robot, [0.02, 0.02, 0.0])
-    for leg in legs:
-        leg.mark_used()
+    legs = three_legs(robot)
 
     async def along() -> None:
         async with robot.motion.path() as path:
@@ -283,9 +289,7 @@ async def test_a_path_goes_on_when_the_task_of_another_program_has_ended(
 ) -> None:
     """That of an abort ends with the motions, when the arm stands; another one before them."""
     bench.motion_time = 30.0
-    legs = motions(robot, [0.02, 0.02, 0.0])
-    for leg in legs:
-        leg.mark_used()
+    legs = three_legs(robot)
     sent: list[int] = []
 
     async def end_their_task(theirs: int, second: int) -> None:
@@ -363,9 +367,7 @@ async def test_a_block_that_raises_stops_the_arm(robot: aioduco.Robot, bench: Be
 
 async def test_a_block_that_is_cancelled_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 30.0
-    legs = motions(robot, [0.02, 0.02, 0.0])
-    for leg in legs:
-        leg.mark_used()
+    legs = three_legs(robot)
     async with cancelled_once(bench.moving) as scope, robot.motion.path() as path:
         for leg in legs:
             await path.add(leg)

@@ -22,6 +22,16 @@ from aioduco.testing import eventually_async
 KEY = bytes(range(32))
 
 
+@pytest.fixture
+def plant(tmp_path: Path) -> FleetSettings:
+    """A fleet of one gateway, `cell`, with a key, and where it listens."""
+    pytest.importorskip("zenoh")
+    keys = tmp_path / "keys.toml"
+    keys.write_text(f'cell = "{KEY.hex()}"')
+    listen = (f"tcp/127.0.0.1:{free_port()}",)
+    return FleetSettings("plant", "cell", listen=listen, expect=("cell",), keys=str(keys))
+
+
 def test_a_proof_is_of_one_answer_to_one_request() -> None:
     riddle = challenge()
     assert riddle != challenge()
@@ -107,16 +117,11 @@ async def told_by(
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("answer", [forged, of_another_key, of_an_old_stop, of_another_request])
 async def test_nobody_answers_for_a_gateway_that_is_dead(
-    answer: Callable[[Any], None], tmp_path: Path
+    answer: Callable[[Any], None], plant: FleetSettings
 ) -> None:
-    pytest.importorskip("zenoh")
-    keys = tmp_path / "keys.toml"
-    keys.write_text(f'cell = "{KEY.hex()}"')
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
-    settings = FleetSettings("plant", listen=(endpoint,), expect=("cell",), keys=str(keys))
     async with AsyncExitStack() as stack:
-        await told_by(stack, answer, listen=endpoint)
-        async with FleetClient(settings) as client:
+        await told_by(stack, answer, listen=plant.listen[0])
+        async with FleetClient(plant) as client:
             await eventually_async(lambda: "cell" in client._present)
             done = await client.stop(timeout=2.0)
         assert not done.confirmed
@@ -126,29 +131,24 @@ async def test_nobody_answers_for_a_gateway_that_is_dead(
 
 @pytest.mark.parametrize("complete", [False, True])
 async def test_a_liar_beside_a_gateway_takes_no_stop_from_it(
-    complete: bool, tmp_path: Path
+    complete: bool, plant: FleetSettings
 ) -> None:
     """Whatever it declares, the stop reaches the gateway, and the gateway's own answer counts."""
-    pytest.importorskip("zenoh")
-    keys = tmp_path / "keys.toml"
-    keys.write_text(f'cell = "{KEY.hex()}"')
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
-    settings = FleetSettings("plant", "cell", listen=(endpoint,), expect=("cell",), keys=str(keys))
     async with AsyncExitStack() as stack:
-        gateway = await stack.enter_async_context(FleetGateway(settings))
+        gateway = await stack.enter_async_context(FleetGateway(plant))
         lies: list[int] = []
 
         def lie(query: Any) -> None:
             lies.append(1)
             forged(query)
 
-        await told_by(stack, lie, connect=[endpoint], complete=complete)
-        async with FleetClient(settings) as client:
+        await told_by(stack, lie, connect=plant.listen, complete=complete)
+        async with FleetClient(plant) as client:
             await eventually_async(lambda: "cell" in client._present)
             done = await client.stop(timeout=30.0)
             assert done.confirmed, "the gateway has no arms, and proves it"
             assert done.reports == (StopReport("cell", ()),)
-        async with FleetClient(replace(settings, keys="")) as client:
+        async with FleetClient(replace(plant, keys="")) as client:
             await eventually_async(lambda: "cell" in client._present)
             done = await client.stop(timeout=30.0)
             assert not done.confirmed, "without a key nobody knows who answered"
@@ -165,20 +165,15 @@ def of_another_arm(query: Any) -> None:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("hangs", [False, True])
 async def test_a_stop_waits_for_each_of_two_gateways_of_one_name(
-    hangs: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    hangs: bool, plant: FleetSettings, caplog: pytest.LogCaptureFixture
 ) -> None:
     """The names are to differ: that they do not must not hide an arm that moves."""
-    pytest.importorskip("zenoh")
-    keys = tmp_path / "keys.toml"
-    keys.write_text(f'cell = "{KEY.hex()}"')
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
-    settings = FleetSettings("plant", "cell", listen=(endpoint,), expect=("cell",), keys=str(keys))
     held: list[Any] = []
     async with AsyncExitStack() as stack:
-        await stack.enter_async_context(FleetGateway(settings))
-        client = await stack.enter_async_context(FleetClient(settings))
+        await stack.enter_async_context(FleetGateway(plant))
+        client = await stack.enter_async_context(FleetClient(plant))
         other = held.append if hangs else of_another_arm
-        await told_by(stack, other, connect=[endpoint])
+        await told_by(stack, other, connect=plant.listen)
         done = await client.stop(timeout=5.0)
         while done.confirmed and not held:  # the client had not seen the other one yet
             done = await client.stop(timeout=5.0)
@@ -190,24 +185,21 @@ async def test_a_stop_waits_for_each_of_two_gateways_of_one_name(
             assert done.reports[0].arms == (ArmStopped("right", "it may move"),)
             assert not done.missing
         held.clear()
-        later = replace(settings, listen=("tcp/127.0.0.1:0",), connect=(endpoint,))
+        later = replace(plant, listen=("tcp/127.0.0.1:0",), connect=plant.listen)
         await stack.enter_async_context(FleetGateway(later))
         await eventually_async(lambda: "another gateway is named cell, too" in caplog.text)
 
 
-async def test_a_text_is_the_name_of_one_arm(tmp_path: Path) -> None:
-    pytest.importorskip("zenoh")
+async def test_a_text_is_the_name_of_one_arm(plant: FleetSettings) -> None:
     asked: list[Any] = []
 
     def hear(query: Any) -> None:
         asked.append(json.loads(query.payload.to_bytes())["arms"])
         forged(query)
 
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
     async with AsyncExitStack() as stack:
-        await told_by(stack, hear, listen=endpoint)
-        settings = FleetSettings("plant", listen=(endpoint,), expect=("cell",))
-        async with FleetClient(settings) as client:
+        await told_by(stack, hear, listen=plant.listen[0])
+        async with FleetClient(replace(plant, keys="")) as client:
             await eventually_async(lambda: "cell" in client._present)
             assert (await client.stop("left", timeout=30.0)).unknown == ()
     assert asked == [["left"]]

@@ -112,7 +112,7 @@ async def test_a_newer_goal_takes_over_from_the_moving_arm(
     node.goals.submit(older)
     await moving(older)
     end = way(1.0, -0.2)
-    points = [GoalPoint(tuple(older.seen[-1].actual)), GoalPoint(end, time=6.0)]
+    points = [GoalPoint(tuple(older.seen[-1].actual)), GoalPoint(end, time=3.0)]
     newer = Client(goal(points=points[first == "later" :], goal_time_tolerance=60.0))
     await settled(node, newer)
     sim.observe(None)
