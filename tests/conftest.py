@@ -127,6 +127,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 #: whether each process collects a part of the files, and which
 _divided, _own = pytest.StashKey[bool](), pytest.StashKey[set[Path]]()
+#: whether simulators have a user's times now
+_real = pytest.StashKey[bool]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -164,9 +166,7 @@ def _prepare(*, all_of_it: bool, late: float | None) -> None:
         import_module("late").answer_late(late)
     give_each_once()
     if not all_of_it:
-        times = import_module("cycle_time")
-        times.set_cycle(times.COARSE)
-        times.set_power_times(times.SHORT)
+        import_module("cycle_time").set_times(real=False)
 
 
 def _draw_no_constants() -> None:
@@ -204,6 +204,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = kept
         return
     items[:] = quick.slow_first(kept, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """In the thorough run, have the times for a test's folder before any fixture is made."""
+    if not item.config.getoption("thorough"):
+        return
+    times = import_module("cycle_time")
+    real = item.nodeid.removeprefix("tests/").startswith(times.REAL)
+    if item.config.stash.get(_real, None) is not real:
+        item.config.stash[_real] = real
+        times.set_times(real=real)
 
 
 @pytest.hookimpl(wrapper=True)
