@@ -12,6 +12,8 @@ is one of an operating system's process that is frozen.
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
@@ -393,6 +395,18 @@ class Found:
         return "\n".join([f"{figures}: {self.broken}", *[f"  {words}" for words in self.order]])
 
 
+@contextlib.contextmanager
+def few_collections() -> Iterator[None]:
+    """Let Python look for garbage seldom: of the objects that it looks at, most are in use."""
+    before = gc.get_threshold()
+    gc.set_threshold(20_000, 100, 1_000)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+
+
+@few_collections()
 def explore(make: Callable[[], World], depth: int) -> Found:
     """Try all orders of up to `depth` actions, the shortest first.
 
