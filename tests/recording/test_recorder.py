@@ -421,7 +421,7 @@ anyio.run(main, int(sys.argv[1]), sys.argv[2])
 
 #: samples after which its program is killed: the first one, then at random over some chunks;
 #: `benchmarks/recording.py` kills a hundred
-_MOMENTS = [1, *(random.Random(number).randint(2, 400) for number in range(14))]
+_MOMENTS = [1, *(random.Random(number).randint(2, 400) for number in range(5))]
 
 
 @pytest.mark.slow

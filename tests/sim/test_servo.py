@@ -12,7 +12,7 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import Program
+from .conftest import Program, standing_time
 
 GAINS = (200.0, 25.0, 10.0, 1.0)
 
@@ -51,9 +51,10 @@ def test_the_latest_target_counts(sim: Simulator, robot: Program) -> None:
 @pytest.mark.slow
 def test_another_type_waits_until_the_running_one_has_ended(sim: Simulator, robot: Program) -> None:
     start = Pose.of(robot.get_tcp_pose())
-    first = servoj(robot, turned(0.5), 0.02)  # slow, so that the others come in time
-    dropped = robot.servo_tcp([0, 0, 0.3, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
-    second = robot.servo_tcp([0, 0, 0.02, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
+    with standing_time(sim):
+        first = servoj(robot, turned(0.5))
+        dropped = robot.servo_tcp([0, 0, 0.3, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
+        second = robot.servo_tcp([0, 0, 0.02, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
     assert ended(sim, robot, second) == TaskState.FINISHED
     assert robot.get_noneblock_taskstate(first) == TaskState.FINISHED
     assert robot.get_noneblock_taskstate(dropped) == TaskState.INTERRUPT
