@@ -1,16 +1,37 @@
-"""The arm of the planner's tests, where it stands, and what a plain motion takes."""
+"""The arm of the planner's tests, where it stands, how it is moved, and what that takes."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from aioduco.kinematics import arm
+from aioduco.models.rotation import Array
+from aioduco.sim.planner.mover import Mover, MoverTick
+from aioduco.sim.planner.segments import Segment
 
 FIVE = arm("gcr5_910")
 HOME = np.radians([0, 0, 90, 0, -90, 0])
 CYCLE = 0.001
+
+
+def moving(*plans: Callable[[Array], Segment], **options: Any) -> Mover:
+    """A mover at home with motions in its queue, of the numbers 1, 2 and so on."""
+    mover = Mover(FIVE, HOME, CYCLE, **options)
+    for key, plan in enumerate(plans, start=1):
+        mover.append(key, plan)
+    return mover
+
+
+def ticks_of(mover: Mover) -> list[MoverTick]:
+    """What it does until it stands, cycle by cycle."""
+    found = []
+    while mover.moving:
+        found.append(mover.tick())
+    return found
 
 
 def trapezoid(length: float, v: float, a: float) -> float:

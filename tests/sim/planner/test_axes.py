@@ -10,10 +10,9 @@ import pytest
 
 from aioduco.models.rotation import Array
 from aioduco.sim.planner.axes import ExternalAxesMove
-from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, stay
 
-from .motions import CYCLE, FIVE, HOME, trapezoid
+from .motions import CYCLE, FIVE, HOME, moving, trapezoid
 
 START = FIVE.fkine(HOME)
 RAIL, TABLE = 0, 1
@@ -47,9 +46,7 @@ class Run:
     """Motions to their end, with something done on the way."""
 
     def __init__(self, *plans: Callable[[Array], Segment], **what: int) -> None:
-        self.mover = Mover(FIVE, HOME, CYCLE)
-        for key, plan in enumerate(plans):
-            self.mover.append(key, plan)
+        self.mover = moving(*plans)
         self.q: list[Array] = []
         self.axes: list[dict[int, float]] = []
         self.events: list[tuple[int, str]] = []
@@ -85,7 +82,7 @@ def test_axes_alone_take_the_time_of_a_trapezoid_and_the_arm_stays() -> None:
     assert run.time == pytest.approx(trapezoid(1.5, 0.5, 1.0), abs=2 * CYCLE)
     assert run.of(RAIL)[-1] == 1.5
     assert (np.array(run.q) == HOME).all()
-    assert run.events == [(0, "started"), (0, "finished")]
+    assert run.events == [(1, "started"), (1, "finished")]
     speeds = np.diff(run.of(RAIL)) / CYCLE
     assert speeds.max() == pytest.approx(0.5, rel=1e-6)
     assert np.abs(np.diff(speeds)).max() / CYCLE < 1.0 + 1e-3
@@ -137,7 +134,7 @@ def test_pauses_and_speeds_keep_them_together(end: float) -> None:
 
 def test_a_stop_stops_both() -> None:
     run = Run(line(ride(1.5)), stop=500)
-    assert run.events[-1] == (0, "stopped")
+    assert run.events[-1] == (1, "stopped")
     share = run.of(RAIL)[-1] / 1.5
     assert 0.0 < share < 0.5
     assert run.way()[-1] / 0.2 == pytest.approx(share, abs=1e-5)
@@ -155,7 +152,7 @@ def test_an_axis_goes_on_from_where_the_queue_leaves_it() -> None:
 
 def test_motions_with_the_same_axes_blend() -> None:
     run = Run(line(ride(0.3), 0.0, 0.15, r=0.03), line(ride(0.1), 0.15, 0.15))
-    assert (0, "blended") in run.events
+    assert (1, "blended") in run.events
     speeds = np.diff(run.of(RAIL)) / CYCLE
     assert np.abs(speeds).max() < 0.5 * 1.02
     assert np.abs(np.diff(speeds)).max() / CYCLE < 1.02
@@ -166,12 +163,12 @@ def test_motions_with_the_same_axes_blend() -> None:
 @pytest.mark.parametrize("other", [None, ride(0.2, numbers=(TABLE,))])
 def test_motions_with_other_axes_do_not(other: ExternalAxesMove | None) -> None:
     run = Run(line(ride(0.3), 0.0, 0.15, r=0.03), line(other, 0.15, 0.15))
-    assert (0, "finished") in run.events
+    assert (1, "finished") in run.events
     assert run.of(RAIL)[-1] == 0.3
 
 
 def test_axes_that_are_there_already_change_nothing() -> None:
     assert Run(line(ride(0.0))).time == Run(line(None)).time
     there = Run(lambda q: replace(stay(FIVE, q), axes=ride(0.0)))
-    assert there.events == [(0, "started"), (0, "finished")]
+    assert there.events == [(1, "started"), (1, "finished")]
     assert there.axes[-1] == {RAIL: 0.0}

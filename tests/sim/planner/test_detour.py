@@ -14,7 +14,7 @@ from aioduco.sim.planner.segments import Segment, arc_move, line_move
 from aioduco.sim.planner.tracing import NEAR
 from aioduco.sim.planner.weaving import Weave
 
-from .motions import CYCLE, FIVE
+from .motions import CYCLE, FIVE, ticks_of
 
 #: joint 5 changes its sign between the two
 BEFORE = np.array([0.0, 0.3, 1.2, 0.0, 0.3, 0.0])
@@ -57,9 +57,7 @@ def test_joints_pass_smoothly_and_within_their_limits(name: str) -> None:
     each = arm(name)
     mover = Mover(each, BEFORE, CYCLE)
     mover.append(1, lambda q: line(q, ASIDE, each))
-    ticks = [mover.tick()]
-    while mover.moving:
-        ticks.append(mover.tick())
+    ticks = ticks_of(mover)
     speeds = [tick.setpoint.qd for tick in ticks]
     changes = [tick.setpoint.qdd for tick in ticks]
     assert ticks[-1].events[-1].kind == "finished"

@@ -24,7 +24,7 @@ from aioduco.sim.planner.mover import Mover, Travel
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, spline_move
 
-from .motions import CYCLE, FIVE, HOME
+from .motions import CYCLE, FIVE, HOME, moving
 
 SQUARE = ((0.1, 0.0, 0.0), (0.1, 0.2, 0.0), (-0.1, 0.2, 0.0), (-0.1, 0.2, -0.2))
 
@@ -60,7 +60,7 @@ def line(
 class Recorder:
     """Ticks a mover and keeps what it did."""
 
-    mover: Mover = field(default_factory=lambda: Mover(FIVE, HOME, CYCLE))
+    mover: Mover = field(default_factory=moving)
     arm: Arm = FIVE
     setpoints: list[JointSetPoint] = field(default_factory=list)
     events: list[tuple[int, int, str]] = field(default_factory=list)
@@ -123,6 +123,13 @@ class Recorder:
         assert np.abs(np.diff(qd, axis=0)).max() <= 1.02 * most * CYCLE + 1e-9
 
 
+def followed(*plans: Callable[[Array], Segment]) -> Recorder:
+    """Motions of the numbers 1, 2 and so on to their end; what was sent hangs together."""
+    run = Recorder(moving(*plans)).until_rest()
+    run.hangs_together()
+    return run
+
+
 def off_line(points: Array, start: Array, end: Array) -> float:
     """Largest distance of points from the line between two points [m]."""
     direction = (end - start) / np.linalg.norm(end - start)
@@ -131,14 +138,13 @@ def off_line(points: Array, start: Array, end: Array) -> float:
 
 
 def test_a_joint_move_from_rest_to_rest() -> None:
-    run = Recorder()
-    run.mover.append(7, joints(1.0, 0.5, -0.3))
+    run = Recorder(moving(joints(1.0, 0.5, -0.3)))
     assert run.mover.moving
-    assert (run.mover.active, run.mover.progress) == (7, 0.0)
+    assert (run.mover.active, run.mover.progress) == (1, 0.0)
     run.until_rest()
     run.hangs_together()
     # 1 rad at 1 rad/s and 2 rad/s² takes 1.5 s.
-    assert run.events == [(1, 7, "started"), (1501, 7, "finished")]
+    assert run.events == [(1, 1, "started"), (1501, 1, "finished")]
     np.testing.assert_array_equal(run.q[-1], turned(1.0, 0.5, -0.3))
     np.testing.assert_array_equal(run.qd[-1], np.zeros(6))
     assert np.abs(run.qd).max() == pytest.approx(1.0)
@@ -149,10 +155,7 @@ def test_a_joint_move_from_rest_to_rest() -> None:
 
 
 def test_an_arc_is_kept_cycle_by_cycle() -> None:
-    run = Recorder()
-    run.mover.append(1, lambda q: arc_move(FIVE, q, at(0.1, 0.1), at(0, 0.2), 0.4, 1.0, mode=1))
-    run.until_rest()
-    run.hangs_together()
+    run = followed(lambda q: arc_move(FIVE, q, at(0.1, 0.1), at(0, 0.2), 0.4, 1.0, mode=1))
     points = FIVE.fkine(run.q)[:, :3, 3] - at(0, 0.1)[:3, 3]
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 0.1, atol=2e-5)
     assert run.tool_acceleration().max() <= 1.0 * 1.01
@@ -160,13 +163,9 @@ def test_an_arc_is_kept_cycle_by_cycle() -> None:
 
 
 def test_motions_follow_each_other_from_rest_to_rest() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.3))
-    run.mover.append(2, line(0.0, 0.1))
-    run.mover.append(3, joints(0.0))
-    assert run.mover.keys == (1, 2, 3)
-    run.until_rest()
-    run.hangs_together()
+    plans = joints(0.3), line(0.0, 0.1), joints(0.0)
+    assert moving(*plans).keys == (1, 2, 3)
+    run = followed(*plans)
     assert run.kinds == [(key, kind) for key in (1, 2, 3) for kind in ("started", "finished")]
     ends = [cycle for cycle, _, kind in run.events if kind == "finished"]
     for end in ends:
@@ -175,16 +174,12 @@ def test_motions_follow_each_other_from_rest_to_rest() -> None:
 
 
 def test_a_motion_to_where_the_arm_is_ends_at_once() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.0))
-    run.mover.append(2, joints(0.1))
-    run.until_rest()
+    run = followed(joints(0.0), joints(0.1))
     assert run.events[:3] == [(1, 1, "started"), (1, 1, "finished"), (2, 2, "started")]
 
 
 def test_a_motion_that_cannot_be_planned_leaves_the_queue_as_it_was() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.3))
+    run = Recorder(moving(joints(0.3)))
     with pytest.raises(PlanError):
         run.mover.append(2, line(2.0, 0.0))
     with pytest.raises(PlanError, match="does not begin where"):
@@ -200,13 +195,10 @@ def test_a_motion_that_cannot_be_planned_leaves_the_queue_as_it_was() -> None:
 def test_pause_and_resume_keep_to_the_path_and_the_limits(
     when: int, plan: Callable[[Array], Segment]
 ) -> None:
-    alone = Recorder()
-    alone.mover.append(1, plan)
-    alone.until_rest()
+    alone = followed(plan)
     if when >= len(alone.setpoints):
         return
-    run = Recorder()
-    run.mover.append(1, plan)
+    run = Recorder(moving(plan))
     run.tick(when)
     run.mover.pause()
     assert run.mover.paused
@@ -233,8 +225,7 @@ def test_pause_and_resume_keep_to_the_path_and_the_limits(
 
 
 def test_a_pause_before_the_first_cycle_holds_the_motion_back() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.3))
+    run = Recorder(moving(joints(0.3)))
     run.mover.pause()
     assert not run.mover.moving
     run.tick(20)
@@ -249,9 +240,7 @@ def test_a_pause_before_the_first_cycle_holds_the_motion_back() -> None:
 def test_a_stop_stands_soon_and_drops_the_queue(
     when: int, plan: Callable[[Array], Segment]
 ) -> None:
-    run = Recorder()
-    run.mover.append(1, plan)
-    run.mover.append(2, joints(0.0))
+    run = Recorder(moving(plan, joints(0.0)))
     run.tick(when)
     speed = np.abs(run.qd[-1]).max()
     run.mover.stop()
@@ -275,8 +264,7 @@ def test_a_stop_stands_soon_and_drops_the_queue(
 
 
 def test_a_stop_at_rest_is_told_with_the_next_cycle() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(1.0))
+    run = Recorder(moving(joints(1.0)))
     run.tick(300)
     run.mover.pause()
     run.until_rest()
@@ -302,18 +290,12 @@ def test_half_the_speed_takes_twice_the_time() -> None:
     assert half.tool_speed().max() == pytest.approx(0.125, rel=1e-3)
 
 
-def settling() -> Recorder:
-    return Recorder(Mover(FIVE, HOME, CYCLE, settling=lambda: 0.3))
-
-
 @pytest.mark.parametrize("speed", [1.0, 0.4])
 def test_motions_to_a_stand_may_settle_there(speed: float) -> None:
-    plain, slow = Recorder(), settling()
+    plans = line(0.1, 0.0, r=0.05), line(0.1, 0.2), joints(0.0)
+    plain, slow = Recorder(moving(*plans)), Recorder(moving(*plans, settling=lambda: 0.3))
     for run in (plain, slow):
         run.mover.set_speed(speed)
-        run.mover.append(1, line(0.1, 0.0, r=0.05))
-        run.mover.append(2, line(0.1, 0.2))
-        run.mover.append(3, joints(0.0))
         run.until_rest()
         run.hangs_together()
     assert slow.kinds == plain.kinds
@@ -323,8 +305,7 @@ def test_motions_to_a_stand_may_settle_there(speed: float) -> None:
 
 
 def test_a_pause_and_a_stop_while_it_settles() -> None:
-    run = settling()
-    run.mover.append(1, joints(0.1))
+    run = Recorder(moving(joints(0.1), settling=lambda: 0.3))
     run.until(1, "started")
     run.tick(2000)
     assert run.kinds == [(1, "started"), (1, "finished")]
@@ -344,8 +325,7 @@ def test_a_pause_and_a_stop_while_it_settles() -> None:
 
 
 def test_speeds_that_change_on_the_way_keep_to_the_limits() -> None:
-    run = Recorder()
-    run.mover.append(1, line(0.0, 0.3, v=0.2, a=0.5))
+    run = Recorder(moving(line(0.0, 0.3, v=0.2, a=0.5)))
     for fraction in (0.3, 1.0, 0.01, 0.6, 1.0):
         run.tick(250)
         run.mover.set_speed(fraction)
@@ -398,11 +378,7 @@ def test_lines_blend_within_the_radius_of_their_corners() -> None:
 
 
 def test_joint_moves_blend_by_the_distance_of_the_tool() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.8, r=0.05))
-    run.mover.append(2, joints(0.8, 0.5))
-    run.until_rest()
-    run.hangs_together()
+    run = followed(joints(0.8, r=0.05), joints(0.8, 0.5))
     assert run.kinds == [(1, "started"), (1, "blended"), (2, "started"), (2, "finished")]
     corner = turned(0.8)
     left = next(cycle for cycle, _, kind in run.events if kind == "blended")
@@ -416,55 +392,33 @@ def test_joint_moves_blend_by_the_distance_of_the_tool() -> None:
 
 
 def test_joint_moves_and_lines_blend_into_each_other() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.6, 0.2, r=0.05))
-    run.mover.append(2, line(0.05, 0.2, -0.1, r=0.05))
-    run.mover.append(3, joints(-0.5))
-    run.until_rest()
-    run.hangs_together()
-    assert [kind for _, kind in run.kinds if kind != "started"] == [
-        "blended",
-        "blended",
-        "finished",
-    ]
+    run = followed(joints(0.6, 0.2, r=0.05), line(0.05, 0.2, -0.1, r=0.05), joints(-0.5))
+    assert [kind for _, kind in run.kinds if kind != "started"] == ["blended"] * 2 + ["finished"]
     assert (np.abs(run.qdd) <= np.array(FIVE.acceleration) * 1.02).all()
     np.testing.assert_allclose(run.q[-1], turned(-0.5), atol=1e-12)
 
 
 def test_a_motion_back_on_itself_blends() -> None:
-    run = Recorder()
-    run.mover.append(1, line(0.0, 0.2, r=0.05))
-    run.mover.append(2, line(0.0, 0.0))
-    run.until_rest()
-    run.hangs_together()
+    run = followed(line(0.0, 0.2, r=0.05), line(0.0, 0.0))
     assert run.kinds[1] == (1, "blended")
     assert run.tool_acceleration().max() <= 1.0 * 1.02
     assert FIVE.fkine(run.q)[:, 1, 3].max() < at(0, 0.2)[1, 3] - 0.01
 
 
 def test_a_radius_longer_than_a_motion_takes_half_of_it() -> None:
-    run = Recorder()
-    for key in range(6):
-        run.mover.append(key, line(0.02 * (key + 1), 0.02 * (key % 2), r=0.5))
-    run.until_rest()
-    run.hangs_together()
+    run = followed(*(line(0.02 * (key + 1), 0.02 * (key % 2), r=0.5) for key in range(6)))
     assert [kind for _, kind in run.kinds if kind != "started"] == ["blended"] * 5 + ["finished"]
     assert run.tool_acceleration().max() <= 1.0 * 1.03
 
 
 @pytest.mark.parametrize("radius", [5e-324, 1e-300, 1e-12, 9e-7])
 def test_a_radius_of_less_than_a_micrometre_is_none(radius: float) -> None:
-    run = Recorder()
-    run.mover.append(1, joints(0.3, r=radius))
-    run.mover.append(2, line(0.0, 0.1, r=radius))
-    run.mover.append(3, line(0.1, 0.1))
-    run.until_rest()
+    run = followed(joints(0.3, r=radius), line(0.0, 0.1, r=radius), line(0.1, 0.1))
     assert [kind for _, kind in run.kinds].count("finished") == 3
 
 
 def test_a_blend_needs_its_successor_in_time() -> None:
-    late = Recorder()
-    late.mover.append(1, line(0.0, 0.2, r=0.02))
+    late = Recorder(moving(line(0.0, 0.2, r=0.02)))
     plan = line(0.1, 0.2)
     alone = plan(line_move(FIVE, HOME, at(0, 0.2), 0.25, 1.0).q_end).duration
     late.tick(1000)
@@ -511,12 +465,11 @@ def test_a_pause_in_a_blend_stays_on_it() -> None:
 
 
 def test_it_tells_how_far_a_motion_has_come() -> None:
-    run = Recorder()
+    run = Recorder(moving(line(0.0, 0.25)))
 
     def travel_now() -> Travel | None:
         return run.mover.travel
 
-    run.mover.append(1, line(0.0, 0.25))
     assert travel_now() is None
     duration = 0.25 / 0.25 + 0.25
     for cycle in range(1, 1200, 100):
@@ -539,18 +492,14 @@ def test_it_tells_how_far_a_motion_has_come() -> None:
 
 
 def test_a_spline_keeps_speed_and_acceleration_cycle_by_cycle() -> None:
-    run = Recorder()
     corners = [at(0.05, 0.1), at(0.0, 0.2, -0.1), at(-0.1, 0.1), at()]
-    run.mover.append(1, lambda q: spline_move(FIVE, q, corners, 0.3, 1.0))
-    run.until_rest()
-    run.hangs_together()
+    run = followed(lambda q: spline_move(FIVE, q, corners, 0.3, 1.0))
     assert run.tool_speed().max() <= 0.3 * 1.005
     assert run.tool_acceleration().max() <= 1.0 * 1.02
 
 
 def test_reset_stands_elsewhere_at_once() -> None:
-    run = Recorder()
-    run.mover.append(1, joints(1.0))
+    run = Recorder(moving(joints(1.0)))
     run.tick(200)
     run.mover.reset(HOME)
     assert not run.mover.moving

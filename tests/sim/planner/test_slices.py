@@ -22,7 +22,7 @@ from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, in_turn, 
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.weaving import Weave
 
-from .motions import CYCLE, FIVE, HOME
+from .motions import CYCLE, FIVE, HOME, moving
 
 
 def shifted(q: Array, *by: float) -> Array:
@@ -86,7 +86,7 @@ class Counter:
 def test_no_slice_is_longer_the_longer_the_path(
     plan: Callable[..., Segment], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    work, mover = Counter(monkeypatch), Mover(FIVE, HOME, CYCLE)
+    work, mover = Counter(monkeypatch), moving()
     with yielding(work.yield_hook):
         drafted = mover.draft(1, plan).work()
     assert drafted.alone.limits is not None
@@ -109,9 +109,8 @@ def test_no_slice_is_longer_the_longer_the_path(
 
 @pytest.mark.slow
 def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
     end = shifted(HOME, 0.0, -0.05, 0.0)
-    mover.append(1, lambda q: line_move(FIVE, q, end, 0.1, 1.0, 0.01))
+    mover = moving(lambda q: line_move(FIVE, q, end, 0.1, 1.0, 0.01))
     mover.tick()
     work = Counter(monkeypatch)
     with yielding(work.yield_hook):
@@ -149,7 +148,7 @@ def test_a_plan_is_dropped_at_a_turn() -> None:
             raise PlanDropped
 
     with pytest.raises(PlanDropped), yielding(yield_hook):
-        Mover(FIVE, HOME, CYCLE).draft(1, woven).work()
+        moving().draft(1, woven).work()
 
 
 def test_slices_are_whole_and_each_has_its_turn() -> None:
@@ -182,7 +181,7 @@ def test_each_value_has_its_turn_and_a_dropped_plan_takes_no_further_one() -> No
 
 def test_the_numbers_of_a_path_are_a_few_objects_however_long_it_is() -> None:
     """A list of a hundred thousand numbers is freed, and visited by the collector, at one go."""
-    entry = Mover(FIVE, HOME, CYCLE).draft(1, partial(woven, swings=20)).work().alone
+    entry = moving().draft(1, partial(woven, swings=20)).work().alone
     assert entry.path is not None
     assert entry.limits is not None
     blocks = (entry.path.bounds, *entry.limits[:6], entry.back)
@@ -238,8 +237,7 @@ def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.slow
 def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, partial(woven, swings=50))
+    mover = moving(partial(woven, swings=50))
     rates = counted_rates(monkeypatch)
     mover.tick()
     assert mover.travel is not None
@@ -267,19 +265,16 @@ def ticked(mover: Mover, cycles: int = 100_000) -> list[tuple[int, str]]:
 
 
 def test_a_motion_blends_that_is_planned_while_the_one_before_it_runs() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, to(0.5, 0.1))
+    mover = moving(to(0.5, 0.1))
     ticked(mover, 20)
-    draft = mover.draft(2, to(-0.5))
-    drafted = draft.work()
+    drafted = mover.draft(2, to(-0.5)).work()
     ticked(mover, 100)
     assert mover.take(drafted)
     assert ticked(mover)[-3:] == [(1, "blended"), (2, "started"), (2, "finished")]
 
 
 def test_where_the_arm_has_come_too_far_to_blend_it_stops_in_between() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, to(0.5, 0.1))
+    mover = moving(to(0.5, 0.1))
     ticked(mover, 20)
     drafted = mover.draft(2, to(-0.5)).work()
     while mover.progress < 0.97:
@@ -289,9 +284,7 @@ def test_where_the_arm_has_come_too_far_to_blend_it_stops_in_between() -> None:
 
 
 def test_what_has_ended_meanwhile_is_no_longer_before_it() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, to(0.1, 0.1))
-    mover.append(2, to(0.2, 0.1))
+    mover = moving(to(0.1, 0.1), to(0.2, 0.1))
     drafted = mover.draft(3, to(0.0)).work()
     ticked(mover)
     assert mover.take(drafted)
@@ -300,9 +293,7 @@ def test_what_has_ended_meanwhile_is_no_longer_before_it() -> None:
 
 
 def test_one_of_two_has_ended_meanwhile() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, to(0.1))
-    mover.append(2, to(0.6, 0.1))
+    mover = moving(to(0.1), to(0.6, 0.1))
     drafted = mover.draft(3, to(0.0)).work()
     while mover.active == 1:
         mover.tick()
@@ -312,7 +303,7 @@ def test_one_of_two_has_ended_meanwhile() -> None:
 
 
 def test_what_it_was_drafted_from_has_to_hold() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
+    mover = moving()
     first = mover.draft(1, to(0.5)).work()
     mover.append(2, to(0.2))
     assert not mover.take(first)  # the queue ends elsewhere
@@ -324,8 +315,7 @@ def test_what_it_was_drafted_from_has_to_hold() -> None:
 
 
 def test_what_is_left_of_a_long_motion_is_freed_where_the_next_one_is_planned() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, to(0.5))
+    mover = moving(to(0.5))
     mover.tick()
     mover.stop()
     ticked(mover)

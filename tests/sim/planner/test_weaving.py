@@ -10,12 +10,11 @@ import pytest
 
 from aioduco.models.rotation import Array, matrix_from_rotvec
 from aioduco.models.weave import WeavePlane, WeaveShape
-from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move
 from aioduco.sim.planner.weaving import Weave
 
-from .motions import CYCLE, FIVE, HOME
+from .motions import CYCLE, FIVE, HOME, moving, ticks_of
 
 START = FIVE.fkine(HOME)
 WAY = np.array([0.08, 0.12, 0.06])  # across every plane
@@ -133,12 +132,10 @@ def test_where_the_path_waits_the_arm_stands_at_the_sides() -> None:
     weave = Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 1.0, 0.003, 0.1, 0.2, stands=True)
     segment = woven(weave)
     swings = round(LENGTH / 0.05)
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, lambda _q: segment)
     stood: dict[int, list[Array]] = {}
-    while mover.moving:
-        point = mover.tick().setpoint
-        if not point.qd.any() and mover.moving:
+    for tick in ticks_of(moving(lambda _q: segment))[:-1]:
+        point = tick.setpoint
+        if not point.qd.any():
             way = float((FIVE.fkine(point.q)[:3, 3] - START[:3, 3]) @ WAY) / LENGTH
             stood.setdefault(round(way / LENGTH * swings * 4), []).append(point.q)
     sides = {4 * number + side for number in range(swings) for side in (1, 3)}
@@ -153,8 +150,7 @@ def test_a_pause_does_not_shorten_a_dwell() -> None:
     weave = Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 1.0, 0.003, 0.2, 0.0, stands=True)
 
     def stood(pause: bool) -> int:
-        mover = Mover(FIVE, HOME, CYCLE)
-        mover.append(1, lambda _q: woven(weave))
+        mover = moving(lambda _q: woven(weave))
         still = 0
         while mover.moving or mover.paused:
             still += not mover.tick().setpoint.qd.any()
@@ -173,8 +169,7 @@ def test_pauses_and_speeds_leave_the_way_as_it_is() -> None:
     segment = woven(weave)
     s = np.linspace(0.0, segment.length, 6001)
     way = segment.tcp(s)[:, :3, 3]
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, lambda _q: segment)
+    mover = moving(lambda _q: segment)
     what = {300: lambda: mover.set_speed(0.3), 700: mover.pause, 1100: mover.resume}
     what |= {1800: lambda: mover.set_speed(1.0), 2301: mover.pause, 2302: mover.resume}
     seen, events = [], []
@@ -195,14 +190,11 @@ def test_pauses_and_speeds_leave_the_way_as_it_is() -> None:
 
 
 def test_a_stop_stands_on_the_way() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, lambda _q: woven(PLAIN))
+    mover = moving(lambda _q: woven(PLAIN))
     for _ in range(700):
         mover.tick()
     mover.stop()
-    events = []
-    while mover.moving:
-        events.append([event.kind for event in mover.tick().events])
+    events = [[event.kind for event in tick.events] for tick in ticks_of(mover)]
     assert len(events) < 50
     assert events[-1] == ["stopped"]
 
@@ -212,14 +204,8 @@ def test_joints_keep_to_what_they_can_and_the_path_slows_down() -> None:
     wild = Weave(WeaveShape.TRIANGLE, WeavePlane.TOOL_XY, 12.0, 0.03)
     segment = woven(wild)
     assert segment.duration > 1.5 * woven(None).duration
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, lambda _q: segment)
-    q, qd, qdd = [], [], []
-    while mover.moving:
-        point = mover.tick().setpoint
-        q.append(point.q)
-        qd.append(point.qd)
-        qdd.append(point.qdd)
+    points = [tick.setpoint for tick in ticks_of(moving(lambda _q: segment))]
+    q, qd, qdd = zip(*((point.q, point.qd, point.qdd) for point in points), strict=True)
     assert (np.abs(qd) < 1.02 * np.array(FIVE.velocity)).all()
     assert (np.abs(qdd) < 1.02 * np.array(FIVE.acceleration)).all()
     np.testing.assert_allclose(FIVE.fkine(q[-1])[:3, 3], START[:3, 3] + WAY, atol=1e-6)
@@ -227,31 +213,21 @@ def test_joints_keep_to_what_they_can_and_the_path_slows_down() -> None:
 
 @pytest.mark.slow
 def test_speed_along_the_path_is_that_asked_for() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-    mover.append(1, lambda _q: woven(PLAIN))
-    way = []
-    while mover.moving:
-        tip = FIVE.fkine(mover.tick().setpoint.q)[:3, 3]
-        way.append(float((tip - START[:3, 3]) @ WAY / LENGTH))
+    q = np.array([tick.setpoint.q for tick in ticks_of(moving(lambda _q: woven(PLAIN)))])
+    way = (FIVE.fkine(q)[:, :3, 3] - START[:3, 3]) @ WAY / LENGTH
     speeds = np.diff(way[200:-200]) / CYCLE
     assert np.mean(speeds) == pytest.approx(0.05, rel=0.02)
 
 
 def test_motions_with_a_weave_blend() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
-
     def leg(x: float, y: float, r: float) -> Callable[[Array], Segment]:
         target = START.copy()
         target[:3, 3] += (x, y, 0.0)
         return lambda q: line_move(FIVE, q, target, 0.05, 1.0, r, weave=PLAIN)
 
-    mover.append(1, leg(0.08, 0.0, 0.02))
-    mover.append(2, leg(0.08, 0.08, 0.0))
-    events, speeds = [], []
-    while mover.moving:
-        tick = mover.tick()
-        events += [(event.key, event.kind) for event in tick.events]
-        speeds.append(tick.setpoint.qd)
+    ticks = ticks_of(moving(leg(0.08, 0.0, 0.02), leg(0.08, 0.08, 0.0)))
+    events = [(event.key, event.kind) for tick in ticks for event in tick.events]
+    speeds = [tick.setpoint.qd for tick in ticks]
     assert events == [(1, "started"), (1, "blended"), (2, "started"), (2, "finished")]
     assert np.abs(np.diff(speeds, axis=0)).max() / CYCLE < max(FIVE.acceleration)
     assert (np.abs(speeds).max(axis=1)[5:-5] > 0.0).all()
@@ -259,7 +235,7 @@ def test_motions_with_a_weave_blend() -> None:
 
 @pytest.mark.slow
 def test_what_waits_is_bounded() -> None:
-    mover = Mover(FIVE, HOME, CYCLE)
+    mover = moving()
     long = woven(Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 200.0, 0.0005))
     back = replace(long, q_start=long.q_end, q_end=long.q_start)
 
