@@ -17,7 +17,7 @@ from aioduco.kinematics import models
 
 from .test_urdf import GRIPPER, configurations
 
-pytestmark = pytest.mark.timeout(900)  # 100,000 configurations of each arm, on a busy machine
+pytestmark = pytest.mark.timeout(900)  # thousands of configurations of each arm, on a busy machine
 
 
 def disabled(text: str) -> dict[frozenset[str], str]:
@@ -54,7 +54,7 @@ def collisions(
 @pytest.mark.slow
 @pytest.mark.parametrize("model", models())
 def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: bool) -> None:
-    number = 30_000 if thorough else 1_000
+    number = 10_000 if thorough else 1_000
     found = collisions(unfiltered(model), configurations(number, seed=11))
     reasons = disabled(srdf(model))
     assert sum(reason == "Adjacent" for reason in reasons.values()) == 6
@@ -72,7 +72,7 @@ def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: boo
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["gcr5_910", "gcr3_618"])
 def test_a_tool_is_kept_from_the_links_that_it_reaches(model: str, thorough: bool) -> None:
-    number = 30_000 if thorough else 1_000
+    number = 10_000 if thorough else 1_000
     arm = ArmDescription(model, prefix="left_", tool=GRIPPER)
     found = collisions(unfiltered(arm), configurations(number, seed=12))
     reasons = disabled(srdf(arm))

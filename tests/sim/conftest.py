@@ -13,6 +13,7 @@ from thriftpy2.transport import TTransportException
 
 from aioduco._wire.rpc import Op, RpcClient
 from aioduco.errors import ConnectionLost, ControllerError
+from aioduco.kinematics import Arm, arm, models
 from aioduco.sim.simulator import CYCLE, Simulator
 
 from .cycles import Cycles
@@ -83,6 +84,16 @@ class Program(RpcClient):
 
 
 @contextlib.contextmanager
+def a_program(sim: Any) -> Iterator[Program]:
+    """A program with a connection of its own, in a block."""
+    connection = Wire(sim)
+    try:
+        yield Program(connection)
+    finally:
+        connection.close()
+
+
+@contextlib.contextmanager
 def standing_time(sim: Simulator) -> Iterator[None]:
     """A block in which only `advance` moves simulated time.
 
@@ -110,6 +121,13 @@ def advance_until(
     while not predicate():
         assert sim.time < end, f"it did not come to hold within {timeout} s of simulated time"
         sim.advance(every)
+
+
+@pytest.fixture(params=[arm(model) for model in models()], ids=lambda each: each.name)
+def any_arm(request: pytest.FixtureRequest) -> Arm:
+    """Each of the arms."""
+    assert isinstance(request.param, Arm)
+    return request.param
 
 
 @pytest.fixture
@@ -161,13 +179,7 @@ def program(cell: Simulator, connect: Connect) -> Program:
 def connect() -> Iterator[Connect]:
     """Open programs' connections to a simulator; they are closed at the end."""
     with contextlib.ExitStack() as stack:
-
-        def connect(sim: Any) -> Program:
-            connection = Wire(sim)
-            stack.callback(connection.close)
-            return Program(connection)
-
-        yield connect
+        yield lambda sim: stack.enter_context(a_program(sim))
 
 
 @pytest.fixture
@@ -176,11 +188,8 @@ def aside() -> Iterator[Aside]:
     with ThreadPoolExecutor() as pool:
 
         def run(sim: Simulator, call: Callable[[Program], Any]) -> Any:
-            connection = Wire(sim)
-            try:
-                return call(Program(connection))
-            finally:
-                connection.close()
+            with a_program(sim) as program:
+                return call(program)
 
         yield lambda sim, call: pool.submit(run, sim, call)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from aioduco.models.rotation import Array
@@ -37,7 +38,7 @@ class Cycles:
 
     def farthest(self) -> float:
         """How far a joint was from its set-point at most [rad]."""
-        return max(float(abs(point.q - q).max()) for point, q in self._rows.copy())
+        return float(np.abs([point.q - q for point, q in self._rows.copy()]).max())
 
     @property
     def wanted(self) -> list[Array]:

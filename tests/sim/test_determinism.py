@@ -11,7 +11,7 @@ from aioduco.sim import Simulator, assembly
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
 
-from .conftest import Program, Wire, let_pass
+from .conftest import a_program, let_pass
 
 FINISHED = 4
 POSE = [0.492, 0.1945, 0.442, math.pi, 0.0, -math.pi / 2]
@@ -45,16 +45,16 @@ def traced(monkeypatch: pytest.MonkeyPatch, model: str) -> tuple[list[bytes], tu
     steps: list[bytes] = []
     monkeypatch.setattr(Traced, "steps", steps, raising=False)
     monkeypatch.setattr(assembly, "World", Traced)
-    with Simulator(model, speed=math.inf, programs={"all": SCRIPT}) as sim:
-        wire = Wire(sim)
-        program = Program(wire)
+    with (
+        Simulator(model, speed=math.inf, programs={"all": SCRIPT}) as sim,
+        a_program(sim) as program,
+    ):
         still(sim)
         for call in (program.power_on, program.enable):
             assert call(True) == FINISHED
             still(sim)
         ends = program.run_program("all", True)
         still(sim)
-        wire.close()
         assert ends != FINISHED  # its last line cannot be followed
         assert sim.get_digital_output(3)
         return steps, sim.view.errors

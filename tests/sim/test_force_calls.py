@@ -11,7 +11,7 @@ import pytest
 from aioduco.models.enums import TaskState
 from aioduco.sim.simulator import Simulator
 
-from .conftest import Program, Wire
+from .conftest import Program, a_program
 
 FINE, ILLEGAL, WRONG = TaskState.FINISHED, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH
 NAN, INF = math.nan, math.inf
@@ -101,11 +101,9 @@ def sim() -> Iterator[Simulator]:
 
 @pytest.fixture(scope="module")
 def program(sim: Simulator) -> Iterator[Program]:
-    wire = Wire(sim)
-    program = Program(wire)
-    program.bring_up()
-    yield program
-    wire.close()
+    with a_program(sim) as program:
+        program.bring_up()
+        yield program
 
 
 @pytest.fixture

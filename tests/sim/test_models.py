@@ -13,14 +13,12 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import Program, Wire
+from .conftest import a_program
 
 
 @pytest.mark.parametrize("model", models())
 def test_each_arm_moves_by_joints_and_along_a_line(model: str) -> None:
-    with Simulator(model, speed=math.inf) as sim:
-        wire = Wire(sim)
-        robot = Program(wire)
+    with Simulator(model, speed=math.inf) as sim, a_program(sim) as robot:
         robot.bring_up()
         series, _, name = model.upper().partition("_")
         assert robot.get_robot_type()[:2] == [series, name]
@@ -35,4 +33,3 @@ def test_each_arm_moves_by_joints_and_along_a_line(model: str) -> None:
         there = Pose.of(robot.get_tcp_pose())
         assert there.almost_equal(target, position=2e-4, rotation=2e-4)
         assert robot.get_last_error() == []
-        wire.close()

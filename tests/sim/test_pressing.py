@@ -22,7 +22,7 @@ from aioduco.sim.planner.segments import line_move
 from aioduco.sim.scene import Rod, Table, mjcf_of
 from aioduco.sim.simulator import Simulator
 
-from .conftest import Program, Wire, let_pass
+from .conftest import Connect, Program, let_pass
 
 Vector = NDArray[np.float64]
 CYCLE = 0.001
@@ -178,10 +178,9 @@ def simulator() -> Iterator[Simulator]:
 
 
 @pytest.fixture
-def robot(simulator: Simulator) -> Iterator[Program]:
+def robot(simulator: Simulator, connect: Connect) -> Program:
     """A program whose arm stands above the table, without force control."""
-    wire = Wire(simulator)
-    program = Program(wire)
+    program = connect(simulator)
     program.stop(True)
     assert program.power_off(True) == TaskState.FINISHED
     program.bring_up()
@@ -189,8 +188,7 @@ def robot(simulator: Simulator) -> Iterator[Program]:
     settle(simulator, program)
     done(program, program.fc_force_set_value([True] * 6, [0.0] * 6))
     done(program, program.fc_guard_deact())
-    yield program
-    wire.close()
+    return program
 
 
 def settle(sim: Simulator, program: Program) -> None:

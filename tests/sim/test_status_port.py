@@ -21,7 +21,7 @@ from aioduco.sim import Simulator
 from aioduco.sim.server.status_server import StatusServer as Pusher
 from aioduco.testing import eventually
 
-from .conftest import Program, Wire, standing_time
+from .conftest import Connect, Program, a_program, standing_time
 
 FACTS: dict[str, Any] = json.loads(
     (Path(__file__).parents[1] / "data" / "status-port-2001.json").read_text(encoding="utf-8")
@@ -32,17 +32,14 @@ FIELDS = [(offset, name, form) for offset, name, form, _ in FACTS["fields"] if f
 @pytest.fixture(scope="module")
 def sim() -> Iterator[Simulator]:
     with Simulator(status_port=0, speed=math.inf) as sim:
-        wire = Wire(sim)
-        Program(wire).bring_up()
-        wire.close()
+        with a_program(sim) as program:
+            program.bring_up()
         yield sim
 
 
 @pytest.fixture
-def program(sim: Simulator) -> Iterator[Program]:
-    wire = Wire(sim)
-    yield Program(wire)
-    wire.close()
+def program(sim: Simulator, connect: Connect) -> Program:
+    return connect(sim)
 
 
 def received(port: int | None, frames: int = 1) -> list[bytes]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from aioduco.devices.grippers import gripper_model
-from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics import Arm, arm
 from aioduco.models.rotation import Array
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
@@ -20,12 +20,6 @@ from aioduco.sim.simulator import READY
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 HOME = np.array(READY)
-
-
-@pytest.fixture(params=[arm(model) for model in models()], ids=lambda each: each.name)
-def any_arm(request: pytest.FixtureRequest) -> Arm:
-    assert isinstance(request.param, Arm)
-    return request.param
 
 
 def touching(world: World, q: Array) -> list[tuple[str, str]]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics import Arm, arm
 from aioduco.kinematics.bodies import ROTOR, bodies
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import Array
@@ -21,12 +21,6 @@ mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 HOME = np.radians([0, 0, 90, 0, -90, 0])
 FIVE = arm("gcr5_910")
 GRAVITY = 9.81
-
-
-@pytest.fixture(params=[arm(model) for model in models()], ids=lambda each: each.name)
-def any_arm(request: pytest.FixtureRequest) -> Arm:
-    assert isinstance(request.param, Arm)
-    return request.param
 
 
 def follow(world: World, mover: Mover) -> tuple[Array, Array]:

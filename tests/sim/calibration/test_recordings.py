@@ -59,9 +59,8 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize(("radii", "lapses"), [((0.04,), 0), (measuring._RADII, 1)])
 async def test_corners_and_a_heartbeat_that_ends_are_recorded(
-    radii: tuple[float, ...], lapses: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hidden = {"joint_reach": 0.8, "joint_share": 0.5, "line_reach": 0.9, "line_share": 0.6}
     slack = exact(0.6)  # of this computer's time, as are the heartbeats
@@ -71,23 +70,20 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     )
     monkeypatch.setattr(measuring, "_STILL", 0.1)
     monkeypatch.setattr(measuring, "_FORGOTTEN", 1.8)
-    monkeypatch.setattr(measuring, "_RADII", radii)
     monkeypatch.setattr(measuring, "_updates", AsyncMock())  # it reads as fast as it can
     path, told = tmp_path / "run.mcap", list[str]()
     with Simulator(profile=truth, joints=READY, speed=4) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
             await robot.bring_up()
-        extent = Extent(reach=0.25, poses=0, rounds=0, changes=0, lapses=lapses)
+        extent = Extent(reach=0.25, poses=0, rounds=0, changes=0, lapses=1)
         await measuring.measure(sim.host, sim.port, path, extent, told.append)
         assert sim.joints == pytest.approx(READY, abs=1e-3)
-    ends = ["a heartbeat that ends, 1 of 1"] * lapses  # and the arm stopped
-    assert told[-1 - lapses :] == ["corners of lines", *ends]
+    # and the arm stopped
+    assert told[-2:] == ["corners of lines", "a heartbeat that ends, 1 of 1"]
     run = read_evidence(path)
-    count = 2 * len(radii)
+    count = 2 * len(measuring._RADII)
     assert [each.kind for each in run.corners] == ["joint"] * count + ["line"] * count
-    assert [announced for _, announced in run.beats] == [0.5] * lapses
-    if not lapses:
-        return  # too little for estimates
+    assert [announced for _, announced in run.beats] == [0.5]
     # The other robot's heartbeat runs out at rest, before the way to the slow turn.
     moves = [call.begin for call in evidence._calls(read(path)) if call.function == "movej2"]
     moving = run.motions.time[np.abs(run.motions.wanted_speed).max(axis=1) > 1e-3]

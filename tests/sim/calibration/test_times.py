@@ -102,26 +102,20 @@ def lapse(slack: float) -> Motions:
     return Motions(time, places, speeds, places, speeds)
 
 
-def beats_at(*times: float) -> tuple[tuple[TimedCall, float], ...]:
+def beats_until(end: float) -> tuple[tuple[TimedCall, float], ...]:
+    times = (*np.arange(0.0, end, 0.3), end)
     return tuple((TimedCall("rpc_heartbeat", t, t + 0.001), 1.0) for t in times)
 
 
 @pytest.mark.parametrize("slack", [0.0, 0.5, 1.3])
 def test_the_slack_of_a_heartbeat_that_lapsed_is_found(slack: float) -> None:
-    beats = tuple(
-        (TimedCall("rpc_heartbeat", t, t + 0.001), 1.0) for t in np.arange(0.0, 5.01, 0.3)
-    )
-    last = ((TimedCall("rpc_heartbeat", 5.0, 5.001), 1.0),)
-    found = estimate_slack([replace(empty(), motions=lapse(slack), beats=(*beats[:-1], *last))])
+    found = estimate_slack([replace(empty(), motions=lapse(slack), beats=beats_until(5.0))])
     value, low, high = found.values["slack"]
     assert low <= slack <= high
     assert value == pytest.approx(slack, abs=0.02)
 
 
 def test_a_heartbeat_that_never_lapsed_shows_no_slack() -> None:
-    beats = tuple(
-        (TimedCall("rpc_heartbeat", t, t + 0.001), 1.0) for t in np.arange(0.0, 12.0, 0.3)
-    )
-    found = estimate_slack([replace(empty(), motions=lapse(0.5), beats=beats)])
+    found = estimate_slack([replace(empty(), motions=lapse(0.5), beats=beats_until(12.0))])
     assert found.values == {}
     assert found.missing == ("heartbeat, slack: no heartbeat lapsed in mid motion",)

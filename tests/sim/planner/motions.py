@@ -34,6 +34,16 @@ def ticks_of(mover: Mover) -> list[MoverTick]:
     return found
 
 
+def ran(follower: Any, cycles: int = 30_000) -> Array:
+    """Set-points of a follower until it has ended. Shape (n, 3, 6)."""
+    rows = []
+    while not follower.ended:
+        point = follower.tick(np.zeros(6), np.zeros(6))
+        rows.append((point.q, point.qd, point.qdd))
+        assert len(rows) < cycles
+    return np.array(rows)
+
+
 def trapezoid(length: float, v: float, a: float) -> float:
     """The time from rest to rest [s]."""
     return length / v + v / a if length > v * v / a else 2 * math.sqrt(length / a)

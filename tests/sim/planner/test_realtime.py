@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.realtime_follower import (
     Follow,
@@ -17,9 +16,8 @@ from aioduco.sim.planner.realtime_follower import (
 )
 from aioduco.sim.planner.track_pool import CAPACITY
 
-ARM = arm("gcr5_910")
-CYCLE = 0.001
-Q = np.array([0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0])
+from .motions import CYCLE, FIVE, HOME
+
 NONE = np.zeros(6)
 
 
@@ -30,7 +28,13 @@ def follower(queue: RealtimeQueue, what: Follow, **options: Any) -> RealtimeFoll
         "tool": np.eye(4),
         "wobj": np.eye(4),
     }
-    return RealtimeFollower(ARM, Q, CYCLE, queue, what, **(settings | options))
+    return RealtimeFollower(FIVE, HOME, CYCLE, queue, what, **(settings | options))
+
+
+def filled(points: list[RealtimeCommand]) -> RealtimeQueue:
+    queue = RealtimeQueue()
+    queue.put(points)
+    return queue
 
 
 def run(realtime: RealtimeFollower, cycles: int) -> np.ndarray:
@@ -38,19 +42,15 @@ def run(realtime: RealtimeFollower, cycles: int) -> np.ndarray:
     return np.array([(point.q, point.qd, point.qdd) for point in points])
 
 
-def failed(realtime: RealtimeFollower) -> str:
-    return str(realtime.failure or "")
-
-
 def ramp(count: int, rate: float = 0.2) -> list[RealtimeCommand]:
     return [
-        RealtimeCommand(joints=tuple(Q + 0.5 * rate * (i * CYCLE) ** 2 * 5)) for i in range(count)
+        RealtimeCommand(joints=tuple(HOME + 0.5 * rate * (i * CYCLE) ** 2 * 5))
+        for i in range(count)
     ]
 
 
 def test_a_point_is_taken_in_each_cycle_and_followed_with_the_filters_lag() -> None:
-    queue = RealtimeQueue()
-    queue.put(ramp(500))
+    queue = filled(ramp(500))
     realtime = follower(queue, Follow.JOINTS)
     rows = run(realtime, 400)
     assert len(queue) == 100
@@ -62,28 +62,25 @@ def test_a_point_is_taken_in_each_cycle_and_followed_with_the_filters_lag() -> N
 
 def test_a_narrower_filter_lags_more() -> None:
     def lag(bandwidth: float) -> float:
-        queue = RealtimeQueue()
-        queue.put(ramp(400))
-        rows = run(follower(queue, Follow.JOINTS, bandwidth=bandwidth), 400)
+        rows = run(follower(filled(ramp(400)), Follow.JOINTS, bandwidth=bandwidth), 400)
         return float(ramp(400)[-1].joints[0] - rows[-1, 0, 0])
 
     assert lag(10.0) > 3 * lag(100.0)
 
 
 def test_speeds_of_joints_are_brought_up_by_the_filter_and_go_on() -> None:
-    queue = RealtimeQueue()
     goal = np.array([0.04, 0.0, -0.02, 0.0, 0.0, 0.01])
-    queue.put([RealtimeCommand(joint_speeds=tuple(goal))] * 300)
+    queue = filled([RealtimeCommand(joint_speeds=tuple(goal))] * 300)
     rows = run(follower(queue, Follow.JOINT_SPEEDS), 310)
     assert rows[-1, 1] == pytest.approx(goal, rel=1e-3)
-    assert rows[-1, 0] - Q == pytest.approx(goal * 0.31, rel=0.01)
+    assert rows[-1, 0] - HOME == pytest.approx(goal * 0.31, rel=0.01)
 
 
 @pytest.mark.slow
 def test_a_pose_and_a_twist_move_the_tool_in_the_work_object() -> None:
     wobj = Pose(0.1, 0.2, 0.0, 0.0, 0.0, np.pi / 2).matrix
     tool = Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0).matrix
-    start = ARM.fkine(Q) @ tool
+    start = FIVE.fkine(HOME) @ tool
     queue = RealtimeQueue()
     inside = np.linalg.inv(wobj) @ start
     for i in range(400):
@@ -92,45 +89,42 @@ def test_a_pose_and_a_twist_move_the_tool_in_the_work_object() -> None:
         queue.put([RealtimeCommand(pose=pose)])
     realtime = follower(queue, Follow.POSE, wobj=wobj, tool=tool)
     run(realtime, 400)
-    moved = (ARM.fkine(realtime.setpoint.q) @ tool)[:3, 3] - start[:3, 3]
+    moved = (FIVE.fkine(realtime.setpoint.q) @ tool)[:3, 3] - start[:3, 3]
     assert moved == pytest.approx([0.0, 0.05 * 0.398**2, 0.0], abs=2e-4)
 
     queue.put([RealtimeCommand(twist=(0.04, 0.0, 0.0, 0.0, 0.0, 0.0))] * 500)
     realtime = follower(queue, Follow.TWIST, wobj=wobj, tool=tool)
     run(realtime, 500)
-    moved = (ARM.fkine(realtime.setpoint.q) @ tool)[:3, 3] - start[:3, 3]
+    moved = (FIVE.fkine(realtime.setpoint.q) @ tool)[:3, 3] - start[:3, 3]
     assert moved == pytest.approx([0.0, 0.04 * 0.4985, 0.0], abs=1e-4)
 
 
 @pytest.mark.parametrize(
     ("what", "command"),
     [
-        (Follow.JOINTS, RealtimeCommand(joints=tuple(Q + 0.01))),
+        (Follow.JOINTS, RealtimeCommand(joints=tuple(HOME + 0.01))),
         (Follow.JOINT_SPEEDS, RealtimeCommand(joint_speeds=(0.2,) * 6)),
-        (Follow.POSE, RealtimeCommand(pose=ARM.fkine(Q + 0.01))),
+        (Follow.POSE, RealtimeCommand(pose=FIVE.fkine(HOME + 0.01))),
         (Follow.TWIST, RealtimeCommand(twist=(0.2,) * 6)),
     ],
 )
 def test_the_first_point_has_to_be_where_the_arm_is(what: Follow, command: RealtimeCommand) -> None:
-    queue = RealtimeQueue()
-    queue.put([command])
-    realtime = follower(queue, what)
+    realtime = follower(filled([command]), what)
     run(realtime, 1)
     assert realtime.failure is not None
     assert realtime.failure.kind == "fault"
     assert "first point" in str(realtime.failure)
-    assert (realtime.setpoint.q == Q).all()
+    assert (realtime.setpoint.q == HOME).all()
 
 
 def test_a_starved_queue_is_a_fault_and_the_arm_slows_down() -> None:
-    queue = RealtimeQueue()
-    queue.put([RealtimeCommand(joint_speeds=(0.04, 0, 0, 0, 0, 0))] * 100)
+    queue = filled([RealtimeCommand(joint_speeds=(0.04, 0, 0, 0, 0, 0))] * 100)
     realtime = follower(queue, Follow.JOINT_SPEEDS, patience=0.04)
     rows = run(realtime, 140)
-    assert not failed(realtime)
+    assert realtime.failure is None
     assert rows[-1, 1, 0] == pytest.approx(0.04, rel=1e-3)  # it went on as told last
     run(realtime, 1)
-    assert "no data" in failed(realtime)
+    assert "no data" in str(realtime.failure)
     run(realtime, 50)
     assert realtime.ended
 
@@ -139,19 +133,18 @@ def test_a_point_that_comes_in_time_puts_the_fault_off() -> None:
     queue = RealtimeQueue()
     realtime = follower(queue, Follow.JOINTS)
     for _ in range(10):
-        queue.put([RealtimeCommand(joints=tuple(Q))])
+        queue.put([RealtimeCommand(joints=tuple(HOME))])
         run(realtime, 20)
     assert realtime.failure is None
 
 
 def test_a_jump_of_the_points_is_a_fault() -> None:
-    queue = RealtimeQueue()
-    queue.put([RealtimeCommand(joints=tuple(Q)), RealtimeCommand(joints=tuple(Q + 0.5))])
-    realtime = follower(queue, Follow.JOINTS)
+    points = [RealtimeCommand(joints=tuple(q)) for q in (HOME, HOME + 0.5)]
+    realtime = follower(filled(points), Follow.JOINTS)
     run(realtime, 2)
     assert realtime.failure is not None
     assert "faster" in str(realtime.failure)
-    assert (realtime.setpoint.q == Q).all()
+    assert (realtime.setpoint.q == HOME).all()
 
 
 def test_what_does_not_fit_is_not_taken_in_part() -> None:

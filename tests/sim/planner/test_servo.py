@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from aioduco.kinematics import arm
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
-ARM = arm("gcr5_910")
-CYCLE = 0.001
+from .motions import CYCLE, FIVE, ran
+
 Q = np.array([0.0, 0.0, 1.5, 0.0, -1.5, 0.0])
 NONE = np.zeros(6)
 
@@ -21,23 +20,13 @@ def tuning(v: float = 1.0, a: float = 5.0, **other: float) -> ServoTuning:
     return ServoTuning(v, a, **(gains | other))
 
 
-def run(servo: ServoFollower, cycles: int = 20_000) -> np.ndarray:
-    """Set-points until it ends. Shape (n, 3, 6)."""
-    rows = []
-    while not servo.ended:
-        point = servo.tick(NONE, NONE)
-        rows.append((point.q, point.qd, point.qdd))
-        assert len(rows) < cycles
-    return np.array(rows)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("a", [0.5, 5.0, 50.0, np.inf])
 def test_it_ends_at_the_target_within_its_limits_and_does_not_pass_it(a: float) -> None:
-    servo = ServoFollower(ARM, Q, CYCLE)
+    servo = ServoFollower(FIVE, Q, CYCLE)
     goal = Q + np.array([1.0, -0.5, 0.2, 0.0, 0.3, -1.0])
     servo.aim(goal, tuning(v=1.2, a=a))
-    rows = run(servo)
+    rows = ran(servo)
     assert np.abs(rows[-1, 0] - goal).max() < 1e-4
     assert np.abs(rows[:, 1]).max() <= 1.2 + 1e-12
     assert np.abs(rows[:, 2]).max() <= min(a, 1e4) * (1 + 1e-6)
@@ -55,7 +44,7 @@ def sine_error(a: float, *numbers: float) -> float:
     def sine(time: float) -> float:
         return 0.3 * math.sin(math.pi * time)
 
-    servo, worst = ServoFollower(ARM, Q, CYCLE), 0.0
+    servo, worst = ServoFollower(FIVE, Q, CYCLE), 0.0
     for cycle in range(4000):
         if cycle % 4 == 0:
             target = Q + np.array([sine(cycle * CYCLE), 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -75,15 +64,15 @@ def test_higher_gains_follow_better(a: float, usual: float, stiff: float) -> Non
 
 
 def test_each_joint_goes_for_itself() -> None:
-    servo = ServoFollower(ARM, Q, CYCLE)
+    servo = ServoFollower(FIVE, Q, CYCLE)
     servo.aim(Q + np.array([1.0, 0.1, 0.0, 0.0, 0.0, 0.0]), tuning())
-    rows = run(servo)
+    rows = ran(servo)
     arrived = [int((np.abs(rows[:, 0, j] - rows[-1, 0, j]) > 0.01).sum()) for j in (0, 1)]
     assert arrived[1] < 0.6 * arrived[0]
 
 
 def test_a_new_target_is_gone_to_from_the_present_speed() -> None:
-    servo = ServoFollower(ARM, Q, CYCLE)
+    servo = ServoFollower(FIVE, Q, CYCLE)
     servo.aim(Q + 1.0, tuning())
     for _ in range(300):
         before = servo.tick(NONE, NONE)
@@ -91,13 +80,13 @@ def test_a_new_target_is_gone_to_from_the_present_speed() -> None:
     after = servo.tick(NONE, NONE)
     assert before.qd.min() > 0.5
     assert np.abs(after.qd - before.qd).max() <= 5.0 * CYCLE + 1e-12
-    assert np.abs(run(servo)[-1, 0] - (Q + 0.1)).max() < 1e-4
+    assert np.abs(ran(servo)[-1, 0] - (Q + 0.1)).max() < 1e-4
 
 
 @pytest.mark.slow
 def test_more_smoothing_lags_more() -> None:
     def lag(**smoothing: float) -> float:
-        servo = ServoFollower(ARM, Q, CYCLE)
+        servo = ServoFollower(FIVE, Q, CYCLE)
         for i in range(1000):
             servo.aim(Q + 0.5 * i * CYCLE, tuning(**smoothing))
             point = servo.tick(NONE, NONE)
@@ -109,7 +98,7 @@ def test_more_smoothing_lags_more() -> None:
 
 
 def test_a_stop_and_a_pause_slow_down_at_once() -> None:
-    servo = ServoFollower(ARM, Q, CYCLE)
+    servo = ServoFollower(FIVE, Q, CYCLE)
     servo.aim(Q + 1.0, tuning())
     for _ in range(300):
         servo.tick(NONE, NONE)
@@ -124,7 +113,7 @@ def test_a_stop_and_a_pause_slow_down_at_once() -> None:
         servo.tick(NONE, NONE)
     assert servo.setpoint.qd.min() > 0.3
     servo.stop()
-    rows = run(servo, 200)
+    rows = ran(servo, 200)
     assert (np.diff(np.abs(rows[:, 1]).max(axis=1)) <= 1e-12).all()
     assert np.abs(rows[-1, 0] - (Q + 1.0)).max() > 0.1
 
@@ -132,16 +121,16 @@ def test_a_stop_and_a_pause_slow_down_at_once() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_joint_at_its_limit_as_it_is_read_in_32_bits_goes_on(sign: float) -> None:
     read = float(np.float32(sign * 2.0 * np.pi))
-    servo = ServoFollower(ARM, np.array([read, *Q[1:]]), CYCLE)
+    servo = ServoFollower(FIVE, np.array([read, *Q[1:]]), CYCLE)
     servo.aim(np.array([sign * 2.0 * np.pi, *Q[1:]]), tuning(v=1.0, a=1.0))
-    run(servo)
+    ran(servo)
     assert servo.failure is None
 
 
 def test_a_joint_does_not_pass_its_limit() -> None:
-    servo = ServoFollower(ARM, Q, CYCLE)
+    servo = ServoFollower(FIVE, Q, CYCLE)
     servo.aim(np.array([7.0, *Q[1:]]), tuning(v=3.0, a=np.inf))
-    rows = run(servo)
+    rows = ran(servo)
     assert servo.failure is not None
     assert "limit" in str(servo.failure)
     assert rows[:, 0, 0].max() <= 2 * np.pi + 1e-6

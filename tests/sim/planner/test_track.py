@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.follower import FollowError
 from aioduco.sim.planner.track_pool import CAPACITY, JointTrack, ToolTrack, TrackPool
 
-ARM = arm("gcr5_910")
-CYCLE = 0.001
-Q = np.array([0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0])
+from .motions import CYCLE, FIVE, HOME, ran
+
 NONE = np.zeros(6)
 
 
@@ -26,22 +24,18 @@ def pool(points: Iterable[Any]) -> TrackPool:
 
 
 def joints(filled: TrackPool, v: float = 1.0, a: float = 5.0) -> JointTrack:
-    return JointTrack(ARM, Q, CYCLE, filled, v, a)
+    return JointTrack(FIVE, HOME, CYCLE, filled, v, a)
 
 
 def at(offset: list[float]) -> np.ndarray:
-    moved: np.ndarray = Q + np.array(offset)
+    moved: np.ndarray = HOME + np.array(offset)
     return moved
 
 
-def run(follower: Any, cycles: int = 30_000) -> np.ndarray:
-    rows = []
-    while not follower.ended:
-        point = follower.tick(NONE, NONE)
-        rows.append((point.q, point.qd, point.qdd))
-        assert len(rows) < cycles
+def run(follower: Any) -> np.ndarray:
+    rows = ran(follower)
     assert follower.failure is None
-    return np.array(rows)
+    return rows
 
 
 def wave(count: int = 60, length: float = 1.5) -> list[np.ndarray]:
@@ -166,27 +160,27 @@ def test_pause_resume_and_stop() -> None:
 
 @pytest.mark.slow
 def test_a_tool_goes_through_poses() -> None:
-    start = Pose.from_matrix(ARM.fkine(Q))
+    start = Pose.from_matrix(FIVE.fkine(HOME))
     angles = np.linspace(0.0, np.pi, 40)[1:]
     goals = [
         start.shifted(x=0.1 * np.sin(a), z=0.1 * (np.cos(a) - 1)) @ Pose(0, 0, 0, 0, 0, 0.3 * a)
         for a in angles
     ]
-    follower = ToolTrack(ARM, Q, CYCLE, pool(goals), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4))
+    follower = ToolTrack(FIVE, HOME, CYCLE, pool(goals), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4))
     rows = run(follower)
-    points = ARM.fkine(rows[:, 0])[:, :3, 3]
+    points = FIVE.fkine(rows[:, 0])[:, :3, 3]
     centre = np.array([start.x, start.y, start.z - 0.1])
     assert np.abs(np.linalg.norm(points - centre, axis=1) - 0.1).max() < 5e-4
     speed = np.linalg.norm(np.diff(points, axis=0), axis=1) / CYCLE
     assert speed.max() == pytest.approx(0.2, rel=0.02)
-    assert Pose.from_matrix(ARM.fkine(rows[-1, 0])).almost_equal(
+    assert Pose.from_matrix(FIVE.fkine(rows[-1, 0])).almost_equal(
         goals[-1], position=1e-6, rotation=1e-6
     )
 
 
 def test_a_point_out_of_reach_ends_it() -> None:
     follower = ToolTrack(
-        ARM, Q, CYCLE, pool([[5.0, 0, 0, 0, 0, 0]]), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4)
+        FIVE, HOME, CYCLE, pool([[5.0, 0, 0, 0, 0, 0]]), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4)
     )
     follower.tick(NONE, NONE)
     assert follower.failure is not None

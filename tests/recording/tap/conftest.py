@@ -1,7 +1,0 @@
-"""Fixtures: those of the client's tests."""
-
-from __future__ import annotations
-
-from client.conftest import bench
-
-__all__ = ["bench"]
