@@ -151,12 +151,16 @@ def started(connect: Connect) -> Iterator[Started]:
         yield start
 
 
-@pytest.fixture
-def strict(started: Started) -> Iterator[Program]:
-    """A program whose arm is enabled, at a simulator that forgives nothing."""
-    sim, program = started(strict=True)
-    yield program
-    assert sim.forgiven == {}
+@pytest.fixture(scope="module")
+def strict() -> Iterator[Program]:
+    """A program whose arm is enabled, at a simulator that forgives nothing.
+
+    One for all tests of a file: it refuses what they ask for, and is then as it was.
+    """
+    with Simulator(speed=math.inf, strict=True) as sim, a_program(sim) as program:
+        program.bring_up()
+        yield program
+        assert sim.forgiven == {}
 
 
 @pytest.fixture(scope="module")

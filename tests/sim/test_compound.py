@@ -172,8 +172,8 @@ def test_a_path_square_to_the_plane_is_refused(robot: Program) -> None:
     ],
     ids=str,
 )
-def test_a_weave_that_makes_no_sense_is_not_set(robot: Program, wrong: dict[str, Any]) -> None:
-    assert configure(robot, **wrong) == TaskState.PARAMETER_MISMATCH
+def test_a_weave_that_makes_no_sense_is_not_set(strict: Program, wrong: dict[str, Any]) -> None:
+    assert configure(strict, **wrong) == TaskState.PARAMETER_MISMATCH
 
 
 def test_dwells_that_are_left_out_are_none(robot: Program) -> None:

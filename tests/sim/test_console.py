@@ -143,8 +143,8 @@ def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
         ("rule 1 2 inf", "after is inf"),
     ],
 )
-def test_a_command_that_makes_no_sense_says_so(sim: Simulator, line: str, said: str) -> None:
-    answer = Console(sim).answer(line)
+def test_a_command_that_makes_no_sense_says_so(cell: Simulator, line: str, said: str) -> None:
+    answer = Console(cell).answer(line)
     assert answer.startswith("error: ")
     assert said in answer
 

@@ -271,12 +271,12 @@ def test_triggers_of_kinds_that_no_manual_names_are_passed_over(
     assert line(strict, op, 0.02) == TaskState.PARAMETER_MISMATCH
 
 
-def test_triggers_that_make_no_sense(robot: Program) -> None:
-    assert line(robot, Op(time_or_dist_1=5)) == TaskState.PARAMETER_MISMATCH
-    assert line(robot, Op(time_or_dist_1=1, trig_io_1=17)) == TaskState.PARAMETER_MISMATCH
-    assert line(robot, Op(time_or_dist_1=1, trig_event_1="weld")) == TaskState.PARAMETER_MISMATCH
+def test_triggers_that_make_no_sense(strict: Program) -> None:
+    assert line(strict, Op(time_or_dist_1=5)) == TaskState.PARAMETER_MISMATCH
+    assert line(strict, Op(time_or_dist_1=1, trig_io_1=17)) == TaskState.PARAMETER_MISMATCH
+    assert line(strict, Op(time_or_dist_1=1, trig_event_1="weld")) == TaskState.PARAMETER_MISMATCH
     nan = Op(time_or_dist_1=1, trig_io_1=1, trig_time_1=math.nan)
-    assert line(robot, nan) == TaskState.PARAMETER_MISMATCH
+    assert line(strict, nan) == TaskState.PARAMETER_MISMATCH
 
 
 @pytest.mark.slow

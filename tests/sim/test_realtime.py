@@ -150,17 +150,17 @@ def test_it_begins_only_where_nothing_else_runs(sim: Simulator, robot: Program) 
     assert robot.stop(True) == TaskState.FINISHED
 
 
-def test_wrong_parameters_and_wrong_points(robot: Program) -> None:
-    assert robot.start_realtime_mode(5, 100.0, 0.04) == TaskState.PARAMETER_MISMATCH
-    assert robot.start_realtime_mode(1, -1.0, 0.04) == TaskState.PARAMETER_MISMATCH
-    assert robot.start_realtime_mode(1, 100.0, math.nan) == TaskState.PARAMETER_MISMATCH
-    assert robot.start_realtime_mode(2, 100.0, 0.04) == TaskState.PARAMETER_MISMATCH
-    assert "torques" in robot.get_last_error()[-1]
+def test_wrong_parameters_and_wrong_points(strict: Program) -> None:
+    assert strict.start_realtime_mode(5, 100.0, 0.04) == TaskState.PARAMETER_MISMATCH
+    assert strict.start_realtime_mode(1, -1.0, 0.04) == TaskState.PARAMETER_MISMATCH
+    assert strict.start_realtime_mode(1, 100.0, math.nan) == TaskState.PARAMETER_MISMATCH
+    assert strict.start_realtime_mode(2, 100.0, 0.04) == TaskState.PARAMETER_MISMATCH
+    assert "torques" in strict.get_last_error()[-1]
     for wrong in ([math.nan] * 6, [0.0] * 5):
-        assert robot.realtime_data_enqueue([velocity(wrong)], True) == TaskState.PARAMETER_MISMATCH
+        assert strict.realtime_data_enqueue([velocity(wrong)], True) == TaskState.PARAMETER_MISMATCH
     short = RealTimeControlData(joint_pos_cmd=[0.0] * 5, status=True)
-    assert robot.realtime_data_enqueue([short], True) == TaskState.ILLEGAL
-    assert robot.get_realtime_data_queue_size() == 0
+    assert strict.realtime_data_enqueue([short], True) == TaskState.ILLEGAL
+    assert strict.get_realtime_data_queue_size() == 0
 
 
 def test_a_point_whose_status_is_false_is_passed_over(robot: Program) -> None:

@@ -271,11 +271,9 @@ def test_a_speed_far_above_its_range_is_the_highest(sim: Simulator, robot: Progr
         ({"q_near": [0.0] * 3}, 7),
     ],
 )
-def test_wrong_parameters_of_a_line(
-    sim: Simulator, robot: Program, change: dict[str, object], ends: int
-) -> None:
+def test_wrong_parameters_of_a_line(strict: Program, change: dict[str, object], ends: int) -> None:
     args: dict[str, object] = {
-        "p": robot.get_tcp_pose(),
+        "p": strict.get_tcp_pose(),
         "v": 0.1,
         "a": 1.0,
         "r": 0.0,
@@ -284,8 +282,8 @@ def test_wrong_parameters_of_a_line(
         "wobj": "",
     }
     args.update(change)
-    assert robot.connection.call("movel", (*args.values(), True, Op(), False)) == ends
-    assert not sim.moving
+    assert strict.connection.call("movel", (*args.values(), True, Op(), False)) == ends
+    assert not strict.robotmoving()
 
 
 def test_a_refusal_without_blocking_is_an_id_whose_task_has_ended(robot: Program) -> None:
@@ -453,13 +451,14 @@ def test_closing_ends_blocked_calls_and_leaves_no_thread_or_socket(aside: Aside)
         return robot.to(1.0, *READY[1:], v=0.001)
 
     process = psutil.Process()
-    descriptors = process.num_fds()
+    threads, descriptors = set(threading.enumerate()), process.num_fds()
     with Simulator(speed=math.inf) as sim:
         moving = aside(sim, program)
         sim.wait_until(lambda: sim.moving)
     with pytest.raises((ConnectionLost, ControllerError)):
         moving.result(30)
-    assert [thread.name for thread in threading.enumerate() if thread.name.startswith("sim-")] == []
+    started = set(threading.enumerate()) - threads
+    assert [thread.name for thread in started if thread.name.startswith("sim-")] == []
     assert process.num_fds() == descriptors
 
 

@@ -181,13 +181,13 @@ def test_poses_are_in_the_work_object_in_use(sim: Simulator, robot: Program) -> 
     ],
 )
 def test_a_tool_that_makes_no_sense_changes_nothing(
-    robot: Program, name: str, offset: list[float], payload: list[float], inertia: list[float]
+    strict: Program, name: str, offset: list[float], payload: list[float], inertia: list[float]
 ) -> None:
-    before = robot.get_tcp_offset()
-    assert robot.set_tool_data(name, offset, payload, inertia) == OUT_OF_RANGE
-    assert robot.get_tcp_offset() == before
-    assert robot.get_tcp_pose_coord("tool", "") == []
-    assert "no tool 'tool'" in robot.get_last_error()[-1]
+    before = strict.get_tcp_offset()
+    assert strict.set_tool_data(name, offset, payload, inertia) == OUT_OF_RANGE
+    assert strict.get_tcp_offset() == before
+    assert strict.get_tcp_pose_coord("tool", "") == []
+    assert "no tool 'tool'" in strict.get_last_error()[-1]
 
 
 def test_names_that_are_not_defined_list_those_that_are() -> None:
@@ -230,12 +230,12 @@ def test_an_unreachable_pose_gives_the_reference_joints_back(robot: Program) -> 
     assert robot.cal_ikine([5.0, 0.0, 0.0, 0.0, 0.0, 0.0], q, [], []) == q
 
 
-def test_kinematics_of_what_makes_no_sense_gives_nothing(robot: Program) -> None:
-    assert robot.cal_fkine([0.0] * 5, [], []) == []
-    assert robot.get_last_error()[-1].startswith("cal_fkine: joints_position has 5 numbers")
+def test_kinematics_of_what_makes_no_sense_gives_nothing(strict: Program) -> None:
+    assert strict.cal_fkine([0.0] * 5, [], []) == []
+    assert strict.get_last_error()[-1].startswith("cal_fkine: joints_position has 5 numbers")
     for wrong in ([0.0] * 3, [math.nan] * 6, [1e300] * 6, [0.5, 0.0, 0.5, 7.0, 0.0, 0.0]):
-        assert robot.cal_ikine(wrong, [], [], []) == []
-        assert robot.get_last_error()[-1].startswith("cal_ikine: p ")
+        assert strict.cal_ikine(wrong, [], [], []) == []
+        assert strict.get_last_error()[-1].startswith("cal_ikine: p ")
 
 
 # -- signals -------------------------------------------------------------------------------------

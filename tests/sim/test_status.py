@@ -15,7 +15,7 @@ from aioduco.models.enums import RobotState
 from aioduco.sim.physics.temperature import AMBIENT, Temperatures
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import Program, advance_until, let_pass, standing_time
+from .conftest import Connect, Program, advance_until, let_pass, standing_time
 
 TOOL = [0.02, 0.0, 0.15, 0.0, 0.3, 0.0]
 
@@ -186,9 +186,10 @@ SIGNALS: list[tuple[str, Callable[[Simulator, Program], Any], int, Any, str]] = 
 
 @pytest.mark.parametrize("row", SIGNALS, ids=[row[0] for row in SIGNALS])
 def test_each_field_of_the_signals_status_is_live(
-    cell: Simulator, program: Program, row: tuple[Any, ...]
+    cell: Simulator, connect: Connect, row: tuple[Any, ...]
 ) -> None:
     field, act, num, value, reader = row
+    program = connect(cell)
     before = asdict(program.getRobotIOStatus())
     act(cell, program)
     now = asdict(program.getRobotIOStatus())

@@ -84,15 +84,15 @@ def test_a_stop_ends_it_and_the_points_stay(sim: Simulator, robot: Program) -> N
     assert 0 < robot.getQueueSize() < 100
 
 
-def test_wrong_parameters(robot: Program) -> None:
-    assert robot.trackJointMotion(0.0, 1.0, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.trackJointMotion(1.0, 40.0, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.trackCartMotion(0.1, math.nan, True, "", "", 0.0) == TaskState.PARAMETER_MISMATCH
-    assert robot.trackCartMotion(0.1, 1.0, True, "saw", "", 0.0) == TaskState.ILLEGAL
+def test_wrong_parameters(strict: Program) -> None:
+    assert strict.trackJointMotion(0.0, 1.0, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.trackJointMotion(1.0, 40.0, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.trackCartMotion(0.1, math.nan, True, "", "", 0.0) == TaskState.PARAMETER_MISMATCH
+    assert strict.trackCartMotion(0.1, 1.0, True, "saw", "", 0.0) == TaskState.ILLEGAL
     for wrong in ([0.0] * 5, [math.nan] * 6, [7.0] * 6):
-        assert robot.trackEnqueue([wrong], True) == TaskState.PARAMETER_MISMATCH
+        assert strict.trackEnqueue([wrong], True) == TaskState.PARAMETER_MISMATCH
     event = Op(time_or_dist_1=1, trig_event_1="weld")
-    assert robot.trackEnqueueOp([PointOp(turned(0.1), event)], True) == 8
+    assert strict.trackEnqueueOp([PointOp(turned(0.1), event)], True) == 8
     nowhere = Op(time_or_dist_1=1, trig_io_1=17)
-    assert robot.trackEnqueueOp([PointOp(turned(0.1), nowhere)], True) == 8
-    assert robot.getQueueSize() == 0
+    assert strict.trackEnqueueOp([PointOp(turned(0.1), nowhere)], True) == 8
+    assert strict.getQueueSize() == 0

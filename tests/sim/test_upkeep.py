@@ -20,10 +20,10 @@ END = 1e-5
 
 
 @pytest.mark.parametrize("name", sorted(NOT_PUBLIC))
-def test_what_is_not_public_is_refused(robot: Program, name: str) -> None:
+def test_what_is_not_public_is_refused(strict: Program, name: str) -> None:
     nothing = tuple(zero() for zero in idl.functions()[name].zeros)
     with pytest.raises(ControllerError, match=f"{name} is not simulated: the vendor does not"):
-        robot.connection.call(name, nothing)
+        strict.connection.call(name, nothing)
 
 
 def test_files_are_those_of_the_project(sim: Simulator, robot: Program) -> None:

@@ -122,13 +122,13 @@ def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
     assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
 
 
-def test_wrong_velocities(robot: Program) -> None:
-    assert robot.speedj([4.0, *STILL[1:]], 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.speedj([0.1] * 5, 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.speedj([math.nan] * 6, 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.speedj([0.1] * 6, 0.0, 100, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.speedj([0.1] * 6, 1.0, 0, True) == TaskState.PARAMETER_MISMATCH
-    assert robot.speedl([6.0, *STILL[1:]], 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+def test_wrong_velocities(strict: Program) -> None:
+    assert strict.speedj([4.0, *STILL[1:]], 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.speedj([0.1] * 5, 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.speedj([math.nan] * 6, 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.speedj([0.1] * 6, 0.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.speedj([0.1] * 6, 1.0, 0, True) == TaskState.PARAMETER_MISMATCH
+    assert strict.speedl([6.0, *STILL[1:]], 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
 
 
 # -- jogs ----------------------------------------------------------------------------------------
@@ -241,8 +241,8 @@ def test_a_jog_begins_only_where_nothing_else_runs(sim: Simulator, robot: Progra
         {"use_step": True, "step_jointValue": 0.0},
     ],
 )
-def test_wrong_jogs(robot: Program, wrong: dict[str, Any]) -> None:
-    assert robot.move_jog(jog(**wrong), True) == TaskState.PARAMETER_MISMATCH
+def test_wrong_jogs(strict: Program, wrong: dict[str, Any]) -> None:
+    assert strict.move_jog(jog(**wrong), True) == TaskState.PARAMETER_MISMATCH
 
 
 # -- hand guiding --------------------------------------------------------------------------------

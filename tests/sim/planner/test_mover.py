@@ -514,7 +514,7 @@ def test_lines_and_arcs_anywhere_keep_every_limit_of_every_arm(seed: int) -> Non
     any_arm = arm(models()[seed % len(models())])
     q = rng.uniform(-2.5, 2.5, 6)
     v, a, r = rng.uniform(0.05, 2.0), rng.uniform(0.3, 10.0), rng.uniform(0.0, 0.1)
-    run = Recorder(Mover(any_arm, q, CYCLE), any_arm)
+    run = Recorder(Mover(any_arm, q, 2 * CYCLE), any_arm)
     for key in range(4):
         near = [any_arm.fkine(q + 0.3 * rng.normal(size=6)) for _ in range(2)]
         mode = int(rng.integers(3))
