@@ -251,7 +251,17 @@ class Bench:
         self.until(lambda: self.controller.tasks.state(id_).ended)
         return int(self.controller.tasks.state(id_))
 
-    def enabled(self) -> Bench:
-        assert self.ended(self.controller.change_power("power_on")) == 4
-        assert self.ended(self.controller.change_power("enable")) == 4
+    def power(self, *changes: str) -> Bench:
+        """Change the power so, one change after the other."""
+        for name in changes:
+            assert self.ended(self.controller.change_power(name)) == 4
         return self
+
+    def enabled(self) -> Bench:
+        return self.power("power_on", "enable")
+
+    def begun(self, cycles: int = 1000) -> int:
+        """A motion of so many cycles, of which ten have passed."""
+        id_ = self.controller.move("movej2", leg(1.0, cycles))
+        self.tick(10)
+        return id_

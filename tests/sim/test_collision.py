@@ -57,11 +57,6 @@ def test_levels_are_more_sensitive_one_after_the_other() -> None:
     assert list(LEVELS.values()) == sorted(LEVELS.values(), reverse=True)
 
 
-def test_the_joint_with_the_largest_share_is_named() -> None:
-    observer = CollisionDetector(EFFORT)
-    assert observed(observer, [60.0, 0, 0, 0, 0, 45.0], 100)[-1] == 6
-
-
 def test_level_0_sees_torques_and_no_collision() -> None:
     observer = CollisionDetector(EFFORT)
     observer.level = 0

@@ -45,8 +45,7 @@ def test_changes_wait_for_each_other(bench: Bench) -> None:
 
 def test_what_is_done_already_is_finished_at_once(ready: Bench) -> None:
     begin = ready.cycle
-    for name in ("power_on", "enable"):
-        assert ready.ended(ready.controller.change_power(name)) == 4
+    ready.power("power_on", "enable")
     assert ready.cycle - begin < 5
     assert ready.state == [6, 0, 5, 1]
 
@@ -114,8 +113,7 @@ def test_restart_starts_and_initialises_and_ends_without_power(ready: Bench) -> 
 
 @pytest.mark.parametrize("power", [[], ["power_on"], ["power_on", "enable", "disable"]])
 def test_a_motion_of_a_robot_that_is_not_enabled_is_illegal(bench: Bench, power: list[str]) -> None:
-    for name in power:
-        assert bench.ended(bench.controller.change_power(name)) == 4
+    bench.power(*power)
     id_ = bench.controller.move("movej2", leg(1.0))
     assert state(bench, id_) is TaskState.ILLEGAL
     assert "not enabled" in bench.controller.view().errors[-1]
@@ -270,8 +268,7 @@ def test_stop_drops_the_changes_of_power_that_wait(bench: Bench) -> None:
 
 @pytest.mark.parametrize("how", ["stop", "abort"])
 def test_a_motion_after_a_stop_waits_until_the_arm_stands(ready: Bench, how: str) -> None:
-    first = ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    first = ready.begun()
     stop = getattr(ready.controller, how)()
     after, last = (ready.controller.move("movej2", leg(joint)) for joint in (1.0, 2.0))
     assert ready.controller.busy
@@ -291,8 +288,7 @@ def test_a_motion_after_a_stop_waits_until_the_arm_stands(ready: Bench, how: str
 def test_a_motion_that_waits_for_a_stop_ends_by_the_next_one(
     ready: Bench, end: str, state_: int
 ) -> None:
-    ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    ready.begun()
     ready.controller.stop()
     after = ready.controller.move("movej2", leg(1.0))
     ready.tick()
@@ -305,8 +301,7 @@ def test_a_motion_that_waits_for_a_stop_ends_by_the_next_one(
 
 
 def test_a_motion_that_waits_for_a_stop_pauses_before_it_begins(ready: Bench) -> None:
-    ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    ready.begun()
     stop = ready.controller.stop()
     after = ready.controller.move("movej2", leg(1.0))
     ready.controller.pause()
@@ -320,15 +315,13 @@ def test_a_motion_that_waits_for_a_stop_pauses_before_it_begins(ready: Bench) ->
 
 
 def test_no_motion_is_taken_while_a_fault_stops_the_arm(ready: Bench) -> None:
-    ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    ready.begun()
     ready.controller.fault(SafetyState.STOP2, "a fault")
     assert state(ready, ready.controller.move("movej2", leg(1.0))) is TaskState.ILLEGAL
 
 
 def test_a_motion_that_waits_for_a_stop_excludes_what_it_excludes_anyway(ready: Bench) -> None:
-    ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    ready.begun()
     ready.controller.stop()
     jog = ready.controller.jog("move_jog", leg(1.0))
     assert state(ready, jog) is TaskState.IDLE
@@ -354,8 +347,7 @@ def test_pause_keeps_the_motions_and_resume_ends_them(ready: Bench) -> None:
 
 
 def test_a_stop_ends_a_pause(ready: Bench) -> None:
-    id_ = ready.controller.move("movej2", leg(1.0, 100))
-    ready.tick(10)
+    id_ = ready.begun(100)
     assert ready.ended(ready.controller.pause()) == 4
     assert ready.ended(ready.controller.stop()) == 4
     assert state(ready, id_) is TaskState.STOPPED
@@ -363,8 +355,7 @@ def test_a_stop_ends_a_pause(ready: Bench) -> None:
 
 
 def test_resuming_before_the_arm_stands_interrupts_the_pause(ready: Bench) -> None:
-    id_ = ready.controller.move("movej2", leg(1.0, 100))
-    ready.tick(10)
+    id_ = ready.begun(100)
     pause = ready.controller.pause()
     ready.controller.resume()
     assert state(ready, pause) is TaskState.INTERRUPT
@@ -379,8 +370,7 @@ def test_pause_and_resume_of_a_standing_arm_change_nothing(ready: Bench) -> None
 
 
 def test_switching_the_mode_pauses_and_stop_clears_it(ready: Bench) -> None:
-    ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    ready.begun()
     ready.controller.switch_mode(OperationMode.MANUAL)
     ready.until(lambda: ready.state == [6, 3, 5, 0])
     assert ready.ended(ready.controller.stop()) == 4
@@ -409,8 +399,7 @@ def test_motions_in_manual_mode_are_teach_tasks(ready: Bench) -> None:
 
 def test_the_global_speed_outlives_a_power_cycle(ready: Bench) -> None:
     ready.controller.set_speed(30)
-    for name in ("power_off", "power_on", "enable"):
-        assert ready.ended(ready.controller.change_power(name)) == 4
+    ready.power("power_off", "power_on", "enable")
     assert FakeMover.latest is not None
     assert FakeMover.latest.fraction == pytest.approx(0.3)
     assert ready.controller.view().speed == 30
@@ -440,7 +429,7 @@ def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None
     assert ready.ended(change("power_on")) == 7
     ready.controller.release_emergency_stop()
     assert ready.ended(change("power_on")) == 7
-    assert [ready.ended(change(name)) for name in ("power_off", "power_on", "enable")] == [4] * 3
+    ready.power("power_off", "power_on", "enable")
     assert ready.state == [6, 0, 5, 1]
     assert ready.controller.view().errors == ()
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
@@ -449,8 +438,7 @@ def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None
 @pytest.mark.parametrize("name", ["power_on", "enable", "disable"])
 def test_the_emergency_stop_ends_a_change_that_was_to_end_with_power(name: str) -> None:
     bench = Bench()
-    for before in {"power_on": [], "enable": ["power_on"], "disable": ["power_on", "enable"]}[name]:
-        bench.ended(bench.controller.change_power(before))
+    bench.power(*{"power_on": [], "enable": ["power_on"], "disable": ["power_on", "enable"]}[name])
     id_ = bench.controller.change_power(name)
     bench.tick(5)
     bench.controller.press_emergency_stop()
@@ -460,8 +448,7 @@ def test_the_emergency_stop_ends_a_change_that_was_to_end_with_power(name: str) 
 
 
 def test_a_collision_stops_with_power_and_names_the_joint(ready: Bench) -> None:
-    id_ = ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    id_ = ready.begun()
     ready.controller.collide(4)
     assert ready.ended(id_) == 6
     view = ready.controller.view()
@@ -476,14 +463,12 @@ def test_resetting_the_collision_takes_back_the_flag_and_not_the_stop(ready: Ben
     ready.controller.reset_collision()
     assert ready.controller.view().collision_axis == 0
     assert ready.state == [6, 0, 7, 1]
-    for name in ("power_off", "power_on", "enable"):
-        assert ready.ended(ready.controller.change_power(name)) == 4
+    ready.power("power_off", "power_on", "enable")
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
 
 
 def test_stop1_stops_first_and_cuts_the_power_then(ready: Bench) -> None:
-    id_ = ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    id_ = ready.begun()
     ready.controller.fault(SafetyState.STOP1, "safety limit")
     assert ready.state == [6, 1, 8, 1]
     assert ready.ended(id_) == 6
@@ -498,16 +483,14 @@ def test_the_graver_of_two_safety_stops_holds(ready: Bench) -> None:
 
 
 def test_a_fault_during_a_stop_decides_how_the_motion_ends(ready: Bench) -> None:
-    id_ = ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    id_ = ready.begun()
     ready.controller.stop()
     ready.controller.collide(1)
     assert ready.ended(id_) == 6
 
 
 def test_a_joint_far_from_its_set_point_cuts_the_power(ready: Bench) -> None:
-    id_ = ready.controller.move("movej2", leg(1.0, 1000))
-    ready.tick(10)
+    id_ = ready.begun()
     ready.q = ready.q + np.array([0.0, 0.0, 0.5, 0.0, 0.0, 0.0])
     ready.tick()
     assert state(ready, id_) is TaskState.ERROR
@@ -516,9 +499,9 @@ def test_a_joint_far_from_its_set_point_cuts_the_power(ready: Bench) -> None:
 
 
 def test_enabling_starts_where_the_brakes_hold_the_arm(ready: Bench) -> None:
-    ready.ended(ready.controller.change_power("disable"))
+    ready.power("disable")
     ready.q = ready.q + 0.7
-    ready.ended(ready.controller.change_power("enable"))
+    ready.power("enable")
     ready.tick(2)
     assert ready.drive is not None
     assert not ready.drive.brake

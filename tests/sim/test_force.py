@@ -470,8 +470,7 @@ def test_fc_stop_while_a_motion_runs_is_a_fault() -> None:
 
 def test_without_power_force_control_is_off() -> None:
     bench = started()
-    assert bench.ended(bench.controller.change_power("disable")) == TaskState.FINISHED
-    bench.tick()
+    bench.power("disable").tick()
     assert not bench.controller.force.active
     bench.enabled()
     assert not bench.controller.view().force_control

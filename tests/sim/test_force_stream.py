@@ -59,39 +59,35 @@ async def test_our_client_takes_what_the_simulator_sends() -> None:
         assert sample.tcp.z == pytest.approx(flange[2, 3], abs=1e-2)
 
 
-def test_a_controller_that_starts_anew_forgets_who_asked() -> None:
+@pytest.fixture
+def server() -> Iterator[ForceServer]:
     server = ForceServer(lambda: SAMPLE)
     server.start()
-    try:
-        with client(server.port) as opened:
-            opened.send(FORCE_REQUEST)
-            assert ForceSample.decode(opened.recv(4096)) == SAMPLE
-            server.refuse(True)
-            eventually(lambda: not server._clients)
-            opened.send(FORCE_REQUEST)
-            server.refuse(False)
-        others = [contextlib.ExitStack() for _ in range(10)]
-        for stack in others:
+    yield server
+    server.close()
+
+
+def test_a_controller_that_starts_anew_forgets_who_asked(server: ForceServer) -> None:
+    with client(server.port) as opened:
+        opened.send(FORCE_REQUEST)
+        assert ForceSample.decode(opened.recv(4096)) == SAMPLE
+        server.refuse(True)
+        eventually(lambda: not server._clients)
+        opened.send(FORCE_REQUEST)
+        server.refuse(False)
+    with contextlib.ExitStack() as stack:
+        for _ in range(10):
             stack.enter_context(client(server.port)).send(FORCE_REQUEST)
         eventually(lambda: len(server._clients) == 8)
-        for stack in others:
-            stack.close()
-    finally:
-        server.close()
 
 
-def test_other_words_start_nothing() -> None:
-    server = ForceServer(lambda: SAMPLE)
-    server.start()
-    try:
-        with client(server.port) as opened:
-            for word in (b"start", b"", b"start_force_stream_now"):
-                opened.send(word)
-            opened.send(FORCE_REQUEST)
-            opened.recv(4096)
-            assert list(server._clients) == [opened.getsockname()]
-    finally:
-        server.close()
+def test_other_words_start_nothing(server: ForceServer) -> None:
+    with client(server.port) as opened:
+        for word in (b"start", b"", b"start_force_stream_now"):
+            opened.send(word)
+        opened.send(FORCE_REQUEST)
+        opened.recv(4096)
+        assert list(server._clients) == [opened.getsockname()]
 
 
 class Silent:
@@ -124,24 +120,18 @@ class Silent:
 
 async def test_it_asks_again_and_takes_forces_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(force_stream, "ASK_AGAIN", 0.01)
-    controller = Silent(struct.pack("<6f", *SAMPLE.force))
-    try:
+    with contextlib.closing(Silent(struct.pack("<6f", *SAMPLE.force))) as controller:
         async with ForceStream("127.0.0.1", controller.port, timeout=30.0) as stream:
             assert await stream.sample() == ForceSample(SAMPLE.force)
             assert controller.asked == 2
-    finally:
-        controller.close()
 
 
 async def test_a_length_that_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(force_stream, "ASK_AGAIN", 0.01)
-    controller = Silent(bytes(20))
-    try:
+    with contextlib.closing(Silent(bytes(20))) as controller:
         async with ForceStream("127.0.0.1", controller.port, timeout=30.0) as stream:
             with pytest.raises(ProtocolError, match="20 bytes"):
                 await stream.sample()
-    finally:
-        controller.close()
 
 
 async def test_nobody_is_there() -> None:

@@ -13,6 +13,7 @@ from aioduco.models.gripper_models import gripper_model
 from aioduco.sim import Simulator
 from aioduco.sim.console import Console
 from aioduco.sim.physics.gripper import Hand
+from aioduco.sim.physics.parts import PartPlace
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.scene import Box, Table, mjcf_of
@@ -47,8 +48,8 @@ class Cell:
                 return True
         return False
 
-    def height(self, name: str) -> float:
-        return self.world.parts.where(name, self.world.positions).pose.z
+    def where(self, name: str) -> PartPlace:
+        return self.world.parts.where(name, self.world.positions)
 
     def grip(self, lift: float = 0.05) -> None:
         """Close the fingers, and lift what they hold."""
@@ -70,17 +71,17 @@ def cell() -> Cell:
 
 @pytest.mark.slow
 def test_where_a_part_is(cell: Cell) -> None:
-    before = cell.height("part")
+    before = cell.where("part").pose.z
     cell.run(0.2)
-    found = cell.world.parts.where("part", cell.world.positions)
+    found = cell.where("part")
     assert (found.held, found.touches) == (False, ("tray",))
     cell.grip()
-    found = cell.world.parts.where("part", cell.world.positions)
+    found = cell.where("part")
     assert found.held
     assert "tray" not in found.touches
     assert found.pose.z == pytest.approx(before + 0.05, abs=0.01)
     with pytest.raises(ParameterError, match=r"one of the things that may move: \['other', 'part'"):
-        cell.world.parts.where("table", cell.world.positions)
+        cell.where("table")
 
 
 @pytest.mark.slow
@@ -89,17 +90,15 @@ def test_a_dropped_part_falls_and_the_next_one_is_held(cell: Cell) -> None:
     cell.hand.drop(0.0)
     assert cell.run(2.0, lambda: cell.hand.reading.lost)
     cell.run(0.5)
-    assert cell.world.parts.where("part", cell.world.positions).touches == ("tray",)
+    assert cell.where("part").touches == ("tray",)
     cell.hand.command((0.08,), 0.1, 60.0)
     cell.run(1.0)
     cell.at = JointSetPoint(np.array(READY), ZERO, ZERO)
-    cell.world.parts.put("part", cell.world.parts.where("other", cell.world.positions).pose)
-    cell.world.parts.put(
-        "other", cell.world.parts.where("part", cell.world.positions).pose.shifted(x=-0.1)
-    )
+    cell.world.parts.put("part", cell.where("other").pose)
+    cell.world.parts.put("other", cell.where("part").pose.shifted(x=-0.1))
     cell.run(0.5)
     cell.grip()
-    assert cell.world.parts.where("other", cell.world.positions).held
+    assert cell.where("other").held
 
 
 def test_a_part_is_dropped_once_it_was_held_for_a_time(cell: Cell) -> None:
@@ -116,7 +115,7 @@ def test_a_part_is_dropped_once_it_was_held_for_a_time(cell: Cell) -> None:
 def test_a_worse_grip_slips(cell: Cell) -> None:
     cell.hand.set_grip(0.02)
     cell.grip()
-    assert not cell.world.parts.where("part", cell.world.positions).held
+    assert not cell.where("part").held
 
 
 @pytest.mark.parametrize("fault", [lambda hand: hand.drop(0.0), lambda hand: hand.set_grip(0.01)])
@@ -128,11 +127,11 @@ def test_a_cup_drops_and_slips(fault: Callable[[Hand], None]) -> None:
     frame[2, 3] += 0.05
     cell.at = JointSetPoint(GCR5.ikine(frame, READY), ZERO, ZERO)
     cell.run(0.5)
-    assert cell.world.parts.where("part", cell.world.positions).held
+    assert cell.where("part").held
     fault(cell.hand)
     assert cell.run(1.0, lambda: cell.hand.reading.lost)
     cell.run(0.5)
-    assert cell.world.parts.where("part", cell.world.positions).touches == ("tray",)
+    assert cell.where("part").touches == ("tray",)
 
 
 @pytest.mark.slow
@@ -141,12 +140,12 @@ def test_two_stuck_parts_come_together(cell: Cell) -> None:
     parts = cell.world.parts
     weld = parts.weld_of("part", "other")
     parts.stick(weld, stuck=True)
-    low = cell.height("other")
+    low = cell.where("other").pose.z
     cell.grip()
-    assert cell.height("other") > low + 0.02
+    assert cell.where("other").pose.z > low + 0.02
     parts.stick(weld, stuck=False)
     cell.run(1.0)
-    assert parts.where("other", cell.world.positions).touches == ("tray",)
+    assert cell.where("other").touches == ("tray",)
     with pytest.raises(ParameterError, match="another thing"):
         parts.weld_of("part", "part")
 

@@ -80,13 +80,21 @@ def arm() -> Follower:
     return Follower()
 
 
+@contextlib.contextmanager
+def running(arm: Follower, speed: float = 1.0) -> Iterator[SimulationRuntime]:
+    """A runtime of this arm, in a block."""
+    runtime = SimulationRuntime(controller_of(FakeMover), arm, speed=speed)
+    runtime.start()
+    try:
+        yield runtime
+    finally:
+        runtime.close()
+
+
 @pytest.fixture
 def runtime(arm: Follower) -> Iterator[SimulationRuntime]:
-    controller = controller_of(FakeMover)
-    runtime = SimulationRuntime(controller, arm, speed=math.inf)
-    runtime.start()
-    yield runtime
-    runtime.close()
+    with running(arm, math.inf) as runtime:
+        yield runtime
 
 
 def give(runtime: SimulationRuntime) -> None:
@@ -174,21 +182,19 @@ def test_a_command_that_fails_leaves_the_controller_usable(runtime: SimulationRu
 
 
 def test_closing_lets_go_of_waiters(arm: Follower) -> None:
-    controller = controller_of(FakeMover)
-    runtime = SimulationRuntime(controller, arm, speed=1.0)
-    runtime.start()
-    id_ = controller.tasks.new("never")
-    ended = threading.Event()
+    with running(arm) as runtime:
+        with runtime.command() as controller:
+            id_ = controller.tasks.new("never")
+        ended = threading.Event()
 
-    def wait() -> None:
-        with pytest.raises(Refusal, match="ended before the task"):
-            runtime.wait(id_)
-        ended.set()
+        def wait() -> None:
+            with pytest.raises(Refusal, match="ended before the task"):
+                runtime.wait(id_)
+            ended.set()
 
-    waiter = threading.Thread(target=wait)
-    waiter.start()
-    assert runtime.wait_until(lambda: bool(runtime._waiters), 10.0)
-    runtime.close()
+        waiter = threading.Thread(target=wait)
+        waiter.start()
+        assert runtime.wait_until(lambda: bool(runtime._waiters), 10.0)
     waiter.join(10)
     assert ended.is_set()
     with pytest.raises(Refusal):
@@ -215,14 +221,9 @@ def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
 
 @pytest.mark.usefixtures("real_cycle", "real_power")
 def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
-    controller = controller_of(FakeMover)
-    runtime = SimulationRuntime(controller, arm, speed=1.0)
-    runtime.start()
-    try:
+    with running(arm) as runtime:
         enable(runtime)
         found = runtime.statistics()
-    finally:
-        runtime.close()
     assert found.cycles > 500
     assert 0.0 <= found.work_p50 <= found.work_p99 <= found.work_max
     assert found.late_p50 <= found.late_p99 <= found.late_max

@@ -36,6 +36,13 @@ NARROW = TwinLimits(
 )
 
 
+def rubbed() -> PerfectArm:
+    """An arm in good order."""
+    arm = PerfectArm()
+    arm.torques = rubbing()
+    return arm
+
+
 def monitor(*, commands: bool = True) -> TwinMonitor:
     return TwinMonitor(ARM, NARROW, tool=NOWHERE, commands=commands)
 
@@ -72,9 +79,7 @@ def pushed(force: tuple[float, float, float], at: float = 1.0) -> Callable[..., 
 
 
 def test_an_arm_in_good_order_is_left_alone() -> None:
-    arm = PerfectArm()
-    arm.torques = rubbing()
-    watching = monitor()
+    arm, watching = rubbed(), monitor()
     assert said(watching, work(arm, movej2(*THERE), movej2(*READY))) == []
     figures = watching.figures
     assert not figures.blind
@@ -114,8 +119,7 @@ def test_a_part_is_lost_only_if_one_was_carried() -> None:
 
 
 def test_a_longer_link_shows_at_once() -> None:
-    arm = PerfectArm()
-    arm.torques = rubbing()
+    arm = rubbed()
     arm.geometry = arm_of("gcr5_910", a2=0.426)
     found = said(monitor(), work(arm, movej2(*THERE)))
     assert [(each.quantity, each.cause) for each in found] == [(Quantity.GEOMETRY, Cause.GEOMETRY)]
@@ -123,8 +127,7 @@ def test_a_longer_link_shows_at_once() -> None:
 
 
 def test_a_late_controller_is_named() -> None:
-    arm = PerfectArm()
-    arm.torques = rubbing()
+    arm = rubbed()
     arm.late = 0.15
     found = said(monitor(), work(arm, movej2(*THERE)))
     assert [(each.quantity, each.cause) for each in found] == [
@@ -134,8 +137,7 @@ def test_a_late_controller_is_named() -> None:
 
 @pytest.mark.slow
 def test_another_program_is_named() -> None:
-    arm, watching = PerfectArm(), monitor()
-    arm.torques = rubbing()
+    arm, watching = rubbed(), monitor()
     assert said(watching, work(arm, movej2(*THERE))) == []
     arm.another(*movej2(*READY))
     found = said(watching, work(arm))
@@ -145,16 +147,14 @@ def test_another_program_is_named() -> None:
 
 
 def test_without_the_commands_nothing_is_said_about_programs() -> None:
-    arm, watching = PerfectArm(), monitor(commands=False)
-    arm.torques = rubbing()
+    arm, watching = rubbed(), monitor(commands=False)
     arm.another(*movej2(*THERE))
     assert said(watching, work(arm)) == []
     assert watching.figures.path is None
 
 
 def test_a_stop_of_this_program_is_no_divergence() -> None:
-    arm, watching = PerfectArm(), monitor()
-    arm.torques = rubbing()
+    arm, watching = rubbed(), monitor()
     assert said(watching, work(arm, movej2(*THERE))) == []
     before = arm.send(*movej2(*READY))
     items: list[Any] = [before]
@@ -167,8 +167,7 @@ def test_a_stop_of_this_program_is_no_divergence() -> None:
 
 
 def test_a_stream_is_not_judged_by_its_path() -> None:
-    arm, watching = PerfectArm(), monitor()
-    arm.torques = rubbing()
+    arm, watching = rubbed(), monitor()
     arm.changes["led"] = True
     arm.another(*movej2(*THERE))
     assert said(watching, work(arm)) == []
@@ -176,8 +175,7 @@ def test_a_stream_is_not_judged_by_its_path() -> None:
 
 
 def test_a_collision_is_a_contact() -> None:
-    arm, watching = PerfectArm(), monitor()
-    arm.torques = rubbing()
+    arm, watching = rubbed(), monitor()
     assert said(watching, work(arm)) == []
     arm.changes |= {"collision": 3, "safety": int(SafetyState.STOP1)}
     found = said(watching, work(arm))
