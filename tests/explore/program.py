@@ -8,7 +8,8 @@ awaits: each `yield` is one of their awaits. The decisions are those of the pack
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from typing import Final, TypeVar
 
 from aioduco.errors import (
@@ -569,24 +570,30 @@ class Program:
     def awaits(self, name: str, *, reads: bool = False) -> Steps[None]:
         """Await a motion."""
         command = self.world[name]
-        try:
+        with self.tells_errors(command):
             task = yield from self.launch(command, reads=reads)
             try:
                 yield lambda: task.done
             except Cancelled:
                 yield from self.cancelled_while_waiting(task)
                 raise
-        except StopUnconfirmed:
-            self.world.say(f"the await of {name} raises StopUnconfirmed")
-            raise
-        except (DucoError, Cancelled) as exc:
-            self.told(command, type(exc).__name__)
-            raise
         outcome = task.life.outcome
         assert outcome is not None
         if outcome.success and command.cut:
             raise Violation(f"the await of {name} returns {outcome.value}, although it was stopped")
         self.told(command, outcome.value)
+
+    @contextlib.contextmanager
+    def tells_errors(self, command: Command) -> Iterator[None]:
+        """Note that the program is told of a command's error: then it must not move the arm."""
+        try:
+            yield
+        except StopUnconfirmed:
+            self.world.say(f"{command.name} raises StopUnconfirmed")
+            raise
+        except (DucoError, Cancelled) as exc:
+            self.told(command, type(exc).__name__)
+            raise
 
     def told(self, command: Command, what: str) -> None:
         self.world.void(f"the program was told {what} of {command.name}", command)
@@ -594,24 +601,14 @@ class Program:
     def enters(self, name: str) -> Steps[None]:
         """Enter a mode."""
         command = self.world[name]
-        try:
+        with self.tells_errors(command):
             yield from self.conduct(command)
-        except StopUnconfirmed:
-            raise
-        except (DucoError, Cancelled) as exc:
-            self.told(command, type(exc).__name__)
-            raise
 
     def resumes(self, name: str) -> Steps[None]:
         """Resume what is paused."""
         command = self.world[name]
-        try:
+        with self.tells_errors(command):
             yield from self.resume(command)
-        except StopUnconfirmed:
-            raise
-        except (DucoError, Cancelled) as exc:
-            self.told(command, type(exc).__name__)
-            raise
 
     def stops(self) -> Steps[None]:
         """`robot.stop()`."""

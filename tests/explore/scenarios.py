@@ -15,9 +15,15 @@ from .world import Steps, Violation
 
 
 class Scenario(ArmWorld):
-    """A world with one program that always runs."""
+    """A world with one program that always runs.
+
+    Attributes:
+        does: which function of the program each task begins with, by its name, which is that of the
+            command if it has one.
+    """
 
     gate = 12
+    does: dict[str, str] = {}
     #: the kind of each command, by its name
     kinds: dict[str, str]
     #: how often each thing may go wrong
@@ -31,6 +37,9 @@ class Scenario(ArmWorld):
 
     def begin(self) -> None:
         """Start what runs at the beginning."""
+        for name, work in self.does.items():
+            command = [name] if name in self.kinds else []
+            self.start(name, getattr(self.program, work)(*command))
 
     def parts(self) -> Iterable[object]:
         yield from super().parts()
@@ -81,11 +90,7 @@ class StoppedNow(Scenario):
     kinds = {"A": MOTION, "M": MODE}
     gate = 13
     prompt = True
-
-    def begin(self) -> None:
-        self.start("A", self.program.awaits("A"))
-        self.start("M", self.program.enters("M"))
-        self.start("stop", self.program.stops_now())
+    does = {"A": "awaits", "M": "enters", "stop": "stops_now"}
 
 
 class StoppedInOutage(Scenario):
@@ -95,10 +100,7 @@ class StoppedInOutage(Scenario):
     gate = 15
     prompt = True
     wrong = {"down": 1}
-
-    def begin(self) -> None:
-        self.start("A", self.program.awaits("A"))
-        self.start("stop", self.program.stops())
+    does = {"A": "awaits", "stop": "stops"}
 
 
 class Late(Scenario):
@@ -107,10 +109,7 @@ class Late(Scenario):
     kinds = {"A": MOTION}
     gate = 16
     wrong = {"break": 1}
-
-    def begin(self) -> None:
-        self.start("A", self.program.awaits("A"))
-        self.start("stop", self.program.stops())
+    does = {"A": "awaits", "stop": "stops"}
 
 
 class Outage(Scenario):
@@ -120,9 +119,7 @@ class Outage(Scenario):
     gate = 20
     victims = ("A",)
     wrong = {"down": 1, "cancel": 1}
-
-    def begin(self) -> None:
-        self.start("A", self.program.awaits("A"))
+    does = {"A": "awaits"}
 
 
 class Cancelled(Scenario):
@@ -133,10 +130,7 @@ class Cancelled(Scenario):
     prompt = True
     victims = ("A",)
     wrong = {"cancel": 2, "break": 1}
-
-    def begin(self) -> None:
-        self.start("A", self.program.awaits("A"))
-        self.start("B", self.program.awaits("B"))
+    does = {"A": "awaits", "B": "awaits"}
 
 
 class Mode(Scenario):
@@ -163,18 +157,13 @@ class ModeStopped(Scenario):
     kinds = {"M": MODE}
     gate = 25
     prompt = True
-
-    def begin(self) -> None:
-        self.start("M", self.program.enters("M"))
-        self.start("stop", self.program.stops())
+    does = {"M": "enters", "stop": "stops"}
 
 
 class ModeLeft(ModeStopped):
     """A mode is entered, and the robot left."""
 
-    def begin(self) -> None:
-        self.start("M", self.program.enters("M"))
-        self.start("leave", self.program.leaves())
+    does = {"M": "enters", "leave": "leaves"}
 
 
 class Resumed(Scenario):
@@ -185,20 +174,18 @@ class Resumed(Scenario):
     prompt = True
     victims = ("R",)
     wrong = {"cancel": 1, "break": 1}
+    does = {"R": "resumes", "leave": "leaves"}
 
     def begin(self) -> None:
         self.runs("foreign")
         self.controller.pause()
-        self.start("R", self.program.resumes("R"))
-        self.start("leave", self.program.leaves())
+        super().begin()
 
 
 class ResumedAndStopped(Resumed):
     """The same with a stop in place of leaving."""
 
-    def begin(self) -> None:
-        super().begin()
-        self.start("leave", self.program.stops())
+    does = {"R": "resumes", "stop": "stops"}
 
 
 class Paused(Scenario):
@@ -226,11 +213,11 @@ class Envelope(Scenario):
     gate = 16
     prompt = True
     wrong = {"break": 1}
+    does = {"B": "awaits", "envelope": "envelope"}
 
     def begin(self) -> None:
         self.runs("A")
-        self.start("B", self.program.awaits("B"))
-        self.start("envelope", self.program.envelope())
+        super().begin()
 
 
 class Unconfirmed(Scenario):
@@ -239,11 +226,11 @@ class Unconfirmed(Scenario):
     kinds = {"A": MOTION, "B": MOTION}
     gate = 12
     wrong = {"down": 1}
+    does = {"stop": "stops", "B": "awaits"}
 
     def begin(self) -> None:
         self.runs("A")
-        self.start("stop", self.program.stops())
-        self.start("B", self.program.awaits("B"))
+        super().begin()
 
 
 class Tasks(Scenario):
@@ -270,11 +257,7 @@ class Left(Scenario):
     gate = 12
     prompt = True
     wrong = {"break": 1}
-
-    def begin(self) -> None:
-        self.start("A", self.program.awaits("A"))
-        self.start("M", self.program.enters("M"))
-        self.start("leave", self.program.leaves())
+    does = {"A": "awaits", "M": "enters", "leave": "leaves"}
 
 
 # -- processes that stand still --------------------------------------------------------------------

@@ -107,6 +107,10 @@ class FakeMotion:
         raise AssertionError("a plan is followed as a stream")
 
 
+async def at_start() -> Joints:
+    return LEFT
+
+
 def straight(scene: Scene, v: float = 1.0) -> Plan:
     """A plan from left to right, as if nothing stood there."""
     positions = np.linspace(LEFT, RIGHT, 20)
@@ -135,9 +139,6 @@ async def test_a_change_during_the_check_is_checked_too(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(Plan, "check", changed_meanwhile)
 
-    async def at_start() -> Joints:
-        return LEFT
-
     with pytest.raises(PlanObstructed, match="brought to rest") as caught:
         await execute(motion, at_start, straight(scene), watch=scene)
     assert motion.followed == 1
@@ -155,9 +156,6 @@ async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
             asked.append(JOINT_SPEED("v", v))
             raise StreamStopped("nothing is to move here", None)
 
-    async def at_start() -> Joints:
-        return LEFT
-
     with pytest.raises(StreamStopped):
         await execute(FastMotion(), at_start, straight(Scene("gcr5_910"), JOINT_SPEED.high))
     assert asked == [JOINT_SPEED.high]
@@ -174,9 +172,6 @@ async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
     ids=lambda given: next(iter(given)),
 )
 async def test_blended_motions_take_no_options_of_a_stream(given: dict[str, Any]) -> None:
-    async def at_start() -> Joints:
-        return LEFT
-
     plan = straight(Scene("gcr5_910"))
     with pytest.raises(ParameterError, match="through"):
         await execute(FakeMotion(), at_start, plan, through="blended", **given)

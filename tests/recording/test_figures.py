@@ -215,22 +215,17 @@ def test_a_browser_runs_nothing_of_a_recording(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_dollar_in_a_name_is_no_formula(whole: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "shown"), [("run$x^$", "run$x^$"), ("run\udcff", "run?")])
+def test_a_name_of_a_file_is_no_formula_and_may_be_no_text(
+    whole: Path, tmp_path: Path, name: str, shown: str
+) -> None:
     pytest.importorskip("matplotlib")
-    strange = tmp_path / "run$x^$.mcap"
+    strange = tmp_path / f"{name}.mcap"
     shutil.copy(whole, strange)
     draw_png(read(strange), tmp_path / "run.png")
     assert (tmp_path / "run.png").stat().st_size > 1000
-
-
-@pytest.mark.slow
-def test_a_name_of_a_file_may_be_no_text(whole: Path, tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    strange = tmp_path / "run\udcff.mcap"
-    shutil.copy(whole, strange)
-    draw_png(read(strange), tmp_path / "run.png")
     draw_page(read(strange), tmp_path / "run.html")
-    assert "run?.mcap" in (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert f"{shown}.mcap" in (tmp_path / "run.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
