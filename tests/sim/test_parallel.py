@@ -13,7 +13,7 @@ from aioduco.sim.process import SimulatorProcess
 
 from .raw import RawClient
 
-HERE, ELSEWHERE = 16, 4
+HERE, ELSEWHERE = 18, 2
 FINISHED = 4
 
 

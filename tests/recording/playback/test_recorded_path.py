@@ -108,7 +108,7 @@ def busy(seed: int) -> tuple[Array, Any]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(10))
 def test_a_recording_of_a_busy_computer_is_played_as_the_arm_moved(
     seed: int, tmp_path: Path
 ) -> None:
