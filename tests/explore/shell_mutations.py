@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
@@ -13,25 +13,34 @@ from aioduco.supervision.permits import Permits
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.unanswered import UnansweredMotion
 
-from . import programs
+from . import mutations, programs
 from .mutations import Mutation, _ends_permits_alone, _same_epoch, _without_watch
 
-__all__ = ["SHELL_MUTATIONS", "ShellMutation"]
+T = TypeVar("T")
+
+SHELL_MUTATIONS: list[Mutation] = []
 
 
-@dataclass(frozen=True)
-class ShellMutation(Mutation):
-    """A mend that is taken out of the coroutines.
-
-    Attributes:
-        scenario: the program in which it is found.
-        depth: number of departures within which it is found.
-    """
-
-    scenario: type[programs.Program]
-    depth: int = 1
+def mend(
+    name: str, owner: type, attribute: str, scenario: type[programs.Program], depth: int = 1
+) -> Callable[[T], T]:
+    """Note a mend that is taken out of the coroutines; `depth` is a number of departures."""
+    return mutations.mend(name, owner, attribute, scenario, depth, SHELL_MUTATIONS)
 
 
+mend("1: a stop ends no permits", Gate, "end", programs.Stopped)(_same_epoch)
+mend(
+    "4: a stop that is being confirmed ends permits, and no more",
+    Gate,
+    "stop",
+    programs.Envelope,
+)(_ends_permits_alone)
+mend(
+    "a lost motion is not waited for after the stop", UnansweredMotion, "_certain", programs.Lost, 2
+)(_without_watch)
+
+
+@mend("1: a permit is asked for when it is a motion's turn", Dispatcher, "launch", programs.Stopped)
 async def _asks_at_lock(
     self: Dispatcher,
     command: Any,
@@ -47,6 +56,9 @@ async def _asks_at_lock(
         return await self._launch(command, permit, errors, deadline, on_cancel)
 
 
+@mend(
+    "4: the stop at the envelope is no stop for the gate", EnvelopeWatch, "_rest", programs.Envelope
+)
 async def _rests_beside_the_gate(self: EnvelopeWatch, accepted: Any) -> None:
     settings = self._settings
     self._coordinator.gate.end(PermitEnding.ENVELOPE)
@@ -55,98 +67,57 @@ async def _rests_beside_the_gate(self: EnvelopeWatch, accepted: Any) -> None:
     await self._coordinator.rest(settings.stop_timeout, settings.standstill_timeout)
 
 
+@mend(
+    "an abort does not wait for what it may have overtaken",
+    StopCoordinator,
+    "abort",
+    programs.Aborted,
+)
 async def _aborts_alone(self: StopCoordinator) -> None:
     with self.gate.stop():
         await self._controlled("abort")
         await self.standstill()
 
 
+@mend("5: what the program resumes is not its own", Gate, "resume", programs.Resumed)
 def _nothing(*_: object, **__: object) -> None:
     """Do nothing."""
 
 
+@mend(
+    "6: a mode that may be on is not left before a motion", Modes, "leave_overdue", programs.Overdue
+)
+@mend(
+    "a cancelled await does not stop the arm",
+    StopCoordinator,
+    "cancelled_while_waiting",
+    programs.Cancelled,
+)
 async def _awaits_nothing(*_: object, **__: object) -> None:
     """Do nothing."""
 
 
+@mend(
+    "a command that was overtaken by a stop is left alone",
+    StopCoordinator,
+    "overtaken",
+    programs.StoppedNow,
+)
+@mend(
+    "a mode is left once, although it may be entered late",
+    StopCoordinator,
+    "_enter_again",
+    programs.Mode,
+)
 def _never(*_: object, **__: object) -> bool:
     return False
 
 
-SHELL_MUTATIONS = (
-    ShellMutation(
-        "1: a permit is asked for when it is a motion's turn",
-        Dispatcher,
-        "launch",
-        _asks_at_lock,
-        programs.Stopped,
-    ),
-    ShellMutation("1: a stop ends no permits", Gate, "end", _same_epoch, programs.Stopped),
-    ShellMutation(
-        "4: a stop that is being confirmed ends permits, and no more",
-        Gate,
-        "stop",
-        _ends_permits_alone,
-        programs.Envelope,
-    ),
-    ShellMutation(
-        "4: the stop at the envelope is no stop for the gate",
-        EnvelopeWatch,
-        "_rest",
-        _rests_beside_the_gate,
-        programs.Envelope,
-    ),
-    ShellMutation(
-        "5: what the program resumes is not its own", Gate, "resume", _nothing, programs.Resumed
-    ),
-    ShellMutation(
-        "6: a mode that may be on is not left before a motion",
-        Modes,
-        "leave_overdue",
-        _awaits_nothing,
-        programs.Overdue,
-    ),
-    ShellMutation(
-        "an abort does not wait for what it may have overtaken",
-        StopCoordinator,
-        "abort",
-        _aborts_alone,
-        programs.Aborted,
-    ),
-    ShellMutation(
-        "a command that was overtaken by a stop is left alone",
-        StopCoordinator,
-        "overtaken",
-        _never,
-        programs.StoppedNow,
-    ),
-    ShellMutation(
-        "a blocking call is sent when its connection is free, whatever has happened",
-        Permits,
-        "last_check",
-        lambda *_: _nothing,
-        programs.Blocked,
-    ),
-    ShellMutation(
-        "a mode is left once, although it may be entered late",
-        StopCoordinator,
-        "_enter_again",
-        _never,
-        programs.Mode,
-    ),
-    ShellMutation(
-        "a lost motion is not waited for after the stop",
-        UnansweredMotion,
-        "_certain",
-        _without_watch,
-        programs.Lost,
-        2,
-    ),
-    ShellMutation(
-        "a cancelled await does not stop the arm",
-        StopCoordinator,
-        "cancelled_while_waiting",
-        _awaits_nothing,
-        programs.Cancelled,
-    ),
+@mend(
+    "a blocking call is sent when its connection is free, whatever has happened",
+    Permits,
+    "last_check",
+    programs.Blocked,
 )
+def _checks_nothing(*_: object) -> Callable[..., None]:
+    return _nothing

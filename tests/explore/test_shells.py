@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import pytest
 
+from .mutations import Mutation
 from .programs import ALL, Program, tried
-from .shell_mutations import SHELL_MUTATIONS, ShellMutation
+from .shell_mutations import SHELL_MUTATIONS
 
 
 @pytest.mark.slow
@@ -22,7 +23,7 @@ def test_the_promise_holds_in_all_runs(program: type[Program]) -> None:
 
 @pytest.mark.cases(2)
 @pytest.mark.parametrize("mutation", SHELL_MUTATIONS, ids=str)
-def test_each_mend_that_is_taken_out_is_missed(mutation: ShellMutation) -> None:
+def test_each_mend_that_is_taken_out_is_missed(mutation: Mutation) -> None:
     with mutation.made():
         found = tried(mutation.scenario, mutation.depth)
     print(mutation, found)  # noqa: T201
