@@ -81,42 +81,14 @@ def write(
 def _snapshot(
     samples: Samples, at: float, q: Array, speeds: Array, outputs: list[bool], error: int
 ) -> Snapshot:
-    zeros = [0.0] * 6
-    status: Any = samples.status(
-        rpc.RobotStatus(
-            jointExpectPosition=q.tolist(),
-            jointExpectVelocity=speeds.tolist(),
-            jointExpectAccelera=zeros,
-            jointActualPosition=q.tolist(),
-            jointActualVelocity=speeds.tolist(),
-            jointActualAccelera=zeros,
-            jointActualCurrent=zeros,
-            jointTemperature=zeros,
-            driverTemperature=zeros,
-            cartExpectPosition=zeros,
-            cartExpectVelocity=zeros,
-            cartExpectAccelera=zeros,
-            cartActualPosition=zeros,
-            cartActualVelocity=zeros,
-            cartActualAccelera=zeros,
-            slaveReady=[True] * 6,
-            collision=False,
-            collisionAxis=0,
-            emcStopSignal=False,
-            robotState=6,
-            robotError=error,
-        )
-    )
-    io = samples.io(
-        rpc.IOStatus(
-            analogCurrentOutputs=[], analogVoltageOutputs=[], analogCurrentInputs=[],
-            analogVoltageInputs=[], digitalInputs=[False] * 16, digitalOutputs=outputs,
-            toolIOIn=[], toolIOOut=[], toolButton=[], funRegisterInputs=[],
-            funRegisterOutputs=[], boolRegisterInputs=[], boolRegisterOutputs=[],
-            wordRegisterInputs=[], wordRegisterOutputs=[], floatRegisterInputs=[],
-            floatRegisterOutputs=[],
-        )
-    )  # fmt: skip
+    lists = [each.name for each in dataclasses.fields(rpc.RobotStatus)[:15]]
+    seen: dict[str, Any] = dict.fromkeys(lists, [0.0] * 6)
+    for kind in ("Expect", "Actual"):
+        seen[f"joint{kind}Position"] = q.tolist()
+        seen[f"joint{kind}Velocity"] = speeds.tolist()
+    seen |= {"slaveReady": [True] * 6, "robotState": 6, "robotError": error}
+    status: Any = samples.status(rpc.RobotStatus(**seen))
+    io = samples.io(rpc.IOStatus(digitalInputs=[False] * 16, digitalOutputs=outputs))
     states = RobotStates(
         0, at, RobotState.ENABLE, ProgramState.STOPPED, SafetyState.RUN, OperationMode.AUTO
     )
