@@ -75,6 +75,12 @@ def test_of_speeds_there_is_no_step_and_no_reach(name: str, mode: str, limit: An
         RealtimeStreams(Controller.nowhere()).stream(mode, v=limit, a=limit, **{name: limit})
 
 
+def test_the_rate_of_the_queue_is_the_controllers() -> None:
+    wrong: Any = {"rate": 500.0}
+    with pytest.raises(ParameterError, match=r"rate is 500\.0, .*give source_rate"):
+        RealtimeStreams(Controller.nowhere()).stream("joint_position", v=1.0, a=1.0, **wrong)
+
+
 @pytest.mark.cases(1)
 @workers
 async def test_an_array_goes_through_the_queue_from_rest_to_rest(

@@ -111,6 +111,9 @@ class RealtimeStreams(StreamMaker):
         speeds = meaning == "speed"
         groups = 6 if in_joints else 2
         step, near = (0.2, 0.1) if in_joints else ((0.05, 0.2), (0.05, 0.1))
+        if "rate" in feeding:
+            expected = "left out: the controller takes a point each millisecond; give source_rate"
+            raise ParameterError("rate", {**feeding}["rate"], expected)
         feeding.setdefault("hold", 0.1 if speeds else 0.5)
         fed = Feeding(
             **feeding,
