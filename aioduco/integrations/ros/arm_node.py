@@ -188,7 +188,9 @@ class ArmNode:
             options=options,
             stop_at_loss=bool(settings.guard),
         )
-        self.services: ArmServices = ArmServices(robot, self.goals, self._allow)
+        self.services: ArmServices = ArmServices(
+            robot, self.goals, recovered=self._allow, halted=self._ignore
+        )
         self.commands: JointCommands = JointCommands(
             robot,
             settings.profile,
@@ -219,6 +221,11 @@ class ArmNode:
         """Follow commands again: the arm was brought up or recovered."""
         self.commands.allow()
         self.twists.allow()
+
+    def _ignore(self) -> None:
+        """Ignore commands that go on, also those that are not followed yet: the arm is stopped."""
+        self.commands.ignore()
+        self.twists.ignore()
 
     async def run(self, sink: StateSink) -> None:
         """Publish and serve until this is cancelled."""

@@ -42,14 +42,21 @@ class ArmServices:
         robot: the robot, open.
         goals: trajectory goals of the arm.
         recovered: called when the arm was brought up or recovered.
+        halted: called before the arm is stopped or paused.
     """
 
     def __init__(
-        self, robot: Robot, goals: TrajectoryServer, recovered: Callable[[], None]
+        self,
+        robot: Robot,
+        goals: TrajectoryServer,
+        *,
+        recovered: Callable[[], None],
+        halted: Callable[[], None],
     ) -> None:
         self._robot = robot
         self._goals = goals
         self._recovered = recovered
+        self._halted = halted
         self._program = ""  # the program that `play` runs
         self._force_mode = False
 
@@ -80,6 +87,7 @@ class ArmServices:
     async def stop(self) -> ServiceReply:
         """Stop the arm, and wait until it stands. A running goal is aborted."""
         self._goals.stopped()
+        self._halted()
         return await _answered(self._robot.stop(), "the arm stands")
 
     def stop_now(self, portal: BlockingPortal) -> ServiceReply:
@@ -103,6 +111,7 @@ class ArmServices:
             paused = await self._goals.pause()
             text = "the goal is paused" if paused else "the goal has ended, or goes on again"
             return ServiceReply(paused, text)
+        self._halted()
         return await _answered(self._robot.pause(), "paused")
 
     async def resume(self) -> ServiceReply:

@@ -151,6 +151,12 @@ class JointCommands:
         """Accept commands again: the arm was brought up or recovered."""
         self._blocked = False
 
+    def ignore(self) -> None:
+        """Ignore the commands that arrive at present: the arm is stopped or paused."""
+        if anyio.current_time() - self._came <= self._timeout:
+            self._blocked = True
+            self._waiting.clear()
+
     async def run(self) -> None:
         """Follow commands until this is cancelled; the arm then comes to rest."""
         while True:
@@ -176,7 +182,8 @@ class JointCommands:
             states = await self._robot.state.get_robot_state()
             if states.robot is RobotState.ENABLE:
                 place = tuple(await self._robot.state.get_actual_joints_position())
-                if self._hold or self._is_near(place):
+                # what is awaited above may have taken long enough for a stop
+                if not self._blocked and (self._hold or self._is_near(place)):
                     await self._follow(place)
                     return
         await anyio.sleep_until(anyio.current_time() + _LOOK)

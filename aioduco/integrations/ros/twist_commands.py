@@ -99,6 +99,12 @@ class TwistCommands:
         """Accept commands again: the arm was brought up or recovered."""
         self._blocked = False
 
+    def ignore(self) -> None:
+        """Ignore the commands that arrive at present: the arm is stopped or paused."""
+        if anyio.current_time() - self._came <= self._timeout:
+            self._blocked = True
+            self._newest = None
+
     async def run(self) -> None:
         """Follow commands until this is cancelled; the arm then comes to rest."""
         while True:

@@ -79,6 +79,22 @@ async def test_a_stop_is_not_undone_by_commands_that_go_on(sim: Simulator) -> No
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("how", ["stop", "pause"])
+async def test_a_stop_is_not_undone_by_what_is_followed_only_later(
+    sim: Simulator, how: str
+) -> None:
+    async with running(sim, command_timeout=10.0) as node:
+        # the arm follows neither at first: one is too far away, the other is no motion
+        assert node.commands.take(NAMES, (0.0,) * 6)
+        assert node.twists.take([0.0] * 6)
+        assert (await getattr(node.services, how)()).success
+        assert not node.commands.take(NAMES, START)
+        assert not node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
+        assert (await node.services.recover()).success
+        await lead(node, sim, way(0.4, 0.1))
+
+
+@pytest.mark.slow
 async def test_commands_may_move_at_once(sim: Simulator) -> None:
     async with running(sim) as node:
         farthest = 0.0
