@@ -16,10 +16,12 @@ from hypothesis.extra import numpy as hnp
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.streams.realtime import CYCLE
 from aioduco.errors import (
+    CallTimeout,
     FirstPointTooFar,
     GoalToleranceViolated,
     ParameterError,
     PathToleranceViolated,
+    StreamLost,
 )
 from aioduco.streaming.joint_trajectory import (
     Feedback,
@@ -206,6 +208,28 @@ async def test_an_arm_that_does_not_arrive_violates_the_goal(controller: Control
     arm.offset = np.array([0, 0, 0, 0, 0, 0.05])
     with pytest.raises(GoalToleranceViolated, match="joint 6"):
         await run(controller, arm, tolerances=Tolerances(path=0, goal=0.01, goal_time=0.1))
+
+
+@pytest.mark.parametrize("on_the_way", [True, False])
+async def test_an_arm_whose_place_is_not_answered_comes_to_rest(
+    controller: Controller, on_the_way: bool
+) -> None:
+    arm = Arm(controller)
+
+    async def joints() -> list[float]:
+        places = [point[0] for point in controller.points()] or [HERE[0]]
+        if max(places) > HERE[0] + 0.05 and (on_the_way or places[-1] <= HERE[0] + 1e-6):
+            raise CallTimeout("no answer came in time")
+        return await arm.joints()
+
+    with pytest.raises(StreamLost, match=r"where the arm is \(no answer came in time\)"):
+        await follow(
+            controller.endpoint, joints, there_and_back(), realtime=False, v=1.0, a=20.0,
+            options=THREAD,
+        )  # fmt: skip
+    places = np.array(controller.points())[:, 0]
+    assert places[-1] == places[-2]
+    assert np.abs(np.diff(places, n=2)).max() * 500**2 <= 20.0 * (1 + 1e-6)
 
 
 async def test_cancelling_brings_the_arm_to_rest(controller: Controller) -> None:

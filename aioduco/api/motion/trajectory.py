@@ -12,7 +12,14 @@ from aioduco.api.motion.switch import SwitchPlace
 from aioduco.api.streams.arguments import per_group
 from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
 from aioduco.api.streams.servo import Servo
-from aioduco.errors import Described, GoalToleranceViolated, ParameterError, PathToleranceViolated
+from aioduco.errors import (
+    Described,
+    DucoError,
+    GoalToleranceViolated,
+    ParameterError,
+    PathToleranceViolated,
+    StreamLost,
+)
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.streaming.sampling import instants
 from aioduco.supervision.concurrency import every
@@ -238,7 +245,7 @@ class _Watcher:
             taken = self._stream.taken
             if not taken:
                 continue
-            actual = np.asarray(await self._read(), dtype=np.float64)
+            actual = await self._actual("the stream was ended, and the arm is brought to rest")
             error = self._compare(taken, self._stream.taken, actual)
             self.worst = np.maximum(self.worst, np.abs(error))
             allowed = self._way.part(taken - 1).tolerances.path
@@ -251,6 +258,22 @@ class _Watcher:
                     self._stream.statistics(),
                 )
                 raise self.strayed
+
+    async def _actual(self, arm: str) -> NDArray[np.float64]:
+        """Read where the arm is [rad].
+
+        Args:
+            arm: what it does, for the error.
+
+        Raises:
+            StreamLost: the controller does not say.
+        """
+        try:
+            return np.asarray(await self._read(), dtype=np.float64)
+        except DucoError as exc:
+            raise StreamLost(
+                f"it is not known where the arm is ({exc}): {arm}", self._stream.statistics()
+            ) from exc
 
     def _compare(self, before: int, after: int, actual: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the arm's distance from the recent part of the path, where the arm may be [rad].
@@ -278,7 +301,7 @@ class _Watcher:
         goal, allowed = curve.at(curve.times[-1:])[0], _six("goal", tolerances.goal)
         until = time.monotonic() + tolerances.goal_time
         async for _ in every(_LOOK):
-            actual = np.asarray(await self._read(), dtype=np.float64)
+            actual = await self._actual("it has followed all of the trajectory")
             self.goal_error = actual - goal
             if np.all(np.abs(self.goal_error) <= allowed):
                 return
