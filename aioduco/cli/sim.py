@@ -18,7 +18,7 @@ from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, r
 from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
-from aioduco.errors import ParameterError, RenderError
+from aioduco.errors import ParameterError, RenderError, SceneError
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def sim(
                 on_shutdown=ring,
             )
             simulator.start()
-        except ParameterError as error:
+        except (ParameterError, SceneError) as error:
             fail(str(error), USAGE)
         except ValueError as error:
             fail(str(error))
