@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -563,6 +564,29 @@ def test_a_tap_whose_reader_has_ended_ends_without_a_message() -> None:
             assert (tap.wait(60), tap.stderr.read()) == (1, "")
 
 
+@pytest.mark.parametrize(
+    ("answer", "code", "says"),
+    [(b"", 1, "ended without an answer"), (b"\xff\n", 0, "\\xff")],
+    ids=["none", "no text"],
+)
+def test_what_listens_instead_of_a_simulator_is_shown(answer: bytes, code: int, says: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            connection, _ = server.accept()
+            with connection:
+                while connection.recv(4096):
+                    pass
+                connection.sendall(answer)
+
+        serving = threading.Thread(target=serve)
+        serving.start()
+        done = run("sim-do", "--control-port", str(server.getsockname()[1]), "state")
+        serving.join()
+    assert done.exit_code == code
+    assert says in done.output
+
+
 def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
     (tmp_path / "wrong.xml").write_text("no MJCF")
     (tmp_path / "program.py").write_text("raise SystemExit(7)")
@@ -582,7 +606,7 @@ def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
 NOBODY = "127.0.0.1:1"
 
 
-@pytest.mark.cases(12)
+@pytest.mark.cases(14)
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
@@ -590,7 +614,9 @@ NOBODY = "127.0.0.1:1"
         ("sim --render no_folder/out.gif", 2, "there is no folder no_folder"),
         ("sim --mounting roof", 2, "mounting is 'roof', but must be"),
         ("sim --mounting 0,0,0.5", 2, "mounting is '0,0,0.5', but must be"),
-        ("sim --mounting wall --pedestal 0.5", 1, "a pedestal is for an arm on the floor"),
+        ("sim --mounting wall --pedestal 0.5", 2, "a pedestal is for an arm on the floor"),
+        ("sim --pedestal -1", 2, "pedestal is -1.0"),
+        ("sim --mounting nan,0,0,0,0,0", 2, "mounting is [nan"),
         ("sim --scene nowhere.xml", 2, "nowhere.xml"),
         ("sim --gripper hand", 2, "robotiq_2f85"),
         ("sim --generation 5", 2, "4.3"),

@@ -44,13 +44,15 @@ def sim_do(
         with socket.create_connection((_HOST, where), timeout=_PATIENCE) as line:
             line.sendall(" ".join(words or ["help"]).encode(errors="replace") + b"\n")
             line.shutdown(socket.SHUT_WR)
-            with line.makefile("r", encoding="utf-8") as answer:
+            with line.makefile("r", encoding="utf-8", errors="backslashreplace") as answer:
                 said = answer.read().rstrip("\n")
     except OSError as error:
         fail(
             f"no simulator takes commands on {_HOST}:{where}: {error.strerror or error}; "
             "`aioduco sim` names its port for commands when it starts",
         )
+    if not said:
+        fail(f"what listens on {_HOST}:{where} ended without an answer: look at the simulator")
     failed = said.startswith("error")
     say(said, error=failed)
     raise typer.Exit(1 if failed else 0)
