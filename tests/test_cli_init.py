@@ -61,6 +61,19 @@ def test_every_arm_reaches_its_points_and_touches_nothing(model: str, tmp_path: 
     assert len((tmp_path / "demo" / "README.md").read_text().splitlines()) <= 10
 
 
+def test_a_host_stands_in_the_cell_as_it_was_given(tmp_path: Path) -> None:
+    host = 'odd"na\\me'
+    assert run("init", str(tmp_path / "demo"), "--host", host).exit_code == 0
+    assert Cell.load(tmp_path / "demo" / "cell.toml").robot().host == host
+
+
+@pytest.mark.linux("names of files are bytes")
+def test_a_folder_whose_name_is_no_text(tmp_path: Path) -> None:
+    project = tmp_path / os.fsdecode(b"\xff")
+    assert run("init", str(project)).exit_code == 0
+    assert (project / "README.md").read_text("utf-8").startswith("# \\udcff")
+
+
 def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
     answer = run("init", str(tmp_path))
     assert (answer.exit_code, list(tmp_path.iterdir())) == (1, [])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import shlex
 from importlib import resources
@@ -64,19 +65,21 @@ def init(
         "table_z": round(height - 0.11, 3),
     }
     texts = resources.files("aioduco.cli") / "project"
+    # a text of JSON is one of TOML, too
+    words = {"name": folder.name, "model": model, "host": json.dumps(host, ensure_ascii=False)}
     try:
         folder.mkdir(parents=True)
         for name in _FILES:
             path = folder / name
             text = Template((texts / f"{path.name}.txt").read_text("utf-8"))
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(
-                text.substitute(numbers, name=folder.name, model=model, host=host), encoding="utf-8"
-            )
+            said = text.substitute(numbers, **words)
+            # the name of a folder may be no text
+            path.write_text(said, encoding="utf-8", errors="backslashreplace")
     except FileExistsError:
         fail(f"{folder} exists already; nothing was written")
     except OSError as error:
-        fail(f"{folder} cannot be written: {error}")
+        fail(f"{folder} cannot be written: {error.strerror or error}")
     say(f"written to {folder}: {', '.join(_FILES)}")
     inside = f"cd {shlex.quote(str(folder))}"
     say(f"try it: {inside} && pytest && aioduco preflight main.py --cell cell.toml")
