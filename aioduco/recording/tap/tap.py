@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ipaddress
 import socket
 import time
 from typing import TYPE_CHECKING, Any
@@ -71,8 +72,8 @@ class Tap(Uncopied):
         """Start the relay.
 
         Raises:
-            ConnectError: the address cannot be listened on, or the controller's name is unknown
-                or not resolved within 5 s.
+            ConnectError: the address cannot be listened on, or is the controller's own, or the
+                controller's name is unknown or not resolved within 5 s.
             RuntimeError: no process can be started.
         """
         addresses = self._addresses()
@@ -93,6 +94,12 @@ class Tap(Uncopied):
             linked.close()
             unheard = f"the tap cannot listen on {host_port(*self._listen)}: {ready}"
             raise ConnectError(*self._controller, unheard)
+        if _leads_to(addresses, ready):
+            linked.close()
+            where = host_port(*ready)
+            raise ConnectError(
+                *self._controller, f"the tap listens there itself, on {where}: listen elsewhere"
+            )
         self._link = linked.channel.copy()
         self._link.setblocking(True)
         self._linked = linked
@@ -143,3 +150,16 @@ class Tap(Uncopied):
                 copied = bytes(data[begin:done])
                 yield from self._conversation.feed(at, connection, CopyKind(kind), copied)
             del data[:done]
+
+
+def _leads_to(addresses: list[tuple[int, Any]], listener: tuple[str, int]) -> bool:
+    """Whether one of the addresses is that of a listener on this computer."""
+    host, port = ipaddress.ip_address(listener[0]), listener[1]
+    return any(
+        name[1] == port
+        and (
+            (found := ipaddress.ip_address(name[0])) == host
+            or (host.is_unspecified and found.is_loopback)
+        )
+        for _, name in addresses
+    )

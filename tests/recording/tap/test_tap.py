@@ -221,6 +221,17 @@ def test_an_address_that_is_taken_is_said(listener: socket.socket) -> None:
         pass
 
 
+@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+def test_a_tap_that_would_connect_to_itself_is_refused(host: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    with (
+        pytest.raises(ConnectError, match="listens there itself"),
+        Tap("localhost", port, listen=(host, port)),
+    ):
+        pass
+
+
 def test_it_is_used_in_a_block() -> None:
     with pytest.raises(RuntimeError, match="with"):
         next(iter(Tap("127.0.0.1")))
@@ -286,6 +297,18 @@ def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
     for listen, status in ((taken, 1), ("nowhere", 2)):
         result = CliRunner().invoke(app, ["tap", "127.0.0.1", "--listen", listen])
         assert result.exit_code == status, result.output
+
+
+def test_the_command_says_that_its_file_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "calls.jsonl").mkdir()
+    for file, status, said in (
+        ("calls.jsonl", 1, "calls.jsonl cannot be written: Is a directory"),
+        ("none/calls.jsonl", 2, "there is no folder"),
+    ):
+        words = ["tap", "127.0.0.1", "--listen", "127.0.0.1:0", "-o", str(tmp_path / file)]
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == status
+        assert said in " ".join(result.output.split())
 
 
 @pytest.mark.slow
