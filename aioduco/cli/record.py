@@ -38,8 +38,8 @@ def record(
 
     aioduco record 192.168.1.10 -o run.mcap
 
-    Exit codes: 0 the file is complete; 1 nothing was recorded, or it ended early; 2 wrong options;
-    143 SIGTERM: the file is complete.
+    Exit codes: 0 the file is complete; 1 nothing was recorded, it ended early, or the controller
+    did not answer at the end; 2 wrong options; 143 SIGTERM: the file is complete.
     """
     extras.need("record")
     address = robot_at(host, port, cell)
@@ -47,7 +47,7 @@ def record(
         recording = robot.record(output, forces=forces)
         with recording:
             what = f"recording to {recording.path}"
-            wait_until_ended(what, robot, lambda: recording.running, seconds)
+            answered = wait_until_ended(what, robot, lambda: recording.running, seconds)
     figures = recording.statistics()
     dropped = f", {figures.dropped} dropped" if figures.dropped else ""
     say(f"{recording.path}: {figures.written} entries{dropped}, {figures.size} bytes")
@@ -56,6 +56,8 @@ def record(
     if figures.longest_gap:
         say(f"longest time without a sample of the moving arm: {figures.longest_gap:.3f} s")
         say(playable(recording.path, figures.written))
+    if not answered:
+        fail("the controller did not answer at the end: nothing of that time was recorded")
 
 
 def playable(path: Path, entries: int) -> str:

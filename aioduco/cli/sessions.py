@@ -20,6 +20,8 @@ __all__ = ["control_session", "limits_at", "observing_session", "wait_until_ende
 
 #: seconds between two checks whether the work has ended
 _LOOK: Final = 0.1
+#: seconds without an answer after which that is said
+_SILENT: Final = 1.0
 
 
 @contextmanager
@@ -72,8 +74,10 @@ def limits_at(address: RobotAddress) -> Envelope | None:
 
 def wait_until_ended(
     what: str, robot: Robot, going: Callable[[], bool], seconds: float | None
-) -> None:
+) -> bool:
     """Print what is running, and wait until it ends: by itself, after a time, or by Ctrl-C.
+
+    It says when the robot's feed is no longer answered, and when it is again.
 
     Args:
         what: the line to print; once it is printed, Ctrl-C is the way to end the work.
@@ -81,16 +85,28 @@ def wait_until_ended(
         going: returns whether the work is still running.
         seconds: longest time to wait; None for no limit.
 
+    Returns:
+        Whether the feed was answered at the end.
+
     Raises:
         Terminated: on SIGTERM and SIGHUP.
     """
     until = None if seconds is None else time.monotonic() + seconds
+    silent_since, silent = time.monotonic(), False
     try:
         say(f"{what}; Ctrl-C ends it")
         while going() and (until is None or time.monotonic() < until):
             left = _LOOK if until is None else until - time.monotonic()
             robot.sleep(min(_LOOK, max(0.0, left)))
+            error = robot.feed.error
+            if error is None:
+                silent_since = time.monotonic()
+            if (error is not None and time.monotonic() - silent_since > _SILENT) != silent:
+                silent = not silent
+                said = f"the controller does not answer: {error}" if silent else "it answers again"
+                say(said, error=True)
     except Terminated:
         raise
     except KeyboardInterrupt:
         say()  # so that the ^C has a line of its own
+    return not silent

@@ -88,8 +88,8 @@ def twin(
 
     aioduco twin --judge run.mcap --limits left.json
 
-    Exit codes: 0 nothing parted; 1 no controller, or it ended early; 2 wrong options; 6 they
-    parted.
+    Exit codes: 0 nothing parted; 1 no controller, it ended early, or the controller did not answer
+    at the end; 2 wrong options; 6 they parted.
     """
     without_page = ("action", "output", "rate")
     if judge is not None or (learn is not None and host is None):
@@ -119,10 +119,12 @@ def twin(
         made = stack.enter_context(robot.twin(known, commands=False, **options))
         shown = _Shown(made, as_json=json)
         what = f"a twin watches {host_port(robot.host, robot.port)}"
-        wait_until_ended(what, robot, shown.going, seconds)
+        answered = wait_until_ended(what, robot, shown.going, seconds)
         shown.going()
     if made.error is not None:
         fail(f"it ended early: {made.error}")
+    if not answered and not shown.count:
+        fail("the controller did not answer at the end: it is not known whether they parted")
     raise typer.Exit(PARTED if shown.count else 0)
 
 

@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,6 +22,8 @@ from cli_runner import CliRunner
 import aioduco
 import aioduco.sync
 from aioduco.cli.app import app
+from aioduco.cli.sessions import wait_until_ended
+from aioduco.errors import ConnectionLost
 from aioduco.recording import RecordedMessage, read
 from aioduco.recording.channels import ANGLE
 from aioduco.recording.container import DATA_END, MAGIC
@@ -296,3 +299,22 @@ def test_the_command_records_until_it_is_told_to_end(sim: Simulator, tmp_path: P
     nobody = CliRunner().invoke(app, ["record", "127.0.0.1", "--port", "1", "-o", str(path)])
     assert nobody.exit_code == 1
     assert not (tmp_path / "run-2.mcap").exists()
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_that_the_controller_does_not_answer_is_said(
+    back: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("aioduco.cli.sessions._SILENT", 0.0)
+    feed = SimpleNamespace(error=None)
+    errors = [None, ConnectionLost("it broke"), ConnectionLost("it broke"), None][
+        : 4 if back else 3
+    ]
+
+    def sleep(_: float) -> None:
+        feed.error = errors.pop(0)
+
+    robot: Any = SimpleNamespace(feed=feed, sleep=sleep)
+    assert wait_until_ended("recording", robot, lambda: bool(errors), None) is back
+    lines = ["the controller does not answer: it broke", "it answers again"]
+    assert capsys.readouterr().err.splitlines() == lines[: 2 if back else 1]
