@@ -60,6 +60,7 @@ _ENVELOPE = (
     "the next set-point would have led beyond the robot's envelope, and was not sent; the arm was "
     "brought to rest, and the robot stopped"
 )
+_READING = "it could not read on; nothing was sent that moves or stops the arm"
 _DIED = (
     "the stream's worker is gone without a word; the robot was told to stop on another connection, "
     "if there was one"
@@ -87,6 +88,8 @@ def failure(
     text: str,
     statistics: object,
     stopped_by: EnvelopeViolated | None = None,
+    *,
+    reads: bool = False,
 ) -> StreamError | None:
     """The error for the end of a stream; None if it has not ended, or was closed.
 
@@ -96,6 +99,7 @@ def failure(
         text: what is known beyond that.
         statistics: the stream's statistics.
         stopped_by: the limit of the envelope at which the arm was stopped, if it was.
+        reads: whether its worker sends no set-points, and only reads.
     """
     if reason is Reason.STOPPED and stopped_by is not None:
         limit, body = stopped_by.limit, stopped_by.body
@@ -112,4 +116,5 @@ def failure(
     if reason not in _ENDS:
         return None
     kind, meaning = _ENDS[reason]
+    meaning = _READING if reads else meaning
     return kind(f"{name}: {meaning}{f' ({text})' if text else ''}", statistics)

@@ -209,7 +209,14 @@ class Session(OpenStream):
         if self.block is None:
             return
         text = self._fault or self._worker_text
-        error = failure(self.name, self.reason, text, self.statistics(), self.stopped_by)
+        error = failure(
+            self.name,
+            self.reason,
+            text,
+            self.statistics(),
+            self.stopped_by,
+            reads=self._config.sent.drive is None,
+        )
         if error is not None:
             raise error
 
