@@ -62,9 +62,15 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
-@pytest.mark.parametrize("run_in", ["process", "thread"])
-@pytest.mark.parametrize("parts", ["minder", "keep-alive", "both"])
-@pytest.mark.parametrize("kind", ["servo", "speed"])
+#: each pair of what fails, of a kind of stream, and of where its worker runs
+PAIRS = [
+    (parts, kind, ("process", "thread")[(one + other) % 2])
+    for one, parts in enumerate(["minder", "keep-alive", "both"])
+    for other, kind in enumerate(["servo", "speed"])
+]
+
+
+@pytest.mark.parametrize(("parts", "kind", "run_in"), PAIRS)
 async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
     sim: Simulator, monkeypatch: pytest.MonkeyPatch, run_in: Any, parts: str, kind: str
 ) -> None:

@@ -7,12 +7,13 @@ import itertools
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from aioduco.api.streams.servo import Servo
@@ -22,6 +23,23 @@ from aioduco.supervision.gate import Gate
 from aioduco.testing import RecordingServer, eventually
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
+
+
+def near(offset: float) -> list[float]:
+    """A set-point beside `HERE`, in each joint [rad]."""
+    return [angle + offset for angle in HERE]
+
+
+def answer_all(server: RecordingServer, answers: Mapping[str, Any]) -> None:
+    """Let a server answer more functions."""
+    for name, answer in answers.items():
+        server.answer(name, answer)
+
+
+def came_to_rest(places: Any, rate: float, acceleration: float) -> bool:
+    """Whether a joint's places end at rest, and never change their speed faster than allowed."""
+    assert np.abs(np.diff(places, n=2)).max() * rate**2 <= acceleration * (1 + 1e-6)
+    return bool(places[-1] == places[-2])
 
 
 async def fed(
@@ -135,6 +153,17 @@ class Cycles:
         self.taken = 0
         self.points: list[Any] = []
         self.starved = 0
+
+    @property
+    def answers(self) -> dict[str, Callable[..., int]]:
+        """The functions of the realtime queue."""
+        return {
+            "clear_realtime_data_queue": self.clear,
+            "realtime_data_enqueue": self.enqueue,
+            "start_realtime_mode": self.start,
+            "get_realtime_data_queue_size": self.size,
+            "end_realtime_mode": self.end,
+        }
 
     def start(self, *_: Any) -> int:
         with self._lock:

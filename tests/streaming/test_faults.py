@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from typing import Literal
 
 import anyio
@@ -23,6 +23,7 @@ from aioduco.errors import (
 )
 from aioduco.sim import Simulator
 from aioduco.streaming.shared.options import WorkerOptions
+from aioduco.streaming.stream import Stream
 from aioduco.testing import (
     ApplicationError,
     Cancelled,
@@ -73,7 +74,13 @@ async def robot(proxy: FaultProxy) -> AsyncIterator[aioduco.Robot]:
         yield robot
 
 
-async def run(robot: aioduco.Robot, kind: str, options: WorkerOptions, count: int = 2000) -> None:
+async def run(
+    robot: aioduco.Robot,
+    kind: str,
+    options: WorkerOptions,
+    count: int = 2000,
+    after_each: Callable[[Stream], Awaitable[None]] | None = None,
+) -> None:
     """Go on along the first joint, evenly, until something happens."""
     speeds = KINDS[kind].feed is KINDS["speedj"].feed
     async with KINDS[kind].open(robot, options) as stream:
@@ -81,6 +88,8 @@ async def run(robot: aioduco.Robot, kind: str, options: WorkerOptions, count: in
             await stream.send([0.1, 0, 0, 0, 0, 0] if speeds else [2e-4 * n, *START[1:]])
             if speeds:
                 await anyio.sleep(0.005)
+            if after_each is not None:
+                await after_each(stream)
 
 
 async def see_it_stand(sim: Simulator) -> None:
@@ -226,21 +235,16 @@ async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultPro
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
 async def test_a_worker_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
-    async def program() -> None:
-        speeds = KINDS[kind].feed is KINDS["speedj"].feed
-        async with KINDS[kind].open(robot, WorkerOptions(timeout=5.0)) as stream:
-            for n in range(2000):
-                await stream.send([0.1, 0, 0, 0, 0, 0] if speeds else [2e-4 * n, *START[1:]])
-                if speeds:
-                    await anyio.sleep(0.005)
-                if sim.joints[0] > 5e-3:
-                    assert stream.pid is not None
-                    os.kill(stream.pid, signal.SIGKILL)
-                    await stream.ended()
+    async def kill_under_way(stream: Stream) -> None:
+        if sim.joints[0] > 5e-3:
+            assert stream.pid is not None
+            os.kill(stream.pid, signal.SIGKILL)
+            await stream.ended()
 
+    options = WorkerOptions(timeout=5.0)
     async with no_leaks():
         with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
-            await program()
+            await run(robot, kind, options, after_each=kill_under_way)
     await see_it_stand(sim)
 
 

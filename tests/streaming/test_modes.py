@@ -17,7 +17,7 @@ from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.stream import Stream
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
-from .conftest import Cycles
+from .conftest import Cycles, answer_all
 
 THREAD = WorkerOptions(run_in="thread")
 
@@ -42,18 +42,9 @@ class Queue(Bench):
             self.on = False
             return cycles.end()
 
-        for name, answer in {
-            "clear_realtime_data_queue": cycles.clear,
-            "realtime_data_enqueue": cycles.enqueue,
-            "get_realtime_data_queue_size": cycles.size,
-            "start_realtime_mode": start,
-            "end_realtime_mode": end,
-            "trackClearQueue": 4,
-            "trackEnqueue": 4,
-            "getQueueSize": 20,
-            "trackJointMotion": 1234,
-        }.items():
-            self.answer(name, answer)
+        mode = {"start_realtime_mode": start, "end_realtime_mode": end}
+        track = {"trackClearQueue": 4, "trackEnqueue": 4, "getQueueSize": 20}
+        answer_all(self, {**cycles.answers, **mode, **track, "trackJointMotion": 1234})
         self.end = end
 
 

@@ -29,7 +29,7 @@ from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.gate import Gate, Permit, PermitEnding
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller, Cycles
+from .conftest import HERE, Controller, Cycles, answer_all
 
 PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
 workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
@@ -193,18 +193,8 @@ kinds = pytest.mark.parametrize("kind", KINDS)
 def arm(controller: Controller) -> Iterator[Controller]:
     """A controller that takes all kinds of set-points."""
     queue = Cycles(CYCLE)
-    for name, answer in {
-        "clear_realtime_data_queue": queue.clear,
-        "realtime_data_enqueue": queue.enqueue,
-        "start_realtime_mode": queue.start,
-        "get_realtime_data_queue_size": queue.size,
-        "end_realtime_mode": queue.end,
-        "trackClearQueue": 4,
-        "trackEnqueue": 4,
-        "getQueueSize": 5,
-        "trackJointMotion": 1234,
-    }.items():
-        controller.server.answer(name, answer)
+    track = {"trackClearQueue": 4, "trackEnqueue": 4, "getQueueSize": 5, "trackJointMotion": 1234}
+    answer_all(controller.server, {**queue.answers, **track})
     with no_leaks():
         yield controller
 
@@ -302,45 +292,25 @@ async def test_a_worker_that_was_away_sends_no_set_point_any_more(
     assert "(it did not run for" in str(error)
 
 
-@pytest.mark.slow
-async def test_a_freeze_after_a_set_point_ends_it(
-    arm: Controller, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The next tick is chosen after it, and is not late."""
-    follows = Driver._follows
-    frozen: list[int] = []
-    thawed = threading.Event()
-
-    def freeze(self: Driver, task: int) -> bool:
-        if armed.is_set() and not frozen:
-            frozen.append(len(arm.points()))
-            begin = boot_time()
-            eventually(lambda: boot_time() > begin + 1.1)
-            thawed.set()
-        return follows(self, task)
-
-    def freeze_once(_: Stream) -> None:
-        armed.set()
-        thawed.wait(30.0)
-
-    armed = threading.Event()
-    monkeypatch.setattr(Driver, "_follows", freeze)
-    error = await ended(arm, "servo", replace(THREAD, away_limit=1.0), freeze_once)
-    assert isinstance(error, WorkerFailed)
-    assert [len(arm.points())] == frozen
-
-
-@pytest.mark.parametrize("kind", ["servo", "realtime"])
-async def test_a_freeze_between_computing_and_sending_sends_nothing(
-    arm: Controller, kind: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("kind", "place", "name"),
+    [
+        # The next tick is chosen after it, and is not late.
+        pytest.param("servo", Driver, "_follows", marks=pytest.mark.slow),
+        # A set-point is computed, and not sent yet.
+        ("servo", Point, "send"),
+        ("realtime", Batch, "send"),
+    ],
+)
+async def test_a_freeze_before_or_after_a_set_point_is_sent_ends_it(
+    arm: Controller, kind: str, place: type, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     frozen: list[int] = []
-    thawed = threading.Event()
-    sender = Point if kind == "servo" else Batch
-    original = sender.send
+    armed, thawed = threading.Event(), threading.Event()
+    original = getattr(place, name)
     _, call, _ = KINDS[kind]
 
-    def send(self: Any, *args: Any) -> int:
+    def freeze(self: Any, *args: Any) -> Any:
         if not frozen and armed.is_set():
             frozen.append(len(arm.server.received(call)))
             begin = boot_time()
@@ -352,8 +322,7 @@ async def test_a_freeze_between_computing_and_sending_sends_nothing(
         armed.set()
         thawed.wait(30.0)
 
-    armed = threading.Event()
-    monkeypatch.setattr(sender, "send", send)
+    monkeypatch.setattr(place, name, freeze)
     error = await ended(arm, kind, replace(THREAD, away_limit=1.0), freeze_once)
     assert isinstance(error, WorkerFailed)
     assert [len(arm.server.received(call))] == frozen

@@ -29,9 +29,10 @@ from aioduco.models.op import Op, output
 from aioduco.models.pose import Pose
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
+from aioduco.streaming.stream import Stream
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller, Cycles, at, fed
+from .conftest import HERE, Controller, Cycles, answer_all, at, fed, near
 
 #: a busy machine may take long over an answer
 PROCESS, THREAD = (
@@ -41,25 +42,20 @@ PROCESS, THREAD = (
 workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
 
 
-def near(offset: float) -> list[float]:
-    return [angle + offset for angle in HERE]
-
-
 # -- realtime queue ----------------------------------------------------------------------------
 
 
 @pytest.fixture
 def queue(controller: Controller) -> Cycles:
     cycles = Cycles(CYCLE)
-    for name, answer in {
-        "clear_realtime_data_queue": cycles.clear,
-        "realtime_data_enqueue": cycles.enqueue,
-        "start_realtime_mode": cycles.start,
-        "get_realtime_data_queue_size": cycles.size,
-        "end_realtime_mode": cycles.end,
-    }.items():
-        controller.server.answer(name, answer)
+    answer_all(controller.server, cycles.answers)
     return cycles
+
+
+def of_positions(controller: Controller, a: float = 5.0, **options: Any) -> Stream:
+    """A realtime stream of joint positions."""
+    options = {"options": THREAD, **options}
+    return RealtimeStreams(controller.endpoint).stream("joint_position", v=1.0, a=a, **options)
 
 
 def positions(queue: Cycles) -> Any:
@@ -87,9 +83,7 @@ async def test_an_array_goes_through_the_queue_from_rest_to_rest(
     controller: Controller, queue: Cycles, options: WorkerOptions
 ) -> None:
     trajectory = np.array([near(0.0), near(0.1), near(0.0)])
-    opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=50.0, depth=60, options=options
-    )
+    opened = of_positions(controller, 50.0, depth=60, options=options)
     async with no_leaks():
         async with opened as stream:
             await stream.play(trajectory, [0.0, 0.2, 0.4])
@@ -150,10 +144,7 @@ async def test_the_queue_is_never_filled_beyond_its_depth(
         return answer
 
     controller.server.answer("realtime_data_enqueue", enqueue)
-    opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=50.0, depth=30, options=THREAD
-    )
-    async with opened as stream:
+    async with of_positions(controller, 50.0, depth=30) as stream:
         await stream.play([near(0.0)] * 300)
     assert max(depths) <= 30
 
@@ -164,9 +155,7 @@ async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
 ) -> None:
     count = 700
     trajectory = [near(0.02 * (1 - math.cos(math.pi * n / 350))) for n in range(count + 1)]
-    opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=50.0, depth=100, options=PROCESS
-    )
+    opened = of_positions(controller, 50.0, depth=100, options=PROCESS)
     async with opened as stream, anyio.create_task_group() as tasks:
         tasks.start_soon(stream.play, trajectory)
         await eventually_async(lambda: len(queue.points) > 120)
@@ -194,9 +183,7 @@ async def test_speeds_are_ramped_and_end_at_zero(controller: Controller, queue: 
 async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
     controller: Controller, queue: Cycles
 ) -> None:
-    opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=5.0, hold=0.05, options=THREAD
-    )
+    opened = of_positions(controller, hold=0.05)
     with pytest.raises(StreamStarved):
         await fed(opened, (near(2e-6 * n * n) for n in range(200)), opened.ended)
     places = positions(queue)
@@ -208,9 +195,7 @@ async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
 async def test_a_halt_leaves_realtime_mode_and_sends_no_stop(
     controller: Controller, queue: Cycles
 ) -> None:
-    opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=5.0, options=THREAD
-    )
+    opened = of_positions(controller)
     with pytest.raises(StreamStopped):
         await fed(opened, [HERE], opened.halt)
     assert controller.names()[-1] == "end_realtime_mode"
@@ -233,10 +218,7 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     """The controller has left realtime mode by itself, and only its error list says why."""
     errors = ["an older one", "no data for 0.02 s"]
     controller.server.answer("get_last_error", errors)
-    options = dataclasses.replace(THREAD, timeout=3.0)
-    opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=5.0, options=options
-    )
+    opened = of_positions(controller, options=dataclasses.replace(THREAD, timeout=3.0))
     full = at(100, lambda: controller.server.answer("get_realtime_data_queue_size", 40))
     with pytest.raises(StreamRefused, match=r"takes no points.*error list: no data for 0\.02 s"):
         await fed(opened, full)
@@ -263,7 +245,7 @@ class PoolDrive:
         self.ended = 4
         self.starts = 0
         self._per_look = per_look
-        for name, answer in {
+        answers = {
             "trackClearQueue": self.clear,
             "trackEnqueue": self.enqueue,
             "trackEnqueueOp": self.enqueue,
@@ -271,8 +253,8 @@ class PoolDrive:
             "trackCartMotion": self.start,
             "getQueueSize": self.size,
             "get_noneblock_taskstate": self.state,
-        }.items():
-            controller.server.answer(name, answer)
+        }
+        answer_all(controller.server, answers)
 
     def clear(self) -> int:
         self.taken = len(self.points)
@@ -304,6 +286,12 @@ class PoolDrive:
     def end(self, state: int) -> None:
         """Take no more points, though there are some."""
         self.running, self.ended = False, state
+
+
+def track(controller: Controller, **options: Any) -> Stream:
+    """A stream of joints for the track pool, which begins with few points."""
+    few: dict[str, Any] = {"low": 10, "high": 20, "period": 0.005, "options": THREAD}
+    return TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, **few | options)
 
 
 @pytest.mark.slow
@@ -397,10 +385,7 @@ async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
 
 async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1000)
-    opened = TrackStreams(controller.endpoint).stream(
-        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
-    )
-    async with opened as stream:
+    async with track(controller) as stream:
         for n in range(20):
             await stream.send(near(1e-4 * n))
         await eventually_async(lambda: stream.state is StreamState.HOLDING)
@@ -420,9 +405,7 @@ async def test_a_pool_from_which_nobody_takes_is_started_again_if_its_motion_has
 ) -> None:
     """The pool may run dry in the instant before new points are in it."""
     pool = PoolDrive(controller, per_look=1)
-    opened = TrackStreams(controller.endpoint).stream(
-        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
-    )
+    opened = track(controller)
 
     async def program() -> None:
         async with opened as stream:
@@ -439,9 +422,7 @@ async def test_a_pool_from_which_nobody_takes_is_started_again_if_its_motion_has
 
 async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controller) -> None:
     PoolDrive(controller, per_look=1000)
-    opened = TrackStreams(controller.endpoint).stream(
-        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, hold=0.05, options=THREAD
-    )
+    opened = track(controller, hold=0.05)
     with pytest.raises(StreamStarved):
         await fed(opened, (near(1e-4 * n) for n in range(20)), opened.ended)
     assert "trackClearQueue" in controller.names()
@@ -452,10 +433,7 @@ async def leave_by_an_error(
     controller: Controller, pool: PoolDrive, before: Callable[[], object] = lambda: None
 ) -> None:
     """Leave a stream, whose motion has begun, by an error."""
-    opened = TrackStreams(controller.endpoint).stream(
-        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
-    )
-    async with opened as stream:
+    async with track(controller) as stream:
         for n in range(100):
             await stream.send(near(1e-4 * n))
         await eventually_async(lambda: pool.starts == 1)

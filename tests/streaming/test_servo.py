@@ -39,16 +39,14 @@ from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.stream import Stream
 from aioduco.testing import eventually_async, no_leaks
 
-from .conftest import HERE, Controller, at, fed
+from .conftest import HERE, Controller, at, came_to_rest, fed, near
 
 WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
 THREAD = WorkerOptions(run_in="thread")
+#: the state of the arm is not asked for meanwhile
+UNWATCHED = WorkerOptions(run_in="thread", watch=0.0)
 
 workers = pytest.mark.parametrize("options", WORKERS, ids=["thread", "process"])
-
-
-def near(offset: float) -> list[float]:
-    return [angle + offset for angle in HERE]
 
 
 @pytest.mark.cases(2)
@@ -205,9 +203,7 @@ async def test_starving_brings_the_arm_to_rest_and_stops_it(
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, hold=0.05, options=options)
     with pytest.raises(StreamStarved, match="longer than the hold time"):
         await fed(stream, (near(5e-6 * n * n) for n in range(100)), stream.ended)
-    places = np.array(controller.points())[:, 0]
-    changes = np.diff(np.diff(places)) * 500**2
-    assert np.abs(changes).max() <= 5.0 * (1 + 1e-6)
+    assert came_to_rest(np.array(controller.points())[:, 0], 500, 5.0)
     assert controller.names()[-1] == "stop"
     assert stream.statistics().starved > 0
 
@@ -217,18 +213,9 @@ async def test_an_error_in_the_program_decelerates_the_arm(
     controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
-
-    async def program() -> None:
-        async with stream:
-            for n in range(100):
-                await stream.send(near(5e-6 * n * n))
-            raise ZeroDivisionError
-
     with pytest.raises(ZeroDivisionError):
-        await program()
-    places = np.array(controller.points())[:, 0]
-    assert np.abs(np.diff(np.diff(places))).max() * 500**2 <= 5.0 * (1 + 1e-6)
-    assert places[-1] == places[-2]
+        await fed(stream, (near(5e-6 * n * n) for n in range(100)), lambda: 1 / 0)
+    assert came_to_rest(np.array(controller.points())[:, 0], 500, 5.0)
     assert stream.statistics().reason is Reason.ABORTED
 
 
@@ -245,9 +232,7 @@ async def test_cancellation_decelerates_the_arm_before_it_goes_on(
                         scope.cancel()
                     await stream.send(near(5e-6 * n * n))
         assert stream.statistics().reason is Reason.ABORTED
-    places = np.array(controller.points())[:, 0]
-    assert places[-1] == places[-2]
-    assert np.abs(np.diff(np.diff(places))).max() * 500**2 <= 5.0 * (1 + 1e-6)
+    assert came_to_rest(np.array(controller.points())[:, 0], 500, 5.0)
 
 
 @workers
@@ -281,14 +266,9 @@ async def test_a_first_point_too_far_is_refused_before_anything_is_sent(
     controller: Controller, options: WorkerOptions
 ) -> None:
     stream = controller.servo.joints(v=1.0, a=5.0, reach=0.1, options=options)
-
-    async def program() -> None:
-        async with stream:
-            await stream.send(near(0.11))
-
     said = r"joint 1: 0\.11 rad away, where 0\.1 rad are allowed"
     with pytest.raises(FirstPointTooFar, match=said):
-        await program()
+        await fed(stream, [near(0.11)])
     assert not controller.points()
     assert not controller.server.received("stop")
 
@@ -365,10 +345,9 @@ async def test_a_task_of_another_caller_may_be_a_stop(
 
     controller.server.answer("servoj", point)
     controller.server.answer("get_noneblock_taskstate", state)
-    options = WorkerOptions(run_in="thread", watch=0.0)
     told = pytest.raises(StreamStopped, match="the controller stopped task 1019")
     with told if stopped else contextlib.nullcontext():
-        async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+        async with controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED) as stream:
             for _ in range(100):
                 await stream.send(HERE)
     assert polled[: len(states)] == [1019] * len(states)
@@ -381,8 +360,7 @@ async def test_ids_that_rise_by_two_are_asked_about_at_first(controller: Control
     ids = itertools.count(1000, 2)
     controller.server.answer("servoj", lambda *_: next(ids))
     controller.server.answer("get_noneblock_taskstate", 5)
-    options = WorkerOptions(run_in="thread", watch=0.0)
-    async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+    async with controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED) as stream:
         for _ in range(60):
             await stream.send(HERE)
     polled = [call.args[0] for call in controller.server.received("get_noneblock_taskstate")]
@@ -410,8 +388,7 @@ async def test_a_stop_one_tick_after_another_call_is_noticed(controller: Control
     """The number of an output's task is missing, and in the next tick that of a stop."""
     controller.server.answer("servoj", set_points(1020, 1022))
     controller.server.answer("get_noneblock_taskstate", lambda task: 3 if task == 1021 else 5)
-    options = WorkerOptions(run_in="thread", watch=0.0)
-    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED)
     with pytest.raises(StreamStopped, match="the controller stopped task 1021"):
         await sent_to_the_end(stream, 100)
     assert len(controller.points()) == 22
@@ -426,8 +403,7 @@ async def test_a_stop_shortly_before_the_end_is_noticed(
     answers = itertools.chain([1] * 20, itertools.repeat(3))
     controller.server.answer("servoj", set_points(1018))
     controller.server.answer("get_noneblock_taskstate", lambda _: next(answers))
-    options = WorkerOptions(run_in="thread", watch=0.0)
-    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED)
     with pytest.raises(error or StreamStopped):
         await sent_to_the_end(stream, 20, error)
     assert len(controller.points()) <= 40  # one in each tick until the answer
@@ -441,8 +417,7 @@ async def test_an_arm_that_others_stop_or_pause_after_the_last_set_point(
     """It is not where the program has sent it, and must not go there when somebody resumes it."""
     controller.server.answer("servoj", set_points())
     controller.server.answer("get_noneblock_taskstate", state)
-    options = WorkerOptions(run_in="thread", watch=0.0)
-    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED)
     with pytest.raises(error):
         await sent_to_the_end(stream, 20)
     assert len(controller.server.received("stop")) == (error is StreamRefused)
