@@ -8,8 +8,12 @@ from queue import SimpleQueue
 import pytest
 
 from aioduco._process.platform import missing_guard_features
+from aioduco.sim import Simulator
 from aioduco.supervision.guard.client import shared
 from aioduco.supervision.guard.messages import Release
+from aioduco.testing import no_leaks
+
+from .arm import ready
 
 #: tests among which the faults are divided
 PARTS = 10
@@ -21,6 +25,13 @@ def seed(request: pytest.FixtureRequest) -> int:
     number = request.config.getoption("seed")
     assert isinstance(number, int)
     return number
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    """A simulated arm that is ready to move; when the test is over, nothing is left of it."""
+    with no_leaks(), ready() as sim:
+        yield sim
 
 
 @pytest.fixture

@@ -21,9 +21,9 @@ from aioduco.errors import (
 from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
 from aioduco.supervision.settings import GuardKind
-from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
+from aioduco.testing import Ending, FaultProxy, eventually_async
 
-from .arm import idle, ready, see_it_stand, unrest
+from .arm import idle, see_it_stand, unrest
 from .guards import BOTH
 from .program import LEFT, RIGHT
 
@@ -31,12 +31,6 @@ pytestmark = pytest.mark.usefixtures("guards")
 
 #: s
 HEARTBEAT = 1.0
-
-
-@pytest.fixture
-def sim() -> Iterator[Simulator]:
-    with no_leaks(), ready() as sim:
-        yield sim
 
 
 @pytest.fixture

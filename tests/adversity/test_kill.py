@@ -21,10 +21,10 @@ from typing import IO
 import pytest
 
 from aioduco.sim import Simulator
-from aioduco.testing import eventually, no_leaks
+from aioduco.testing import eventually
 
 from . import program
-from .arm import idle, ready, unrest
+from .arm import idle, unrest
 
 #: s; long enough for a busy machine to beat in time
 HEARTBEAT = 1.0
@@ -56,12 +56,6 @@ BEAT = Watch()
 NOBODY = Watch(heartbeat=0.0)
 GUARD = Watch("process", heartbeat=60.0)
 BOTH = pytest.mark.parametrize("watch", [BEAT, GUARD], ids=str)
-
-
-@pytest.fixture
-def sim() -> Iterator[Simulator]:
-    with no_leaks(), ready() as sim:
-        yield sim
 
 
 @dataclass

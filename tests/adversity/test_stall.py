@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
 import aioduco
 from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
 from aioduco.supervision.settings import GuardKind
-from aioduco.testing import eventually_async, no_leaks
+from aioduco.testing import eventually_async
 
-from .arm import ready
 from .guards import BOTH
 from .program import LEFT
 
@@ -20,12 +17,6 @@ pytestmark = pytest.mark.usefixtures("guards")
 
 #: s for which the loop is blocked, well below the limit, which is one second if nothing is said
 SHORT = 0.3
-
-
-@pytest.fixture
-def sim() -> Iterator[Simulator]:
-    with no_leaks(), ready() as sim:
-        yield sim
 
 
 @pytest.mark.slow

@@ -135,14 +135,11 @@ async def test_a_setting_that_fails_says_why(robot: aioduco.Robot, desk: Desk) -
         return call
 
     desk.errors = ["an old error"]
-    desk.answer("modbus_write", fails("no such signal", 6))
-    with pytest.raises(aioduco.TaskFailed) as failed:
-        await robot.modbus.modbus_write("pump", 1)
-    assert failed.value.errors == ("no such signal",)
-    desk.answer("modbus_write", fails("the device does not answer", 6))
-    with pytest.raises(aioduco.TaskFailed) as failed:
-        await robot.modbus.modbus_write("pump", 1)
-    assert failed.value.errors == ("the device does not answer",)
+    for reason in ("no such signal", "the device does not answer"):
+        desk.answer("modbus_write", fails(reason, 6))
+        with pytest.raises(aioduco.TaskFailed) as failed:
+            await robot.modbus.modbus_write("pump", 1)
+        assert failed.value.errors == (reason,)
     desk.answer("modbus_delete_signal", fails("it is in use", 7))
     with pytest.raises(aioduco.TaskIllegal) as illegal:
         await robot.modbus.modbus_delete_signal("pump")

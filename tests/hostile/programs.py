@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import aioduco
+from aioduco.supervision.guard.guarded import GuardClient
+
 #: a program that opens a robot with a guard, does what stands in its place, says the guard's
 #: process id, and waits
 PROGRAM = """
@@ -23,6 +26,14 @@ async def main():
         await anyio.sleep_forever()
 anyio.run(main)
 """
+
+
+def guard_of(robot: aioduco.Robot) -> tuple[GuardClient, int]:
+    """The guard of a robot, and its process id."""
+    guard = robot._supervisor.guard
+    assert guard is not None
+    assert guard.pid is not None
+    return guard, guard.pid
 
 
 def running(pid: int) -> bool:

@@ -27,6 +27,9 @@ PATIENCE = 30.0
 
 GUARDS = pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
 
+#: makes an event loop
+NewLoop = Callable[[], asyncio.AbstractEventLoop]
+
 #: what is awaited of a robot with a motion under way, by name
 USES: dict[str, Callable[[aioduco.Robot, aioduco.Task], Any]] = {
     "await a motion": lambda robot, _: _awaited(robot.motion.movej2(HOME, v=1.0, a=1.0)),
@@ -75,8 +78,8 @@ async def _first(subscribe: Callable[[], Any]) -> Any:
 
 
 @pytest.fixture(params=[asyncio.new_event_loop, uvloop.new_event_loop], ids=["asyncio", "uvloop"])
-def new_loop(request: pytest.FixtureRequest) -> Callable[[], asyncio.AbstractEventLoop]:
-    made: Callable[[], asyncio.AbstractEventLoop] = request.param
+def new_loop(request: pytest.FixtureRequest) -> NewLoop:
+    made: NewLoop = request.param
     return made
 
 
@@ -113,7 +116,7 @@ async def refused(robot: aioduco.Robot, task: aioduco.Task, bench: Bench) -> Non
 class Elsewhere:
     """An event loop that runs on a thread of its own."""
 
-    def __init__(self, new_loop: Callable[[], asyncio.AbstractEventLoop]) -> None:
+    def __init__(self, new_loop: NewLoop) -> None:
         self.loop = new_loop()
         self._thread = threading.Thread(target=self.loop.run_forever)
         self._thread.start()
@@ -134,10 +137,14 @@ class Elsewhere:
 
 
 @contextmanager
-def elsewhere(new_loop: Callable[[], asyncio.AbstractEventLoop]) -> Iterator[Elsewhere]:
+def elsewhere(new_loop: NewLoop, bench: Bench) -> Iterator[tuple[Elsewhere, aioduco.Robot]]:
+    """A loop that runs elsewhere, and a robot that is opened and closed on it."""
     made = Elsewhere(new_loop)
     try:
-        yield made
+        robot = aioduco.connect(bench.host, bench.port, loop_stall_limit=20.0)
+        made.run(robot.open())
+        yield made, robot
+        made.run(robot.aclose())
     finally:
         made.end()
 
@@ -146,12 +153,10 @@ def elsewhere(new_loop: Callable[[], asyncio.AbstractEventLoop]) -> Iterator[Els
 
 
 def test_a_robot_is_not_used_from_the_loop_of_another_thread(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench
+    new_loop: NewLoop, bench: Bench
 ) -> None:
     bench.motion_time = 60.0
-    with elsewhere(new_loop) as other:
-        robot = aioduco.connect(bench.host, bench.port, loop_stall_limit=20.0)
-        other.run(robot.open())
+    with elsewhere(new_loop, bench) as (other, robot):
         task = other.run(robot.motion.movej2(HOME, v=1.0, a=1.0).start())
         run(new_loop, lambda: refused(robot, task, bench))
         # it goes on undisturbed on its own
@@ -162,16 +167,11 @@ def test_a_robot_is_not_used_from_the_loop_of_another_thread(
         bench.motion_time = 0.05
         finished = other.run(_awaited(robot.motion.movej2(HOME, v=1.0, a=1.0)))
         assert finished is aioduco.Outcome.FINISHED
-        other.run(robot.aclose())
 
 
-def test_a_stop_may_be_sent_from_any_thread_and_any_loop(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench
-) -> None:
+def test_a_stop_may_be_sent_from_any_thread_and_any_loop(new_loop: NewLoop, bench: Bench) -> None:
     bench.motion_time = 60.0
-    with elsewhere(new_loop) as other:
-        robot = aioduco.connect(bench.host, bench.port, loop_stall_limit=20.0)
-        other.run(robot.open())
+    with elsewhere(new_loop, bench) as (other, robot):
         other.run(robot.motion.movej2(HOME, v=1.0, a=1.0).start())
 
         async def stop() -> None:
@@ -179,12 +179,9 @@ def test_a_stop_may_be_sent_from_any_thread_and_any_loop(
 
         run(new_loop, stop)
         eventually(lambda: not bench.moving())
-        other.run(robot.aclose())
 
 
-def test_a_robot_whose_loop_is_idle_is_refused_and_goes_on(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench
-) -> None:
+def test_a_robot_whose_loop_is_idle_is_refused_and_goes_on(new_loop: NewLoop, bench: Bench) -> None:
     """As with fixtures of a module: the loop lives, and does not run."""
     bench.motion_time = 60.0
     own = new_loop()
@@ -199,12 +196,8 @@ def test_a_robot_whose_loop_is_idle_is_refused_and_goes_on(
     own.close()
 
 
-def test_a_subscription_is_read_on_the_loop_of_its_robot(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench
-) -> None:
-    with elsewhere(new_loop) as other:
-        robot = aioduco.connect(bench.host, bench.port, loop_stall_limit=20.0)
-        other.run(robot.open())
+def test_a_subscription_is_read_on_the_loop_of_its_robot(new_loop: NewLoop, bench: Bench) -> None:
+    with elsewhere(new_loop, bench) as (other, robot):
         with pytest.raises(WrongLoop), robot.feed.subscribe():
             pass
 
@@ -221,7 +214,6 @@ def test_a_subscription_is_read_on_the_loop_of_its_robot(
         run(new_loop, read)
         assert other.run(_awaited(anext(subscription))).sequence >= 0
         manager.__exit__(None, None, None)
-        other.run(robot.aclose())
 
 
 # A loop that has ended
@@ -229,7 +221,7 @@ def test_a_subscription_is_read_on_the_loop_of_its_robot(
 
 @GUARDS
 def test_the_end_of_a_loop_stops_the_arm_and_another_loop_leaves_the_robot(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench, guard: Any
+    new_loop: NewLoop, bench: Bench, guard: Any
 ) -> None:
     """`asyncio.run` twice on one robot: the first forgets to close it."""
     bench.motion_time = 60.0
@@ -256,7 +248,7 @@ def test_the_end_of_a_loop_stops_the_arm_and_another_loop_leaves_the_robot(
 
 @GUARDS
 def test_a_robot_is_left_on_another_loop_if_its_own_was_closed_in_the_middle(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench, guard: Any
+    new_loop: NewLoop, bench: Bench, guard: Any
 ) -> None:
     """A loop that is thrown away with tasks on it, none of which is ever cancelled."""
     bench.motion_time = 60.0
@@ -282,9 +274,7 @@ def test_a_robot_is_left_on_another_loop_if_its_own_was_closed_in_the_middle(
     gc.collect()
 
 
-def test_a_motion_that_a_closed_poller_is_given_is_stopped(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench
-) -> None:
+def test_a_motion_that_a_closed_poller_is_given_is_stopped(new_loop: NewLoop, bench: Bench) -> None:
     bench.motion_time = 60.0
 
     async def main() -> None:
@@ -336,7 +326,7 @@ def test_trio_as_a_guest_of_asyncio_is_refused_too(bench: Bench) -> None:
 
 
 def test_a_lane_is_refused_to_another_loop_while_its_own_lives(
-    new_loop: Callable[[], asyncio.AbstractEventLoop], bench: Bench
+    new_loop: NewLoop, bench: Bench
 ) -> None:
     own = new_loop()
     lane = WireLane("test", bench.host, bench.port)

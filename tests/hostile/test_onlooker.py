@@ -16,7 +16,7 @@ from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually, eventually_async
 
-from .programs import frozen, running, started
+from .programs import frozen, guard_of, running, started
 
 MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
 #: a motion that has ended, and of which nothing is left
@@ -101,15 +101,14 @@ async def test_a_frozen_guard_goes_on_when_it_wakes(bench: Bench) -> None:
     async with aioduco.connect(
         bench.host, bench.port, guard="process", heartbeat=BEAT, loop_stall_limit=20.0
     ) as robot:
-        guard, heart = robot._supervisor.guard, robot._supervisor.heartbeat
-        assert guard is not None
-        assert guard.pid is not None
+        _, guard = guard_of(robot)
+        heart = robot._supervisor.heartbeat
         assert heart is not None
-        os.kill(guard.pid, signal.SIGSTOP)
+        os.kill(guard, signal.SIGSTOP)
         try:
             await eventually_async(lambda: heart.state is HeartbeatState.LOST, timeout=30.0)
         finally:
-            os.kill(guard.pid, signal.SIGCONT)
+            os.kill(guard, signal.SIGCONT)
         await eventually_async(lambda: heart.state is HeartbeatState.BEATING, timeout=30.0)
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
@@ -118,10 +117,8 @@ async def test_a_frozen_guard_goes_on_when_it_wakes(bench: Bench) -> None:
 async def test_without_a_guard_that_knows_of_it_nothing_is_moved(bench: Bench) -> None:
     """Not even without a heartbeat, which would be missed, too."""
     async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=None) as robot:
-        guard = robot._supervisor.guard
-        assert guard is not None
-        assert guard.pid is not None
-        os.kill(guard.pid, signal.SIGKILL)
+        guard, pid = guard_of(robot)
+        os.kill(pid, signal.SIGKILL)
         eventually(lambda: not guard.alive, timeout=30.0)  # the loop cannot replace it meanwhile
         with pytest.raises(aioduco.GuardLost, match="movej2 was not sent"):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import anyio
 import pytest
+from supervision.test_every import Clock
 
 from aioduco._wire.lane import WireLane
 from aioduco._wire.owner_loop import OwnerLoop
@@ -15,20 +16,6 @@ from aioduco.errors import ConnectionLost, StopUnconfirmed
 from aioduco.supervision import concurrency, rest
 from aioduco.supervision import stop_channel as control
 from aioduco.supervision.stop_channel import StopChannel
-
-
-class Clock:
-    """A clock that only the test moves: sleeping takes exactly as long as it says."""
-
-    def __init__(self) -> None:
-        self.now = 1000.0
-
-    def monotonic(self) -> float:
-        return self.now
-
-    async def sleep(self, seconds: float) -> None:
-        self.now += seconds
-        await anyio.lowlevel.checkpoint()
 
 
 class AcceptedStop:

@@ -13,7 +13,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco.testing import eventually, eventually_async
 
-from .programs import PROGRAM, frozen, running, started
+from .programs import PROGRAM, frozen, guard_of, running, started
 
 MOVE = f"await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()"
 
@@ -45,10 +45,7 @@ async def test_a_guard_that_is_told_to_end_stops_the_arm_and_goes_on(
     """The program may be ending in an orderly way, and needs its stop for that."""
     bench.motion_time = 600.0
     async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=60.0) as robot:
-        guard = robot._supervisor.guard
-        assert guard is not None
-        assert guard.pid is not None
-        pid = guard.pid
+        guard, pid = guard_of(robot)
         for round_ in (1, 2):
             task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
             os.kill(pid, number)
@@ -68,10 +65,7 @@ async def test_a_guard_that_is_told_to_end_stops_nobody_elses_arm(bench: Bench) 
         aioduco.connect(bench.host, bench.port, guard="process", heartbeat=60.0) as onlooker,
     ):
         task = await mover.motion.movej2(HOME, v=1.0, a=1.0).start()
-        guard = onlooker._supervisor.guard
-        assert guard is not None
-        assert guard.pid is not None
-        os.kill(guard.pid, signal.SIGTERM)
+        os.kill(guard_of(onlooker)[1], signal.SIGTERM)
         await onlooker.aclose()  # the guard has come to the signal before it comes to an end
         assert bench.stops == 0
         assert not task.done

@@ -26,6 +26,8 @@ from aioduco.supervision.loop_watchdog import Liveness, LoopWatchdog
 from aioduco.supervision.settings import GuardKind
 from aioduco.testing import eventually, eventually_async, no_leaks
 
+from .programs import guard_of
+
 LEVELS = [logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL]
 ERRORS = [ValueError, KeyboardInterrupt, SystemExit]
 
@@ -207,14 +209,11 @@ async def test_the_guards_death_stops_the_arm_although_the_report_raises(bench: 
         async with aioduco.connect(
             bench.host, bench.port, heartbeat=60.0, guard="process"
         ) as robot:
-            seat = robot._supervisor.guard
-            assert seat is not None
-            first = seat.pid
-            assert first is not None
+            guard, first = guard_of(robot)
             await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
             os.kill(first, signal.SIGKILL)
             await eventually_async(lambda: not bench.moving())
-            await eventually_async(lambda: seat.alive and seat.pid != first, 20.0)
+            await eventually_async(lambda: guard.alive and guard.pid != first, 20.0)
 
 
 @pytest.mark.parametrize("error", ERRORS)

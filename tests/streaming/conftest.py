@@ -8,7 +8,6 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -59,13 +58,6 @@ def at(number: int, act: Callable[[], object]) -> Iterator[list[float]]:
         if n == number:
             act()
         yield HERE
-
-
-def runs(pid: int) -> bool:
-    """Whether a process runs: there, and no zombie."""
-    with suppress(FileNotFoundError, ProcessLookupError):
-        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    return False
 
 
 def shared_files(*pids: int) -> set[Path]:

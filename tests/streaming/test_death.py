@@ -14,6 +14,7 @@ import anyio.lowlevel
 import numpy as np
 import pytest
 from anyio.abc import TaskGroup
+from hostile.programs import running
 
 from aioduco.api.streams.servo import Servo
 from aioduco.errors import WorkerFailed
@@ -21,7 +22,7 @@ from aioduco.streaming.session import Session
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller, runs, shared_files
+from .conftest import HERE, Controller, shared_files
 
 RATE = 500
 ACCELERATION = 5.0
@@ -67,9 +68,9 @@ def started(controller: Controller) -> Iterator[tuple[subprocess.Popen[str], int
         try:
             assert program.stdout is not None
             worker = int(program.stdout.readline())
-            assert runs(worker)
+            assert running(worker)
             yield program, worker
-            eventually(lambda: not runs(worker), what="the worker's process is gone")
+            eventually(lambda: not running(worker), what="the worker's process is gone")
             assert decelerated(controller)
         finally:
             program.kill()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import gc
 import threading
+from typing import Any
 
 import anyio
 import pytest
@@ -20,6 +21,14 @@ from aioduco.testing import FaultProxy, eventually_async
 
 def threads() -> set[str]:
     return {t.name for t in threading.enumerate() if t.name.startswith("aioduco")}
+
+
+async def moving(bench: Bench, **options: Any) -> aioduco.Robot:
+    """An open robot with a motion under way."""
+    robot = aioduco.connect(bench.host, bench.port, **options)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    return robot
 
 
 async def left_standing(bench: Bench) -> None:
@@ -202,9 +211,7 @@ async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> No
 async def test_without_the_stop_a_motion_that_goes_on_is_told(bench: Bench) -> None:
     bench.motion_time = 30.0
     steps = aioduco.ClosingSteps(stop=None, standstill=0.1)
-    robot = aioduco.connect(bench.host, bench.port, closing_steps=steps)
-    await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    robot = await moving(bench, closing_steps=steps)
     with pytest.raises(aioduco.StopUnconfirmed, match="still moves"):
         await robot.aclose()
     assert bench.commands == ["movej2"]
@@ -227,9 +234,7 @@ async def test_a_rung_that_fails_is_followed_by_the_others(
     """The stop is refused; that the arm stands is seen all the same, and everything closes."""
     bench.motion_time = 0.3
     bench.answer("stop", -1)
-    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.1)
-    await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    robot = await moving(bench, stop_timeout=0.1)
     with pytest.raises(aioduco.StopUnconfirmed, match=r"no stop was accepted within 0\.1 s"):
         await robot.aclose()
     await left_standing(bench)
@@ -324,9 +329,7 @@ async def test_a_robot_that_is_being_closed_is_closed_when_the_next_aclose_retur
     bench: Bench,
 ) -> None:
     bench.motion_time, bench.braking_time = 30.0, 0.2
-    robot = aioduco.connect(bench.host, bench.port)
-    await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    robot = await moving(bench)
     first = asyncio.ensure_future(robot.aclose())
     await eventually_async(lambda: bool(bench.received("stop")))
     await robot.aclose()
@@ -337,9 +340,7 @@ async def test_a_robot_that_is_being_closed_is_closed_when_the_next_aclose_retur
 
 async def test_an_aclose_that_waits_is_not_cut_short(bench: Bench) -> None:
     bench.motion_time, bench.braking_time = 30.0, 0.2
-    robot = aioduco.connect(bench.host, bench.port)
-    await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    robot = await moving(bench)
     first, second = (asyncio.ensure_future(robot.aclose()) for _ in range(2))
     await eventually_async(lambda: bool(bench.received("stop")))
     second.cancel()
@@ -353,9 +354,7 @@ async def test_an_arm_that_does_not_stop_is_told_to_each_task_that_closes_its_ro
     bench: Bench,
 ) -> None:
     bench.motion_time = 30.0
-    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3, standstill_timeout=0.3)
-    await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    robot = await moving(bench, stop_timeout=0.3, standstill_timeout=0.3)
     bench.answer("stop", -1)
     told = await asyncio.gather(robot.aclose(), robot.aclose(), return_exceptions=True)
     assert [type(error) for error in told] == [aioduco.StopUnconfirmed] * 2

@@ -10,11 +10,11 @@ import subprocess
 import sys
 import threading
 from collections.abc import AsyncIterator
-from pathlib import Path
 from typing import NoReturn
 
 import pytest
 from client.bench import HOME, Bench
+from hostile.programs import guard_of, running
 
 import aioduco
 from aioduco import HeartbeatState
@@ -45,24 +45,9 @@ async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
         yield robot
 
 
-def seat(robot: aioduco.Robot) -> GuardClient:
-    guard = robot._supervisor.guard
-    assert guard is not None
-    return guard
-
-
 def state(robot: aioduco.Robot) -> HeartbeatState:
     assert robot.heartbeat is not None
     return robot.heartbeat.state
-
-
-def running(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    # a zombie is not running
-    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
 
 
 @pytest.mark.parametrize(
@@ -116,8 +101,7 @@ def test_a_guard_without_priority_asks_for_short_slices_whatever_the_reason(
 
 
 async def test_the_guard_beats_and_ends_with_its_robots(bench: Bench, robot: aioduco.Robot) -> None:
-    pid = seat(robot).pid
-    assert pid is not None
+    _, pid = guard_of(robot)
     await eventually_async(lambda: len(bench.received("rpc_heartbeat")) >= 4)
     assert state(robot) is HeartbeatState.BEATING
     task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
@@ -135,9 +119,8 @@ async def test_one_guard_for_all_robots(bench: Bench) -> None:
         aioduco.connect(bench.host, bench.port, guard="process") as one,
         aioduco.connect(bench.host, bench.port, guard="process") as other,
     ):
-        pid = seat(one).pid
-        assert pid is not None
-        assert pid == seat(other).pid
+        _, pid = guard_of(one)
+        assert guard_of(other)[1] == pid
         await one.aclose()
         assert running(pid)
         await other.stop()
@@ -150,14 +133,13 @@ async def test_the_guards_death_stops_the_arm_and_another_takes_over(
     bench: Bench, robot: aioduco.Robot
 ) -> None:
     bench.motion_time = 30.0
-    first = seat(robot).pid
-    assert first is not None
+    guard, first = guard_of(robot)
     task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     os.kill(first, signal.SIGKILL)
     with pytest.raises(aioduco.TaskStopped):
         await task
-    await eventually_async(lambda: seat(robot).alive and state(robot) is HeartbeatState.BEATING)
-    assert seat(robot).pid != first
+    await eventually_async(lambda: guard.alive and state(robot) is HeartbeatState.BEATING)
+    assert guard.pid != first
     bench.motion_time = 0.1
     await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
@@ -171,7 +153,7 @@ async def test_another_guard_is_tried_until_it_can_be_started(
     async with aioduco.connect(
         bench.host, bench.port, guard="process", heartbeat=heartbeat
     ) as robot:
-        tries = kill_guard_for_good(robot, monkeypatch)
+        guard, tries = kill_guard_for_good(robot, monkeypatch)
         await eventually_async(lambda: len(tries) >= 3)
         with pytest.raises(aioduco.DucoError, match=r"nother (guard )?is being started"):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
@@ -180,7 +162,7 @@ async def test_another_guard_is_tried_until_it_can_be_started(
                 await robot.motion.movej2(HOME, v=1.0, a=1.0)
         assert not bench.received("movej2")
         monkeypatch.undo()
-        await eventually_async(lambda: seat(robot).alive)
+        await eventually_async(lambda: guard.alive)
         if robot.heartbeat is not None:
             await eventually_async(lambda: state(robot) is HeartbeatState.BEATING)
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
@@ -191,9 +173,9 @@ async def test_a_robot_that_is_closed_tries_no_other_guard(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with aioduco.connect(bench.host, bench.port, guard="process") as robot:
-        tries = kill_guard_for_good(robot, monkeypatch)
+        guard, tries = kill_guard_for_good(robot, monkeypatch)
         await eventually_async(lambda: len(tries) >= 2)
-    assert not seat(robot).alive
+    assert not guard.alive
     assert not any("guard" in task.get_name() for task in asyncio.all_tasks())
 
 
@@ -212,15 +194,16 @@ async def test_a_guard_that_dies_while_it_takes_over_is_replaced_once_more(
         return link
 
     monkeypatch.setattr(client.shared, "acquire", killed_at_once)
-    first = seat(robot).pid
-    assert first is not None
+    _, first = guard_of(robot)
     os.kill(first, signal.SIGKILL)
     await eventually_async(lambda: len(guards) == 3 and state(robot) is HeartbeatState.BEATING)
     await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
-def kill_guard_for_good(robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch) -> list[None]:
-    """Kill the guard; no other can be started. Returns a list that grows with each attempt."""
+def kill_guard_for_good(
+    robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> tuple[GuardClient, list[None]]:
+    """Kill the guard; no other can be started. Returns it, and a list of the attempts."""
     tries: list[None] = []
 
     def refuse() -> NoReturn:
@@ -228,18 +211,16 @@ def kill_guard_for_good(robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch) -
         raise aioduco.GuardLost("the guard's process could not be started: EAGAIN")
 
     monkeypatch.setattr(client.shared, "acquire", refuse)
-    pid = seat(robot).pid
-    assert pid is not None
+    guard, pid = guard_of(robot)
     os.kill(pid, signal.SIGKILL)
-    return tries
+    return guard, tries
 
 
 @pytest.mark.slow
 async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Robot) -> None:
-    pid = seat(robot).pid
-    assert pid is not None
+    guard, pid = guard_of(robot)
     os.kill(pid, signal.SIGKILL)
-    eventually(lambda: not seat(robot).alive)  # before the loop has had a chance to replace it
+    eventually(lambda: not guard.alive)  # before the loop has had a chance to replace it
     with pytest.raises(aioduco.HeartbeatLost):
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
     assert not bench.received("movej2")
@@ -249,8 +230,7 @@ async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Rob
 async def test_a_guard_that_hangs_does_not_hold_up_a_stop(
     bench: Bench, robot: aioduco.Robot
 ) -> None:
-    pid = seat(robot).pid
-    assert pid is not None
+    _, pid = guard_of(robot)
     os.kill(pid, signal.SIGSTOP)
     try:
         await robot.stop()

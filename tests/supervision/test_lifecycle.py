@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import hypothesis.strategies as st
 import pytest
 from hypothesis import given
@@ -58,83 +60,52 @@ def test_an_end_is_final(late: TaskState) -> None:
     assert life.state is TaskState.FINISHED
 
 
-def blending() -> TaskLifecycle:
+SENT, ACCEPTED = TaskLifecycle.successor_sent, TaskLifecycle.successor_accepted
+REFUSED, STOPPED = TaskLifecycle.successor_refused, TaskLifecycle.stop_sent
+
+
+def interrupted(life: TaskLifecycle) -> None:
+    life.observe(TaskState.INTERRUPT)
+
+
+#: what happens to a motion with a blend radius that runs, and how it has ended then
+STORIES: dict[str, tuple[list[Callable[[TaskLifecycle], object]], Outcome | None]] = {
+    "the next was accepted": ([SENT, ACCEPTED, interrupted], Outcome.BLENDED),
+    "the next is on its way": ([SENT, interrupted], None),
+    "the next was accepted afterwards": ([SENT, interrupted, ACCEPTED], Outcome.BLENDED),
+    "the next was refused": ([SENT, interrupted, REFUSED], Outcome.INTERRUPTED),
+    "there is no next": ([interrupted], Outcome.INTERRUPTED),
+    "a stop was sent before": ([SENT, STOPPED, interrupted, ACCEPTED], Outcome.INTERRUPTED),
+    "a stop was sent after": ([SENT, interrupted, STOPPED, ACCEPTED], Outcome.INTERRUPTED),
+    "those after it were interrupted too": (
+        [ACCEPTED, TaskLifecycle.all_interrupted, interrupted],
+        Outcome.INTERRUPTED,
+    ),
+    "another one after the next was refused": (
+        [SENT, ACCEPTED, SENT, REFUSED, interrupted],
+        Outcome.BLENDED,
+    ),
+}
+
+
+@pytest.mark.cases(9)
+@pytest.mark.parametrize("story", STORIES)
+def test_a_motion_that_was_interrupted_has_blended_or_not(story: str) -> None:
+    steps, outcome = STORIES[story]
     life = TaskLifecycle(blends=True)
     life.observe(TaskState.RUNNING)
-    return life
+    for step in steps:
+        step(life)
+    assert life.outcome is outcome
+    assert life.undecided is (outcome is None)
 
 
-def test_interrupted_is_blended_when_the_next_motion_was_accepted() -> None:
-    life = blending()
-    life.successor_sent()
-    life.successor_accepted()
-    life.observe(TaskState.INTERRUPT)
-    assert life.outcome is Outcome.BLENDED
-
-
-def test_interrupted_waits_for_the_next_motion_that_is_on_its_way() -> None:
-    life = blending()
-    life.successor_sent()
-    life.observe(TaskState.INTERRUPT)
-    assert life.undecided
-    assert life.outcome is None
-    life.successor_accepted()
-    assert life.outcome is Outcome.BLENDED
-
-
-def test_interrupted_is_an_interruption_when_the_next_motion_was_refused() -> None:
-    life = blending()
-    life.successor_sent()
-    life.observe(TaskState.INTERRUPT)
-    life.successor_refused()
-    assert life.outcome is Outcome.INTERRUPTED
-
-
-def test_interrupted_is_an_interruption_without_a_next_motion() -> None:
-    life = blending()
-    life.observe(TaskState.INTERRUPT)
-    assert life.outcome is Outcome.INTERRUPTED
-
-
-def test_interrupted_is_an_interruption_without_a_blend_radius() -> None:
+def test_without_a_blend_radius_it_was_interrupted() -> None:
     life = TaskLifecycle(blends=False)
     life.observe(TaskState.RUNNING)
-    life.successor_sent()
-    life.successor_accepted()
-    life.observe(TaskState.INTERRUPT)
+    for step in (SENT, ACCEPTED, interrupted):
+        step(life)
     assert life.outcome is Outcome.INTERRUPTED
-
-
-@pytest.mark.parametrize("when", ["before", "after"])
-def test_interrupted_is_an_interruption_once_a_stop_was_sent(when: str) -> None:
-    life = blending()
-    life.successor_sent()
-    if when == "before":
-        life.stop_sent()
-    life.observe(TaskState.INTERRUPT)
-    if when == "after":
-        life.stop_sent()
-    life.successor_accepted()
-    assert life.outcome is Outcome.INTERRUPTED
-
-
-def test_interrupted_is_an_interruption_when_the_motions_after_it_are_interrupted_too() -> None:
-    life = TaskLifecycle(blends=True)
-    life.observe(TaskState.RUNNING)
-    life.successor_accepted()
-    life.all_interrupted()
-    life.observe(TaskState.INTERRUPT)
-    assert life.outcome is Outcome.INTERRUPTED
-
-
-def test_a_second_successor_that_is_refused_does_not_take_the_first_away() -> None:
-    life = blending()
-    life.successor_sent()
-    life.successor_accepted()
-    life.successor_sent()
-    life.successor_refused()
-    life.observe(TaskState.INTERRUPT)
-    assert life.outcome is Outcome.BLENDED
 
 
 def test_idle_for_long_after_running_means_that_the_controller_forgot_the_task() -> None:

@@ -132,28 +132,9 @@ async def test_a_task_that_is_lost_sight_of_ends_unknown_and_the_arm_is_stopped(
 
 
 @pytest.mark.slow
-async def test_a_controller_that_is_gone_leaves_no_await_behind(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(poller, "LOST_AFTER", 0.2)
-    bench.motion_time = 30.0
-    proxy = FaultProxy(bench.host, bench.port)
-    with proxy:
-        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
-        await robot.open()
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        proxy.refuse()
-        proxy.cut()
-        with anyio.fail_after(20), pytest.raises(aioduco.TaskUnknown):
-            await task
-        # On the way out it is said that nobody knows whether the arm stands.
-        with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
-            await robot.aclose()
-
-
-@pytest.mark.slow
-async def test_a_controller_that_stops_answering_leaves_no_await_behind(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("how", ["is gone", "stops answering"])
+async def test_a_controller_that_fails_leaves_no_await_behind(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
     monkeypatch.setattr(poller, "LOST_AFTER", 0.3)
     bench.motion_time = 30.0
@@ -161,11 +142,17 @@ async def test_a_controller_that_stops_answering_leaves_no_await_behind(
         robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
         await robot.open()
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        proxy.freeze()
+        if how == "is gone":
+            proxy.refuse()
+            proxy.cut()
+        else:
+            proxy.freeze()
         with anyio.fail_after(20), pytest.raises(aioduco.TaskUnknown):
             await task
-        with anyio.fail_after(20), pytest.raises(aioduco.CallTimeout):
+        error = aioduco.ConnectError if how == "is gone" else aioduco.CallTimeout
+        with anyio.fail_after(20), pytest.raises(error):
             await robot.state.robotmoving()
+        # On the way out it is said that nobody knows whether the arm stands.
         with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
             await robot.aclose()
 

@@ -32,6 +32,18 @@ def doubling(peer: Peer) -> None:
         peer.answer(call, 2 * call.args[0] if call.name == "get_noneblock_taskstate" else None)
 
 
+def held(gate: threading.Event) -> Script:
+    """The first answer is held back."""
+
+    def script(peer: Peer) -> None:
+        call = peer.take()
+        assert gate.wait(PATIENCE)
+        peer.answer(call)
+        doubling(peer)
+
+    return script
+
+
 def start(call: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
     return asyncio.get_running_loop().create_task(call)
 
@@ -86,13 +98,7 @@ async def test_a_task_cancelled_before_it_begins_sends_nothing() -> None:
 async def test_a_call_cancelled_while_it_waits_leaves_no_trace() -> None:
     gate = threading.Event()
 
-    def script(peer: Peer) -> None:
-        call = peer.take()
-        assert gate.wait(PATIENCE)
-        peer.answer(call)
-        doubling(peer)
-
-    async with opened(script) as (lane, server):
+    async with opened(held(gate)) as (lane, server):
         async with anyio.create_task_group() as outer:
             outer.start_soon(lane.within(None).pause, True)
             await eventually_async(lambda: len(server.calls) == 1)
@@ -115,13 +121,7 @@ async def test_a_call_cancelled_just_as_its_turn_comes() -> None:
     """The answer is there, the loop has not read it, and the next in the queue gives up."""
     gate = threading.Event()
 
-    def script(peer: Peer) -> None:
-        call = peer.take()
-        assert gate.wait(PATIENCE)
-        peer.answer(call)
-        doubling(peer)
-
-    async with opened(script) as (lane, server):
+    async with opened(held(gate)) as (lane, server):
         first = start(lane.within(None).pause(True))
         await eventually_async(lambda: len(server.calls) == 1)
         second = start(lane.rpc.resume(True))

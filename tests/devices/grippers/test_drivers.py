@@ -209,19 +209,9 @@ async def test_cancelled_it_halts() -> None:
     assert peer.written[-1] == (0x03E8, [0x0100, 255, 0x6C80])  # rGTO off
 
 
-async def test_dh_halts_where_it_is() -> None:
-    gripper, peer = dh()
-    async with gripper:
-        await gripper.activate()
-        gripper._timeout = 0.1
-        peer.before_read = lambda _: peer.registers.update({0x0201: 0, 0x0202: 777})
-        with pytest.raises(errors.GripperTimeout, match="halted"):
-            await gripper.close()
-    assert peer.written[-1] == (0x0103, [777])
-
-
-async def test_a_gripper_that_could_not_be_halted_is_not_said_to_be(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("halts", [True, False])
+async def test_dh_is_halted_where_it_is_or_not_said_to_be(
+    monkeypatch: pytest.MonkeyPatch, halts: bool
 ) -> None:
     async def silent() -> None:
         raise errors.ModbusTimeout("device 1 did not answer")
@@ -231,9 +221,12 @@ async def test_a_gripper_that_could_not_be_halted_is_not_said_to_be(
         await gripper.activate()
         gripper._timeout = 0.1
         peer.before_read = lambda _: peer.registers.update({0x0201: 0, 0x0202: 777})
-        monkeypatch.setattr(gripper, "_halt", silent)
-        with pytest.raises(errors.GripperTimeout, match="could not be halted, and may still move"):
+        if not halts:
+            monkeypatch.setattr(gripper, "_halt", silent)
+        said = "was halted" if halts else "could not be halted, and may still move"
+        with pytest.raises(errors.GripperTimeout, match=said):
             await gripper.close()
+    assert (peer.written[-1] == (0x0103, [777])) is halts
 
 
 async def test_an_object_that_is_lost_ends_what_is_awaited() -> None:
