@@ -14,6 +14,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import FLANGE, HOME, POSE
+from wire.lanes import noted
 
 import aioduco
 from aioduco import Joints, RealtimeMode, RealtimePoint, WorkerOptions
@@ -100,18 +101,13 @@ async def _stopped(case: Case, held: str = "") -> tuple[list[str], BaseException
             robot.envelope = _ENVELOPE
             raised: list[BaseException] = []
 
-            async def asked() -> None:
-                try:
-                    await _asks(robot, case)()
-                except aioduco.DucoError as exc:
-                    raised.append(exc)
-
             awaited = held or case.name
             gate = desk.hold(held, _READ[held]) if held else None
             begin = len(desk.received())
             before = len(desk.received(awaited))
             async with anyio.create_task_group() as group:
-                group.start_soon(asked)
+                asked = _asks(robot, case)()
+                group.start_soon(noted, raised, aioduco.DucoError, asked)
                 await eventually_async(lambda: len(desk.received(awaited)) > before or raised)
                 await robot.stop()
                 if gate is not None:
@@ -149,14 +145,8 @@ async def refused_by_a_stop(
     """Ask for something that reads the tool first, and stop the arm before that is answered."""
     raised: list[BaseException] = []
 
-    async def asked() -> None:
-        try:
-            await ask()
-        except aioduco.DucoError as exc:
-            raised.append(exc)
-
     async with anyio.create_task_group() as group:
-        group.start_soon(asked)
+        group.start_soon(noted, raised, aioduco.DucoError, ask())
         await eventually_async(lambda: desk.received("get_tcp_offset"))
         await robot.stop()
         read.set()

@@ -13,6 +13,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import HOME, POSE
+from wire.lanes import noted
 
 import aioduco
 import aioduco.sync
@@ -226,21 +227,16 @@ async def test_one_whose_heartbeat_was_lost_is_stopped_and_says_so(
 async def test_after_a_stop_nothing_that_waited_for_a_connection_is_sent(desk: Desk) -> None:
     desk.motion_time = 30.0
     errors: list[BaseException] = []
-    async with aioduco.connect(desk.host, desk.port, pool_size=1) as robot:
-
-        async def one() -> None:
-            try:
-                await line(robot)
-            except aioduco.TaskStopped as exc:
-                errors.append(exc)
-
-        async with anyio.create_task_group() as tg:
-            tg.start_soon(one)
-            await eventually_async(desk.moving)
-            tg.start_soon(one)
-            lane = robot._supervisor.blocking
-            await eventually_async(lambda: lane.statistics().waiting)
-            await robot.stop()
+    async with (
+        aioduco.connect(desk.host, desk.port, pool_size=1) as robot,
+        anyio.create_task_group() as tg,
+    ):
+        tg.start_soon(noted, errors, aioduco.TaskStopped, line(robot))
+        await eventually_async(desk.moving)
+        tg.start_soon(noted, errors, aioduco.TaskStopped, line(robot))
+        lane = robot._supervisor.blocking
+        await eventually_async(lambda: lane.statistics().waiting)
+        await robot.stop()
     assert len(errors) == 2
     assert len(desk.received("movel")) == 1
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import anyio
 import numpy as np
 import pytest
+from wire.lanes import noted
 
 import aioduco
 from aioduco import Joints, PointOp, Pose
@@ -175,14 +176,9 @@ async def test_points_that_arrive_after_a_stop_are_not_followed_later(
     late = pool.hold("trackEnqueue", 4)
     raised: list[BaseException] = []
 
-    async def put() -> None:
-        try:
-            await robot.track.trackEnqueue([Joints(*HOME)])
-        except aioduco.DucoError as exc:
-            raised.append(exc)
-
     async with anyio.create_task_group() as group:
-        group.start_soon(put)
+        put = robot.track.trackEnqueue([Joints(*HOME)])
+        group.start_soon(noted, raised, aioduco.DucoError, put)
         await eventually_async(lambda: len(pool.received("trackEnqueue")) == 2)
         await robot.stop()  # empties the pool
         late.set()

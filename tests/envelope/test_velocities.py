@@ -14,7 +14,7 @@ from aioduco.envelope import Envelope, Zone
 from aioduco.envelope.checker import BESIDE, STOPPING, EnvelopeChecker
 from aioduco.envelope.servo import check_servo, servo_ways
 from aioduco.envelope.velocities import Ahead, velocity_way
-from aioduco.envelope.ways import Start, check_way, joint_way, polyline
+from aioduco.envelope.ways import Start, Way, check_way, joint_way, polyline
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.velocity_follower import JointVelocity, ToolVelocity
 
@@ -31,6 +31,10 @@ BASE = np.eye(3)
 def jog(axis: str, frame: JogFrame, sense: int = 1) -> Ahead:
     made = Jog.cartesian(axis, sense, 80.0, frame=frame)  # type: ignore[arg-type]
     return Ahead("move_jog", (made.wire(OLDER), False), sense)
+
+
+def way_of(motion: Ahead, seconds: float = SECONDS) -> Way | None:
+    return velocity_way(ARM, motion, Start(Q, TOOL, WOBJ), seconds)
 
 
 def along(axis: int, speed: float) -> list[float]:
@@ -57,7 +61,7 @@ def test_the_tool_goes_where_the_path_leads(
     monkeypatch.setattr(
         "aioduco.envelope.velocities.STOPPING", math.inf
     )  # it ends where the reaction does
-    way = velocity_way(ARM, motion, Start(Q, TOOL, WOBJ), SECONDS)
+    way = way_of(motion)
     assert way is not None
     follower = ToolVelocity(ARM, np.array(Q), CYCLE, TOOL.matrix, frame)
     follower.aim(np.array(twist), 1e9)
@@ -79,7 +83,7 @@ def test_the_joints_go_where_the_path_leads(kind: str) -> None:
     motion = Ahead("move_jog", (made.wire(OLDER), False), -1)
     if kind == "speedj":
         motion = Ahead("speedj", (speeds, 1.0, -1, False), 0)
-    way = velocity_way(ARM, motion, Start(Q, TOOL, WOBJ), SECONDS)
+    way = way_of(motion)
     assert way is not None
     follower = JointVelocity(ARM, np.array(Q), CYCLE)
     follower.aim(np.array(speeds), 1e9)
@@ -92,37 +96,25 @@ def test_the_joints_go_where_the_path_leads(kind: str) -> None:
 
 def test_a_velocity_that_the_controller_ends_sooner_leads_less_far() -> None:
     ways = [
-        velocity_way(ARM, Ahead("speedj", (along(0, 0.4), 1.0, time, False), 0),
-                     Start(Q, TOOL, WOBJ), SECONDS)
-        for time in (-1, 1000, 100)
-    ]  # fmt: skip
+        way_of(Ahead("speedj", (along(0, 0.4), 1.0, time, False), 0)) for time in (-1, 1000, 100)
+    ]
     ends = [way.configs[-1][0] - Q[0] for way in ways if way is not None]
     assert ends[0] == ends[1]
     assert ends[2] == pytest.approx(ends[0] - 0.4 * (SECONDS - 0.1))
 
 
 def test_the_world_of_a_jog_is_not_known() -> None:
-    assert velocity_way(ARM, jog("x", JogFrame.WORLD), Start(Q, TOOL, WOBJ), SECONDS) is None
+    assert way_of(jog("x", JogFrame.WORLD)) is None
 
 
 def test_a_step_is_known_to_its_end() -> None:
     made = Jog.cartesian("z", -1, 10.0, step=0.07)
-    way = velocity_way(
-        ARM,
-        Ahead("move_jog", (made.wire(OLDER), False), -1),
-        Start(Q, TOOL, WOBJ),
-        9.0,
-    )
+    way = way_of(Ahead("move_jog", (made.wire(OLDER), False), -1), 9.0)
     assert way is not None
     moved = np.array(way.configs[-1][9:]) - np.array(way.configs[0][9:])
     np.testing.assert_allclose(moved, [0, 0, -0.07], atol=1e-12)
     made = Jog.joint(4, 1, 10.0, step=0.3)
-    way = velocity_way(
-        ARM,
-        Ahead("move_jog", (made.wire(OLDER), False), 1),
-        Start(Q, TOOL, WOBJ),
-        9.0,
-    )
+    way = way_of(Ahead("move_jog", (made.wire(OLDER), False), 1), 9.0)
     assert way is not None
     assert np.array(way.configs[-1]) - Q == pytest.approx(along(3, 0.3))
 

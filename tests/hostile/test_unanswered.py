@@ -9,6 +9,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import HOME, Bench
+from wire.lanes import noted
 
 import aioduco
 from aioduco.models.enums import Outcome
@@ -79,15 +80,10 @@ async def test_nobody_is_told_before_a_motion_that_is_read_late_was_stopped(benc
     gate = bench.hold("movej2", start)
     told: list[BaseException] = []
 
-    async def move(robot: aioduco.Robot) -> None:
-        try:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0)
-        except aioduco.OutcomeUnknown as exc:
-            told.append(exc)
-
     async with aioduco.connect(bench.host, bench.port, call_timeout=1.0) as robot:
         async with anyio.create_task_group() as tg:
-            tg.start_soon(move, robot)
+            motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+            tg.start_soon(noted, told, aioduco.OutcomeUnknown, motion)
             await eventually_async(lambda: bench.commands[:2] == ["movej2", "stop"])
             stop = anyio.Event()
 

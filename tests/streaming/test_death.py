@@ -171,22 +171,6 @@ async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Contro
 
 
 @pytest.mark.slow
-@pytest.mark.cases(1)
-@pytest.mark.parametrize("upsample", ["none", "ruckig"])
-async def test_a_worker_process_is_small(controller: Controller, upsample: str) -> None:
-    opened = controller.servo.joints(
-        v=1.0,
-        a=5.0,
-        source_rate=50 if upsample == "ruckig" else None,
-        upsample=upsample,  # type: ignore[arg-type]
-    )
-    async with opened as stream:
-        for _ in range(50):
-            await stream.send(HERE)
-    assert 0 < stream.statistics().memory <= 60e6
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("run_in", ["process", "thread"])
 async def test_one_stream_after_the_other_leaves_nothing(
     controller: Controller, run_in: str

@@ -9,7 +9,6 @@ import pytest
 
 from aioduco.cli.stream_figure import plot
 from aioduco.cli.stream_rate import RATES, Examination, examine, holdable
-from aioduco.errors import StreamLost
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.histogram import Percentiles
 from aioduco.streaming.shared.words import Reason, StreamState
@@ -17,36 +16,19 @@ from aioduco.testing import no_leaks
 
 from .conftest import Controller
 
-NOTHING = Percentiles(0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
 
 def figures(late: float, work: float) -> StreamStatistics:
-    return StreamStatistics(
+    zeros: dict[str, Any] = dict.fromkeys(StreamStatistics._fields, 0)
+    nothing = dict.fromkeys(("interval", "age", "queue"), Percentiles(0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    working = Percentiles(1000, work, work, work, work, work)
+    return StreamStatistics(**zeros | nothing)._replace(
         state=StreamState.ENDED,
         reason=Reason.CLOSED,
         ticks=1000,
-        sent=0,
-        missed=0,
-        starved=0,
-        limited=0,
-        overwritten=0,
-        drained=0,
-        queued=0,
-        depth=0,
-        memory=0,
-        chunks=0,
-        chunks_late=0,
-        chunks_dropped=0,
-        actions_late=0,
-        exhausted=0,
         unmet=(),
-        priority=0,
         lateness=Percentiles(1000, late, late, late, late, late),
-        interval=NOTHING,
-        round_trip=Percentiles(1000, work, work, work, work, work),
-        work=Percentiles(1000, work, work, work, work, work),
-        age=NOTHING,
-        queue=NOTHING,
+        round_trip=working,
+        work=working,
         buckets={"lateness": [(1000, 2000, 3)]},
     )
 

@@ -6,7 +6,6 @@ import ast
 import importlib
 import inspect
 import re
-import subprocess
 import sys
 from pathlib import Path
 from typing import TypeGuard
@@ -47,39 +46,19 @@ def sections(robot: object) -> list[str]:
 
 
 @pytest.mark.slow
-def test_it_is_up_to_date() -> None:
-    done = subprocess.run(
-        [sys.executable, "idl/generate_sync.py", "--check"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-@pytest.mark.slow
-def test_the_check_finds_a_difference(tmp_path: Path) -> None:
+def test_it_is_up_to_date_and_the_check_finds_a_difference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "idl"))
+    monkeypatch.setattr(sys, "argv", ["generate_sync.py", "--check"])
+    generator = importlib.import_module("generate_sync")
+    assert generator.main() == 0, capsys.readouterr().out
     for name in MODULES:
         text = (ROOT / "aioduco/sync" / name).read_text(encoding="utf-8")
         (tmp_path / name).write_text(text.replace("self._made.power_on(", "self._made.power_off("))
-    code = (
-        "import sys; sys.path.insert(0, 'idl'); sys.argv = ['generate_sync.py', '--check']\n"
-        "import generate_sync, pathlib\n"
-        f"generate_sync.SYNC = pathlib.Path({str(tmp_path)!r})\n"
-        "sys.exit(generate_sync.main())\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert done.returncode == 1
-    assert "self._made.power_off(" in done.stdout
+    monkeypatch.setattr(generator, "SYNC", tmp_path)
+    assert generator.main() == 1
+    assert "self._made.power_off(" in capsys.readouterr().out
 
 
 def test_everything_public_is_there() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -48,6 +48,16 @@ def channel(lane: WireLane) -> Channel:
 def own_threads() -> list[str]:
     """Names of the package's threads."""
     return [one.name for one in threading.enumerate() if one.name.startswith("aioduco")]
+
+
+async def noted(
+    raised: list[BaseException], kind: type[BaseException], call: Awaitable[object]
+) -> None:
+    """Await a call; an error of this kind is noted."""
+    try:
+        await call
+    except kind as exc:
+        raised.append(exc)
 
 
 class Gate:

@@ -13,7 +13,7 @@ from aioduco._wire.lane import WireLane
 from aioduco.errors import ConnectError, ConnectionLost
 from aioduco.testing import eventually, eventually_async
 
-from .lanes import SHORT, channel, own_threads
+from .lanes import SHORT, channel, noted, own_threads
 from .names import NAME, Names
 from .servers import PATIENCE, ScriptedServer, black_hole
 
@@ -119,14 +119,8 @@ async def test_a_lane_closes_while_its_name_server_hangs(names: Names) -> None:
     lane = WireLane("test", NAME, 7003, connect_timeout=PATIENCE)
     raised: list[BaseException] = []
 
-    async def open_() -> None:
-        try:
-            await lane.open()
-        except ConnectionLost as exc:
-            raised.append(exc)
-
     async with anyio.create_task_group() as group:
-        group.start_soon(open_)
+        group.start_soon(noted, raised, ConnectionLost, lane.open())
         await eventually_async(lambda: names.asked == 1)
         group.cancel_scope.cancel()
     assert lane.closed

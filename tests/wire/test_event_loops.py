@@ -19,7 +19,7 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
-from .lanes import SHORT, Gate, opened
+from .lanes import SHORT, Gate, noted, opened
 from .servers import PATIENCE, Peer, ScriptedServer, ending, honest
 
 
@@ -86,16 +86,11 @@ def test_a_call_without_an_answer_costs_its_connection(runner: asyncio.Runner, h
     gate = Gate()
     raised: list[BaseException] = []
 
-    async def call(lane: WireLane) -> None:
-        try:
-            await lane.call("pause", (True,), 2 * SHORT if how == "late" else None)
-        except OutcomeUnknown as exc:
-            raised.append(exc)
-
     async def main() -> None:
         async with opened(gate, honest) as (lane, server):
             async with anyio.create_task_group() as group:
-                group.start_soon(call, lane)
+                pause = lane.call("pause", (True,), 2 * SHORT if how == "late" else None)
+                group.start_soon(noted, raised, OutcomeUnknown, pause)
                 await eventually_async(lambda: len(server.calls) == 1)
                 if how == "cancelled":
                     group.cancel_scope.cancel()

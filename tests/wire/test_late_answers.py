@@ -24,7 +24,7 @@ from aioduco.errors import (
 from aioduco.testing import eventually_async, no_leaks
 from aioduco.testing.message_parser import Message, MessageType
 
-from .lanes import SHORT, channel, opened
+from .lanes import SHORT, channel, noted, opened
 from .servers import PATIENCE, Peer, ScriptedServer, reply
 
 Script = Callable[[Peer], None]
@@ -241,14 +241,8 @@ async def test_a_connection_that_ends_in_the_answer(end: Script, call: tuple[str
     async with opened(script, numbered) as (lane, server):
         errors: list[BaseException] = []
 
-        async def run() -> None:
-            try:
-                await lane.call(*call, PATIENCE)
-            except ConnectionLost as exc:
-                errors.append(exc)
-
         async with anyio.create_task_group() as group:
-            group.start_soon(run)
+            group.start_soon(noted, errors, ConnectionLost, lane.call(*call, PATIENCE))
             await eventually_async(lambda: answering(lane))
             now.set()
         if call is STOP:

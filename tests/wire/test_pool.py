@@ -12,7 +12,7 @@ import pytest
 from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown, RobotStateError
 from aioduco.testing import eventually_async
 
-from .lanes import SHORT, Gate, opened, own_threads
+from .lanes import SHORT, Gate, noted, opened, own_threads
 from .servers import PATIENCE, Peer, ending, honest
 
 blocking = partial(opened, blocks=True)
@@ -110,16 +110,10 @@ async def test_closing_ends_calls_under_way_and_their_threads() -> None:
     gate = Gate()
     raised: list[BaseException] = []
 
-    async def call() -> None:
-        try:
-            await lane.within(None).pause(True)
-        except ConnectionLost as exc:
-            raised.append(exc)
-
     async with blocking(gate) as (lane, server):
         async with anyio.create_task_group() as group:
-            group.start_soon(call)
-            group.start_soon(call)
+            for _ in range(2):
+                group.start_soon(noted, raised, ConnectionLost, lane.within(None).pause(True))
             await eventually_async(lambda: len(server.calls) == 1)
             await lane.aclose()
         assert {type(error) for error in raised} == {ConnectionLost, OutcomeUnknown}

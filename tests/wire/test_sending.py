@@ -13,7 +13,7 @@ from aioduco._wire.lane import WireLane
 from aioduco.errors import ConnectionLost, NotSent, OutcomeUnknown, RobotStateError
 from aioduco.testing import eventually_async
 
-from .lanes import SHORT, Gate, channel, opened, own_threads
+from .lanes import SHORT, Gate, channel, noted, opened, own_threads
 from .servers import PATIENCE, Peer, honest
 
 #: more than a system keeps for a connection whose other side reads nothing
@@ -119,16 +119,11 @@ async def test_a_permit_is_asked_when_a_call_is_sent_and_not_before() -> None:
     gate, permit = Gate(), Permit()
     raised: list[BaseException] = []
 
-    async def call() -> None:
-        try:
-            await lane.call("resume", (True,), permit=permit)
-        except RobotStateError as exc:
-            raised.append(exc)
-
     async with opened(gate) as (lane, server), anyio.create_task_group() as group:
         group.start_soon(lane.within(None).pause, True)
         await eventually_async(lambda: len(server.calls) == 1)
-        group.start_soon(call)
+        resume = lane.call("resume", (True,), permit=permit)
+        group.start_soon(noted, raised, RobotStateError, resume)
         group.start_soon(lane.rpc.get_global_speed)
         await eventually_async(lambda: lane.statistics().waiting == 2)
         assert permit.asked == 0
@@ -187,16 +182,11 @@ async def test_a_permit_that_ends_between_two_parts_leaves_a_call_that_is_never_
     read, permit = threading.Event(), Permit()
     raised: list[BaseException] = []
 
-    async def call() -> None:
-        try:
-            await lane.call("log_info", (LONG,), PATIENCE, permit=permit)
-        except RobotStateError as exc:
-            raised.append(exc)
-
     async with opened(unread(read), honest) as (lane, server):
         narrow(lane)
         async with anyio.create_task_group() as group:
-            group.start_soon(call)
+            call = lane.call("log_info", (LONG,), PATIENCE, permit=permit)
+            group.start_soon(noted, raised, RobotStateError, call)
             await eventually_async(lambda: channel(lane)._rest)
             permit.error = RobotStateError("the arm is being stopped")
             read.set()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import socket
 import threading
 import time
 from functools import partial
@@ -17,6 +16,7 @@ from aioduco.errors import ConnectionLost, OutcomeUnknown
 from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, opened
+from .names import NAME, Names
 from .servers import PATIENCE, Peer, ScriptedServer, honest
 
 # From other threads
@@ -192,24 +192,14 @@ async def test_a_stop_whose_second_connection_is_refused_has_the_first_answer(
 
 
 async def test_a_name_is_not_resolved_again_for_a_call_from_a_thread(
-    background: Any, monkeypatch: pytest.MonkeyPatch
+    background: Any, names: Names
 ) -> None:
     """A signal handler must not wait for a name server."""
-    resolve, asked = socket.getaddrinfo, []
-
-    def resolved(host: str, *args: Any, **options: Any) -> Any:
-        if host != "robot.test":
-            return resolve(host, *args, **options)
-        if options.get("flags"):
-            raise socket.gaierror("a name")
-        asked.append(host)
-        return resolve("127.0.0.1", *args, **options)
-
-    monkeypatch.setattr(socket, "getaddrinfo", resolved)
     with ScriptedServer() as server:
-        lane = WireLane("test", "robot.test", server.port, connect_timeout=PATIENCE)
+        names.addresses = [(server.host, server.port)]
+        lane = WireLane("test", NAME, server.port, connect_timeout=PATIENCE)
         await lane.open()
-        assert asked == ["robot.test"]
+        assert names.asked == 1
         assert background(partial(lane.call_from_thread, "stop", (True,), PATIENCE))() == 0
-        assert asked == ["robot.test"]
+        assert names.asked == 1
         await lane.aclose()
