@@ -6,8 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 from client.bench import Bench
+from wire.conftest import names
 
 from aioduco.testing import no_leaks
+
+__all__ = ["bench", "names"]
 
 
 @pytest.fixture

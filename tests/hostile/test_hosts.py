@@ -32,14 +32,6 @@ from aioduco.testing import no_leaks
 SHORT = 0.3
 
 
-@pytest.fixture
-def names(monkeypatch: pytest.MonkeyPatch) -> Iterator[Names]:
-    with no_leaks():
-        made = Names(monkeypatch)
-        yield made
-        made.answers.set()
-
-
 def by_robot(host: str, port: int) -> None:
     async def look() -> None:
         async with aioduco.connect(host, port, connect_timeout=SHORT, call_timeout=SHORT):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import hypothesis.strategies as st
 import pytest
 from hypothesis import given
@@ -14,97 +16,67 @@ GUIDING = ContinuousMotion("end_teach_mode", until_commanded=True)
 JOG = ContinuousMotion("stop")
 
 
-def life(held: ContinuousMotion = MOTION) -> TaskLifecycle:
+def running(held: ContinuousMotion = MOTION) -> TaskLifecycle:
     made = TaskLifecycle(blends=not held.until_commanded, continuous=held)
     made.observe(TaskState.RUNNING)
     return made
 
 
-def going(held: ContinuousMotion = MOTION) -> TaskLifecycle:
-    made = life(held)
-    made.observe(TaskState.FINISHED)
-    return made
+def sees(state: TaskState) -> Callable[[TaskLifecycle], object]:
+    return lambda life: life.observe(state)
+
+
+FINISHED, INTERRUPTED = sees(TaskState.FINISHED), sees(TaskState.INTERRUPT)
+STOPPED, STANDS = sees(TaskState.STOPPED), TaskLifecycle.mark_standing
+END, STOP = TaskLifecycle.end_sent, TaskLifecycle.stop_sent
+SENT, ACCEPTED = TaskLifecycle.successor_sent, TaskLifecycle.successor_accepted
+
+#: what happens to a motion that runs, and how it has ended then
+STORIES: dict[
+    str, tuple[ContinuousMotion, list[Callable[[TaskLifecycle], object]], Outcome | None]
+] = {
+    "its task ends": (MOTION, [FINISHED, sees(TaskState.IDLE)], None),
+    # whenever that is: what the controller calls finished is not interrupted by our clock
+    "the arm stands after its task": (MOTION, [FINISHED, STANDS], Outcome.FINISHED),
+    "the arm stands while its task runs": (MOTION, [STANDS], None),
+    "a guided arm stands": (GUIDING, [FINISHED, STANDS], None),
+    "guiding is ended": (GUIDING, [FINISHED, STANDS, END], Outcome.FINISHED),
+    "it is told to end, and has not done it": (MOTION, [END], None),
+    "it is told to end, and its task is finished": (MOTION, [END, FINISHED], Outcome.FINISHED),
+    "it is told to end, and interrupted": (MOTION, [END, INTERRUPTED], Outcome.FINISHED),
+    "it is told to end, and stopped": (MOTION, [END, STOPPED], Outcome.FINISHED),
+    "it fails when told to end": (MOTION, [END, sees(TaskState.ERROR)], Outcome.FAILED),
+    "it is illegal when told to end": (MOTION, [END, sees(TaskState.ILLEGAL)], Outcome.ILLEGAL),
+    "its state is unknown when told to end": (MOTION, [END, sees(TaskState(42))], Outcome.UNKNOWN),
+    # a stop is no end of its own
+    "it is stopped after its task": (MOTION, [FINISHED, STOP], Outcome.STOPPED),
+    "it is told to end, then stopped": (MOTION, [END, STOP, STOPPED], Outcome.STOPPED),
+    # but of a jog a stop may be what ends it
+    "a jog is ended": (JOG, [END, STOP, STOPPED], Outcome.FINISHED),
+    "a jog is stopped by somebody else": (JOG, [STOP, STOPPED], Outcome.STOPPED),
+    "another motion is sent": (MOTION, [FINISHED, SENT], None),
+    "another motion takes over": (MOTION, [FINISHED, SENT, ACCEPTED], Outcome.BLENDED),
+    "no motion takes over from guiding": (GUIDING, [FINISHED, SENT, ACCEPTED], None),
+}
+
+
+@pytest.mark.cases(19)
+@pytest.mark.parametrize("story", STORIES)
+def test_how_it_ends(story: str) -> None:
+    held, steps, outcome = STORIES[story]
+    motion = running(held)
+    for step in steps:
+        step(motion)
+    assert motion.outcome is outcome
+    assert motion.ended is (outcome is not None)
 
 
 def test_the_end_of_the_task_is_not_the_end_of_the_motion() -> None:
-    motion = going()
+    motion = running()
+    motion.observe(TaskState.FINISHED)
     assert motion.continues_after_task
-    assert not motion.ended
     assert motion.state is TaskState.FINISHED
     assert not motion.observe(TaskState.IDLE)  # nothing more is to be learned from the task
-
-
-def test_it_ends_when_the_arm_stands() -> None:
-    """Whenever that is: what the controller calls finished is not interrupted by our clock."""
-    motion = going()
-    motion.mark_standing()
-    assert motion.outcome is Outcome.FINISHED
-
-
-def test_an_arm_that_stands_while_the_task_runs_means_nothing() -> None:
-    motion = life()
-    motion.mark_standing()
-    assert not motion.ended
-
-
-def test_hand_guiding_goes_on_though_the_arm_stands() -> None:
-    motion = going(GUIDING)
-    motion.mark_standing()
-    assert not motion.ended
-    motion.end_sent()
-    assert motion.outcome is Outcome.FINISHED
-
-
-@pytest.mark.parametrize("state", [TaskState.FINISHED, TaskState.INTERRUPT, TaskState.STOPPED])
-def test_however_the_task_ends_after_it_was_told_to(state: TaskState) -> None:
-    motion = life()
-    motion.end_sent()
-    assert not motion.ended  # it is told, but has not done it
-    motion.observe(state)
-    assert motion.outcome is Outcome.FINISHED
-
-
-@pytest.mark.parametrize("state", [TaskState.ERROR, TaskState.ILLEGAL, TaskState(42)])
-def test_what_fails_fails_though_it_was_told_to_end(state: TaskState) -> None:
-    motion = life()
-    motion.end_sent()
-    motion.observe(state)
-    assert motion.outcome not in {None, Outcome.FINISHED}
-
-
-def test_a_stop_is_no_end_of_its_own() -> None:
-    motion = going()
-    motion.stop_sent()
-    assert motion.outcome is Outcome.STOPPED
-    motion = life()
-    motion.end_sent()
-    motion.stop_sent()
-    motion.observe(TaskState.STOPPED)
-    assert motion.outcome is Outcome.STOPPED
-
-
-def test_a_stop_may_be_what_ends_it() -> None:
-    motion = life(JOG)
-    motion.end_sent()
-    motion.stop_sent()
-    motion.observe(TaskState.STOPPED)
-    assert motion.outcome is Outcome.FINISHED
-    motion = life(JOG)
-    motion.stop_sent()  # of somebody who did not mean to end it
-    motion.observe(TaskState.STOPPED)
-    assert motion.outcome is Outcome.STOPPED
-
-
-def test_another_motion_takes_over() -> None:
-    motion = going()
-    motion.successor_sent()
-    assert not motion.ended
-    motion.successor_accepted()
-    assert motion.outcome is Outcome.BLENDED
-    guided = going(GUIDING)
-    guided.successor_sent()
-    guided.successor_accepted()
-    assert not guided.ended
 
 
 def test_its_limits() -> None:
@@ -114,14 +86,14 @@ def test_its_limits() -> None:
     assert not ContinuousMotion("stop", until_commanded=True).mode
 
 
-EVENTS = {
-    "finished": lambda one: one.observe(TaskState.FINISHED),
-    "interrupted": lambda one: one.observe(TaskState.INTERRUPT),
-    "stopped": lambda one: one.observe(TaskState.STOPPED),
-    "idle": lambda one: one.observe(TaskState.IDLE),
-    "stood": TaskLifecycle.mark_standing,
-    "sent": TaskLifecycle.successor_sent,
-    "accepted": TaskLifecycle.successor_accepted,
+EVENTS: dict[str, Callable[[TaskLifecycle], object]] = {
+    "finished": FINISHED,
+    "interrupted": INTERRUPTED,
+    "stopped": STOPPED,
+    "idle": sees(TaskState.IDLE),
+    "stood": STANDS,
+    "sent": SENT,
+    "accepted": ACCEPTED,
     "refused": TaskLifecycle.successor_refused,
 }
 
@@ -131,7 +103,7 @@ def test_it_has_not_finished_unless_it_was_told_to_or_the_arm_stands(
     events: list[str], held: ContinuousMotion
 ) -> None:
     """Whatever is seen: "finished" is never said of an arm that may still move by itself."""
-    motion = life(held)
+    motion = running(held)
     for event in events:
         EVENTS[event](motion)
     if motion.outcome is Outcome.FINISHED:
