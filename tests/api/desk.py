@@ -70,6 +70,15 @@ class Desk(Bench):
 
         self.answer(name, called)
 
+    def fails(self, name: str, answer: Any, reason: str) -> None:
+        """Make a function answer so, after it has added the reason to the list of errors."""
+
+        def call(*_: Any) -> Any:
+            self.errors = [*self.errors, reason]
+            return answer
+
+        self.answer(name, call)
+
     def begins(
         self, name: str, lasting: float = 0.02, end: TaskState | None = None, error: str = ""
     ) -> None:

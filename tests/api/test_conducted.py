@@ -76,12 +76,7 @@ async def test_another_end_is_an_error_that_says_what_the_controller_lists(
     error: type[Exception],
 ) -> None:
     desk.errors = ["an older one"]
-
-    def fails(*_: Any) -> int:
-        desk.errors = ["an older one", "out of reach"]
-        return answer
-
-    desk.answer(motion.name, fails)
+    desk.fails(motion.name, answer, "out of reach")
     with pytest.raises(error, match=motion.name) as caught:
         await motion.call(robot)
     if isinstance(caught.value, aioduco.TaskError):
@@ -256,12 +251,8 @@ async def test_realtime_mode_that_cannot_be_ended_becomes_a_stop(
 
 
 async def test_a_mode_that_is_not_entered_says_why(robot: aioduco.Robot, realtime: Desk) -> None:
-    def fails(*args: object) -> int:
-        realtime.errors.append("torques are not followed")
-        return 8
-
     realtime.errors = ["an old error"]
-    realtime.answer("start_realtime_mode", fails)
+    realtime.fails("start_realtime_mode", 8, "torques are not followed")
     with pytest.raises(aioduco.TaskParameterMismatch) as failed:
         await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_TORQUE)
     assert failed.value.errors == ("torques are not followed",)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import pytest
 
@@ -127,27 +126,20 @@ async def test_a_task_that_fails(robot: aioduco.Robot, desk: Desk) -> None:
 
 
 async def test_a_setting_that_fails_says_why(robot: aioduco.Robot, desk: Desk) -> None:
-    def fails(reason: str, answer: int) -> Callable[..., int]:
-        def call(*args: object) -> int:
-            desk.errors.append(reason)
-            return answer
-
-        return call
-
     desk.errors = ["an old error"]
     for reason in ("no such signal", "the device does not answer"):
-        desk.answer("modbus_write", fails(reason, 6))
+        desk.fails("modbus_write", 6, reason)
         with pytest.raises(aioduco.TaskFailed) as failed:
             await robot.modbus.modbus_write("pump", 1)
         assert failed.value.errors == (reason,)
-    desk.answer("modbus_delete_signal", fails("it is in use", 7))
+    desk.fails("modbus_delete_signal", 7, "it is in use")
     with pytest.raises(aioduco.TaskIllegal) as illegal:
         await robot.modbus.modbus_delete_signal("pump")
     assert illegal.value.errors == ("it is in use",)
-    desk.answer("set_tool_data", fails("35 kg at most", 0))
+    desk.fails("set_tool_data", 0, "35 kg at most")
     with pytest.raises(aioduco.Refused, match=r"\(answer 0\): 35 kg at most$"):
         await robot.frames.set_tool_data("grip", POSE, Load(40.0))
-    desk.answer("set_system_value_bool", fails("there is no 'busy'", 1))
+    desk.fails("set_system_value_bool", 1, "there is no 'busy'")
     with pytest.raises(aioduco.Refused, match=r"\(answer 1\): there is no 'busy'$"):
         await robot.registers.set_system_value_bool("busy", True)
 
@@ -159,11 +151,8 @@ async def test_what_a_read_was_refused_for_is_no_error_of_the_next_command(
     with pytest.raises(aioduco.TaskFailed):
         await robot.force.fc_start()
 
-    def refused(*_: object) -> float:
-        desk.errors.append("get_system_value_double: there is no 'count'")
-        return 0.0
-
-    desk.answer("get_system_value_double", refused)
+    reason = "get_system_value_double: there is no 'count'"
+    desk.fails("get_system_value_double", 0.0, reason)
     with pytest.raises(aioduco.Refused, match="there is no 'count'"):
         await robot.registers.get_system_value_double("count")
     desk.begins("fc_start", end=aioduco.TaskState.ERROR, error="it is not calibrated")

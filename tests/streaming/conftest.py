@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from aioduco.api.streams.servo import Servo
+from aioduco.sim import Simulator
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.stream import Stream
 from aioduco.supervision.gate import Gate
@@ -108,6 +109,13 @@ class Controller:
             if not found or found[-1] != call.method:
                 found.append(call.method)
         return found
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    """An arm on a clock as fast as the real one."""
+    with Simulator() as sim:
+        yield sim
 
 
 @pytest.fixture

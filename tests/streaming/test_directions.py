@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from typing import Any
 
 import anyio
@@ -26,12 +26,6 @@ BENCH = Pose(0.3, 0.1, 0.2, 0.1, -0.2, 0.7)
 TIP = Pose(0.02, 0.0, 0.1, 0.3, 0.0, 0.0)
 FRAMES = ("base", "tool", "wobj")
 UP = np.array([0.0, 0.0, 1.0])
-
-
-@pytest.fixture(scope="module")
-def sim() -> Iterator[Simulator]:
-    with Simulator() as sim:
-        yield sim
 
 
 @pytest.fixture

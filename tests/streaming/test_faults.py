@@ -54,12 +54,6 @@ PATIENT = WorkerOptions(run_in="thread", timeout=5.0)
 workers = pytest.mark.parametrize("run_in", ["process", "thread"])
 
 
-@pytest.fixture(scope="module")
-def sim() -> Iterator[Simulator]:
-    with Simulator() as sim:
-        yield sim
-
-
 @pytest.fixture
 def proxy(sim: Simulator) -> Iterator[FaultProxy]:
     with FaultProxy(sim.host, sim.port) as proxy:

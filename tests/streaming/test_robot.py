@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
 
 import anyio
@@ -38,12 +38,6 @@ from .robot_motions import KINDS, START, WAY
 PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
 #: one of each way to bring set-points to the controller
 FOLLOWED = ["servoj", "speedj", "joint_position", "track joints"]
-
-
-@pytest.fixture(scope="module")
-def sim() -> Iterator[Simulator]:
-    with Simulator() as sim:
-        yield sim
 
 
 async def ready(robot: aioduco.Robot) -> None:
