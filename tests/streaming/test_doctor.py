@@ -9,6 +9,7 @@ import pytest
 
 from aioduco.cli.stream_figure import plot
 from aioduco.cli.stream_rate import RATES, Examination, examine, holdable
+from aioduco.errors import StreamLost
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.histogram import Percentiles
 from aioduco.streaming.shared.words import Reason, StreamState
