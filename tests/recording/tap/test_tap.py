@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import select
 import signal
 import socket
 import struct
@@ -76,9 +77,12 @@ def listener() -> Iterator[socket.socket]:
 def joined(tap: Tap, listener: socket.socket) -> Iterator[tuple[socket.socket, socket.socket]]:
     """A client's socket and the controller's."""
     with ExitStack() as stack:
-        client = stack.enter_context(
-            socket.create_connection((tap.host, tap.port), timeout=PATIENCE)
-        )
+        there: list[socket.socket] = []
+        while listener not in there:  # a client that comes while others are cut is cut with them
+            address = tap.host, tap.port
+            client = stack.enter_context(socket.create_connection(address, timeout=PATIENCE))
+            there, _, _ = select.select([client, listener], [], [], PATIENCE)
+            assert there
         controller, _ = listener.accept()
         stack.enter_context(controller)
         controller.settimeout(PATIENCE)
