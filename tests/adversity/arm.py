@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -26,6 +27,12 @@ def ready() -> Iterator[Simulator]:
             robot.bring_up()
         sim.speed = 1.0
         yield sim
+
+
+def random_target(rng: random.Random) -> list[float]:
+    """Joints far from every singularity [rad]."""
+    low, high = (-0.5, -0.2, 1.2, -0.3, -1.8, -0.5), (0.5, 0.2, 1.8, 0.3, -1.3, 0.5)
+    return [rng.uniform(a, b) for a, b in zip(low, high, strict=True)]
 
 
 def idle(sim: Simulator) -> bool:

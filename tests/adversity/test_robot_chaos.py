@@ -28,7 +28,7 @@ from aioduco.testing import (
     no_leaks,
 )
 
-from .arm import idle, see_it_stand, unrest
+from .arm import idle, random_target, see_it_stand, unrest
 from .menu import MENU
 
 pytestmark = pytest.mark.usefixtures("guards")
@@ -61,11 +61,6 @@ class Mover:
         self._rng = rng
         self.outcomes: Counter[str] = Counter()
 
-    def target(self) -> list[float]:
-        low = np.array([-0.5, -0.2, 1.2, -0.3, -1.8, -0.5])
-        high = np.array([0.5, 0.2, 1.8, 0.3, -1.3, 0.5])
-        return [self._rng.uniform(a, b) for a, b in zip(low, high, strict=True)]
-
     async def rest(self) -> None:
         """Wait until the arm stands."""
         await eventually_async(
@@ -73,7 +68,7 @@ class Mover:
         )
 
     async def move(self, robot: aioduco.Robot) -> None:
-        target = self.target()
+        target = random_target(self._rng)
         try:
             outcome = await robot.motion.movej2(target, v=2.0, a=8.0)
         except (StopUnconfirmed, HeartbeatLost) as exc:

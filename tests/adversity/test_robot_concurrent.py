@@ -18,7 +18,7 @@ from aioduco.sim import Simulator
 from aioduco.supervision.settings import GuardKind
 from aioduco.testing import no_leaks
 
-from .arm import see_it_stand
+from .arm import random_target, see_it_stand
 
 pytestmark = pytest.mark.usefixtures("guards")
 
@@ -43,10 +43,8 @@ class Players:
 
     async def move(self) -> None:
         """Moves; some of the motions are cancelled, or tied to a block that ends early."""
-        low = np.array([-0.5, -0.2, 1.2, -0.3, -1.8, -0.5])
-        high = np.array([0.5, 0.2, 1.8, 0.3, -1.3, 0.5])
         for _ in range(MOTIONS):
-            target = [self._rng.uniform(a, b) for a, b in zip(low, high, strict=True)]
+            target = random_target(self._rng)
             motion = self._robot.motion.movej2(target, v=2.0, a=8.0)
             limit = self._rng.uniform(0.0, 0.1) if self._rng.random() < 0.3 else 60.0
             with anyio.move_on_after(limit) as scope:

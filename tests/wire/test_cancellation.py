@@ -20,7 +20,7 @@ from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import CallTimeout, ConnectError, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
-from .lanes import SHORT, channel, opened
+from .lanes import SHORT, channel, opened, own_threads
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest, silent
 
 Script = Callable[[Peer], None]
@@ -147,29 +147,33 @@ def block_until_answered(lane: WireLane) -> None:
 # In mid call
 
 
+@pytest.mark.parametrize("blocks", [False, True], ids=["on the loop", "on a thread"])
 @pytest.mark.parametrize("name", ["get_global_speed", "pause", "stop"])
-async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str) -> None:
+async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str, blocks: bool) -> None:
+    """And a thread of its own comes back, and carries the next calls."""
     gone = []
 
     def script(peer: Peer) -> None:
         peer.receive()
         gone.append(peer.wait_gone())
 
-    async with opened(script, doubling) as (lane, server):
-        connection = channel(lane)
+    async with opened(script, doubling, blocks=blocks) as (lane, server):
+        life = None if blocks else channel(lane).life
         async with anyio.create_task_group() as group:
             args = () if name == "get_global_speed" else (True,)
             group.start_soon(partial(lane.call, name, args, None))
             await eventually_async(lambda: len(server.calls) == 1)
             group.cancel_scope.cancel()
-        assert connection.life.state is ConnectionState.POISONED
-        assert connection.life.reason == "the call was cancelled"
+        if life is not None:
+            assert life.state is ConnectionState.POISONED
+            assert life.reason == "the call was cancelled"
         server.wait_finished(1)
         assert gone == [True]
         await works(lane)
         # never sent again by itself, not even a stop: nobody wants its answer any more
         assert server.names.count(name) == 1
         assert lane.statistics().abandoned == 1
+        assert own_threads().count("aioduco-test") == blocks
 
 
 async def test_a_call_cancelled_while_it_connects() -> None:

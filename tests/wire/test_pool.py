@@ -13,7 +13,7 @@ from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown,
 from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, noted, opened, own_threads
-from .servers import PATIENCE, Peer, ending, honest
+from .servers import Peer, ending, honest
 
 blocking = partial(opened, blocks=True)
 
@@ -46,29 +46,6 @@ async def test_the_loop_goes_on_while_calls_block() -> None:
         with pytest.raises(NotSent, match=r"no connection .* was free"):
             await lane.call("resume", (True,), SHORT)
         gate.open()
-
-
-@pytest.mark.parametrize("name", ["get_global_speed", "pause", "stop"])
-async def test_a_call_cancelled_in_mid_call_closes_its_connection(name: str) -> None:
-    gone = []
-
-    def script(peer: Peer) -> None:
-        peer.receive()
-        gone.append(peer.wait_gone())
-
-    async with blocking(script, honest) as (lane, server):
-        async with anyio.create_task_group() as group:
-            args = () if name == "get_global_speed" else (True,)
-            group.start_soon(partial(lane.call, name, args, None))
-            await eventually_async(lambda: len(server.calls) == 1)
-            group.cancel_scope.cancel()
-        server.wait_finished(1)
-        assert gone == [True]
-        # its thread comes back, and carries the next call
-        assert await lane.call("resume", (True,), PATIENCE) == 0
-        assert server.names == [name, "resume"]
-        assert lane.statistics().abandoned == 1
-        assert len(threads()) == 1
 
 
 @pytest.mark.parametrize(
