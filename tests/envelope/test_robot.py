@@ -129,13 +129,19 @@ async def test_stop_ends_what_runs_before_it(robot: aioduco.Robot) -> None:
         await first
 
 
-@pytest.mark.slow
-async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> None:
+async def before_a_corner(robot: aioduco.Robot) -> tuple[Pose, Pose, Pose]:
+    """Where the tool is, a corner and what lies behind it; a blend would cut a zone beside it."""
     here = await robot.state.get_tcp_pose()
     corner = Pose(here.x, here.y + 0.2, *here[2:])
     end = Pose(here.x - 0.2, here.y + 0.2, *here[2:])
     edge = Zone.sphere((here.x - 0.05, here.y + 0.15, here.z), 0.03, bodies=("tool",), name="edge")
     robot.envelope = Envelope("gcr5_910", edge)
+    return here, corner, end
+
+
+@pytest.mark.slow
+async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> None:
+    here, corner, end = await before_a_corner(robot)
     with pytest.raises(EnvelopeViolated, match="'edge'"):
         await robot.motion.run(
             robot.motion.movel(corner, v=0.5, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
@@ -164,11 +170,7 @@ async def test_what_blends_after_a_blocking_call_is_watched(
     robot: aioduco.Robot, sim: Simulator
 ) -> None:
     """Its call is answered while the arm moves, so the next one begins nobody knows where."""
-    here = await robot.state.get_tcp_pose()
-    corner = Pose(here.x, here.y + 0.2, *here[2:])
-    end = Pose(here.x - 0.2, here.y + 0.2, *here[2:])
-    edge = Zone.sphere((here.x - 0.05, here.y + 0.15, here.z), 0.03, bodies=("tool",), name="edge")
-    robot.envelope = Envelope("gcr5_910", edge)
+    _, corner, end = await before_a_corner(robot)
     sim.speed = 0.01  # the second comes in time
     assert await robot.blocking.movel(corner, v=0.5, a=2.0, r=0.15) is TaskState.INTERRUPT
     async with anyio.create_task_group() as tg:

@@ -36,6 +36,8 @@ from aioduco.supervision.guard.messages import (
 )
 from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
 
+from .test_heartbeat import state
+
 pytestmark = pytest.mark.linux("the guard's process")
 
 
@@ -43,11 +45,6 @@ pytestmark = pytest.mark.linux("the guard's process")
 async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
     async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=0.3) as robot:
         yield robot
-
-
-def state(robot: aioduco.Robot) -> HeartbeatState:
-    assert robot.heartbeat is not None
-    return robot.heartbeat.state
 
 
 @pytest.mark.parametrize(

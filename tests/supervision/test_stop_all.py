@@ -38,6 +38,10 @@ async def open_all(
     return robots
 
 
+async def move_all(robots: list[aioduco.Robot]) -> list[aioduco.Task]:
+    return [await robot.motion.movej2(HOME, v=1.0, a=1.0).start() for robot in robots]
+
+
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("guard", [None, "process"])
 async def test_all_are_told_before_anything_else_runs(
@@ -51,7 +55,7 @@ async def test_all_are_told_before_anything_else_runs(
     came: list[int] = []
     async with AsyncExitStack() as stack:
         robots = await open_all(stack, fleet, guard)
-        tasks = [await robot.motion.movej2(HOME, v=1.0, a=1.0).start() for robot in robots]
+        tasks = await move_all(robots)
         asyncio.get_running_loop().call_soon(busy)
         await aioduco.stop_all(robots)
         assert came == [1, 1, 1]
@@ -63,8 +67,7 @@ async def test_all_are_told_before_anything_else_runs(
 async def test_who_fails_is_named_and_the_others_stand(fleet: Fleet) -> None:
     async with AsyncExitStack() as stack:
         robots = await open_all(stack, fleet)
-        for robot in robots[:2]:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await move_all(robots[:2])
         fleet[0].answer("stop", -1)
         await robots[2].aclose()
         with pytest.raises(aioduco.StopsUnconfirmed, match="of 2 of 3 arms") as caught:
@@ -83,8 +86,7 @@ async def test_who_fails_is_named_and_the_others_stand(fleet: Fleet) -> None:
 async def test_a_cancellation_leaves_no_stop_behind(fleet: Fleet) -> None:
     async with AsyncExitStack() as stack:
         robots = await open_all(stack, fleet)
-        for robot in robots:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await move_all(robots)
         with anyio.CancelScope() as scope:
             scope.cancel()
             await aioduco.stop_all(robots)
@@ -123,8 +125,7 @@ async def test_what_is_no_robot_keeps_no_other_from_its_stop(fleet: Fleet) -> No
     """Such as the arm of a cell that has only one, or a robot of blocking programs."""
     async with AsyncExitStack() as stack:
         robots = await open_all(stack, fleet)
-        for robot in robots:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await move_all(robots)
         missing: Any = None
         with pytest.raises(
             aioduco.StopsUnconfirmed, match=r"robots\[1\]: None is no robot"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,16 +41,21 @@ def pipe() -> Iterator[tuple[int, int]]:
 WAITING: Any = {"hold": 30.0, "options": WorkerOptions(timeout=30.0)}
 
 
-def patient(sim: Simulator) -> aioduco.Robot:
-    return aioduco.connect(
-        sim.host,
-        sim.port,
-        heartbeat=30.0,
-        loop_stall_limit=30.0,
-        call_timeout=30.0,
-        lag_limit=None,
-        clock=sim.clock,
-    )
+@asynccontextmanager
+async def ready() -> AsyncIterator[tuple[Simulator, aioduco.Robot]]:
+    """A simulated arm, and a robot that a busy machine does not disturb."""
+    with Simulator() as sim:
+        async with aioduco.connect(
+            sim.host,
+            sim.port,
+            heartbeat=30.0,
+            loop_stall_limit=30.0,
+            call_timeout=30.0,
+            lag_limit=None,
+            clock=sim.clock,
+        ) as robot:
+            await robot.bring_up()
+            yield sim, robot
 
 
 class Standing:
@@ -76,61 +82,57 @@ async def test_a_held_key_leads_the_tool_and_a_silent_device_leaves_it_standing(
     pipe: tuple[int, int], tmp_path: Path
 ) -> None:
     reader, writer = pipe
-    with Simulator() as sim:
-        async with patient(sim) as robot:
-            await robot.bring_up()
-            before, start = place(sim), np.array(sim.joints)
-            device = KeyboardDevice(reader, Keyboard(first=0.5, repeating=0.5))
-            async with robot.record(tmp_path / "run.mcap"), anyio.create_task_group() as tasks:
-                with device:
+    async with ready() as (sim, robot):
+        before, start = place(sim), np.array(sim.joints)
+        device = KeyboardDevice(reader, Keyboard(first=0.5, repeating=0.5))
+        async with robot.record(tmp_path / "run.mcap"), anyio.create_task_group() as tasks:
+            with device:
 
-                    async def lead() -> None:
-                        report = await teleoperate(robot, device, TeleopScale(speed=0.1), **WAITING)
-                        assert report.held >= 1
-                        assert report.seconds > 0.05
+                async def lead() -> None:
+                    report = await teleoperate(robot, device, TeleopScale(speed=0.1), **WAITING)
+                    assert report.held >= 1
+                    assert report.seconds > 0.05
 
-                    tasks.start_soon(lead)
+                tasks.start_soon(lead)
 
-                    def risen() -> bool:
-                        # As a terminal repeats a key that is held.
-                        os.write(writer, b"r")
-                        return bool(place(sim)[2] - before[2] > 0.01)
+                def risen() -> bool:
+                    # As a terminal repeats a key that is held.
+                    os.write(writer, b"r")
+                    return bool(place(sim)[2] - before[2] > 0.01)
 
-                    await eventually_async(risen, 60.0)
-                    # Then nothing more comes: it comes to rest by itself.
-                    await eventually_async(Standing(sim), 60.0)
-                    os.write(writer, b"q")
-            way = place(sim) - before
-            np.testing.assert_allclose(way / np.linalg.norm(way), [0, 0, 1], atol=0.1)
-            led = np.array(sim.joints)
-            seen = read(tmp_path / "run.mcap").arrays("/joint_states")["position"]
-            np.testing.assert_allclose(seen[0], start, atol=2e-3)
-            np.testing.assert_allclose(seen[-1], led, atol=2e-3)
+                await eventually_async(risen, 60.0)
+                # Then nothing more comes: it comes to rest by itself.
+                await eventually_async(Standing(sim), 60.0)
+                os.write(writer, b"q")
+        way = place(sim) - before
+        np.testing.assert_allclose(way / np.linalg.norm(way), [0, 0, 1], atol=0.1)
+        led = np.array(sim.joints)
+        seen = read(tmp_path / "run.mcap").arrays("/joint_states")["position"]
+        np.testing.assert_allclose(seen[0], start, atol=2e-3)
+        np.testing.assert_allclose(seen[-1], led, atol=2e-3)
 
 
 @pytest.mark.linux("devices that are files")
 async def test_joints_are_turned_and_a_wrong_scale_is_refused(pipe: tuple[int, int]) -> None:
     reader, writer = pipe
-    with Simulator() as sim:
-        async with patient(sim) as robot:
-            await robot.bring_up()
-            before = np.array(sim.joints)
-            seen = []
-            os.write(writer, b"u")  # the sixth axis
+    async with ready() as (sim, robot):
+        before = np.array(sim.joints)
+        seen = []
+        os.write(writer, b"u")  # the sixth axis
 
-            def look(reading: Reading) -> None:
-                seen.append(reading)
-                if abs(np.array(sim.joints)[5] - before[5]) > 0.01:
-                    os.write(writer, b"q")
+        def look(reading: Reading) -> None:
+            seen.append(reading)
+            if abs(np.array(sim.joints)[5] - before[5]) > 0.01:
+                os.write(writer, b"q")
 
-            with KeyboardDevice(reader, Keyboard(first=30.0)) as device:
-                await teleoperate(robot, device, joints=True, on_reading=look, **WAITING)
-            assert seen[-1].done
-            moved = np.array(sim.joints) - before
-            assert moved[5] > 0.01
-            assert np.abs(moved[:5]).max() < 2e-3
-            with pytest.raises(ParameterError, match="TeleopScale"):
-                await teleoperate(robot, device, 0.5)  # type: ignore[arg-type]  # what is refused
+        with KeyboardDevice(reader, Keyboard(first=30.0)) as device:
+            await teleoperate(robot, device, joints=True, on_reading=look, **WAITING)
+        assert seen[-1].done
+        moved = np.array(sim.joints) - before
+        assert moved[5] > 0.01
+        assert np.abs(moved[:5]).max() < 2e-3
+        with pytest.raises(ParameterError, match="TeleopScale"):
+            await teleoperate(robot, device, 0.5)  # type: ignore[arg-type]  # what is refused
 
 
 class Held:
@@ -149,11 +151,9 @@ class Held:
 
 @pytest.mark.slow
 async def test_a_hold_that_lasts_until_the_end_counts() -> None:
-    with Simulator() as sim:
-        async with patient(sim) as robot:
-            await robot.bring_up()
-            device = Held(0.1)
-            report = await teleoperate(robot, device, **WAITING)
+    async with ready() as (_, robot):
+        device = Held(0.1)
+        report = await teleoperate(robot, device, **WAITING)
     assert report.held == 1
     assert device.first is not None
     assert report.seconds == device.last - device.first
@@ -162,10 +162,8 @@ async def test_a_hold_that_lasts_until_the_end_counts() -> None:
 @pytest.mark.slow
 async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
     fastest = TeleopScale(turn_speed=JOINT_SPEED.high)
-    with Simulator() as sim:
-        async with patient(sim) as robot:
-            await robot.bring_up()
-            report = await teleoperate(robot, Held(0.0), fastest, **WAITING)
+    async with ready() as (_, robot):
+        report = await teleoperate(robot, Held(0.0), fastest, **WAITING)
     assert report.stream.reason is Reason.CLOSED
 
 
@@ -182,10 +180,8 @@ class Wrong:
 
 @pytest.mark.slow
 async def test_what_is_no_reading_ends_the_stream() -> None:
-    with Simulator() as sim:
-        async with patient(sim) as robot:
-            await robot.bring_up()
-            for given in (None, (1.0, 0.0, 0.0), Reading((1.0,) * 5, held=True), Reading(None)):  # type: ignore[arg-type]  # what is refused
-                with pytest.raises(ParameterError, match="a Reading with six axes"):
-                    await teleoperate(robot, Wrong(given), **WAITING)
-            assert not await robot.state.robotmoving()
+    async with ready() as (_, robot):
+        for given in (None, (1.0, 0.0, 0.0), Reading((1.0,) * 5, held=True), Reading(None)):  # type: ignore[arg-type]  # what is refused
+            with pytest.raises(ParameterError, match="a Reading with six axes"):
+                await teleoperate(robot, Wrong(given), **WAITING)
+        assert not await robot.state.robotmoving()
