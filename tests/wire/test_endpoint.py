@@ -1,4 +1,7 @@
-"""Names are resolved off the event loop, and each address has its share of the time."""
+"""Names are resolved off the event loop, for each connection.
+
+That each address has its share of the time: `test_connection.py` and `hostile/test_hosts.py`.
+"""
 
 from __future__ import annotations
 
@@ -15,19 +18,9 @@ from aioduco.testing import eventually, eventually_async
 
 from .lanes import SHORT, channel, noted, own_threads
 from .names import NAME, Names
-from .servers import PATIENCE, ScriptedServer, black_hole
+from .servers import PATIENCE, ScriptedServer
 
-# Shares
-
-
-@pytest.mark.slow
-async def test_an_address_that_does_not_answer_leaves_time_for_the_next(names: Names) -> None:
-    with ScriptedServer() as server, black_hole() as nobody:
-        names.addresses = [nobody, (server.host, server.port)]
-        lane = WireLane("test", NAME, 7003, connect_timeout=1.0)
-        await lane.open()
-        assert await lane.rpc.stop(True) == 0
-        await lane.aclose()
+# Addresses
 
 
 async def test_an_address_that_refuses_costs_no_time(names: Names) -> None:
