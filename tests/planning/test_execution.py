@@ -13,12 +13,14 @@ from typing import Any
 import anyio
 import numpy as np
 import pytest
+from cli_runner import CliRunner
 from moments import complaints, streamed_in_time
 from patient import COMMAND_LINE, patient_queue
 from PIL import Image
 
 import aioduco
 from aioduco import FirstPointTooFar, Joints, ParameterError, PlanObstructed, StreamStopped
+from aioduco.cli.app import app
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.planning import Plan, Planner, Scene
 from aioduco.planning.execution import execute
@@ -249,9 +251,7 @@ def test_the_example() -> None:
     assert "on the right side\non the left side again, round a ball" in done.stdout
 
 
-@pytest.mark.slow
 def test_the_demonstration_is_for_a_simulated_arm() -> None:
-    command = [sys.executable, "-m", "aioduco.cli", "demo", "--plan", "--host", "127.0.0.1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
-    assert done.returncode == 2
+    done = CliRunner().invoke(app, ["demo", "--plan", "--host", "127.0.0.1"])
+    assert done.exit_code == 2
     assert "--plan" in done.stderr
