@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from aioduco.sim.simulator import READY, Simulator
 
 from .conftest import Connect, Program, Started
 
+PAGE = Path(__file__).parents[2] / "docs" / "scene.md"
 HOME = np.array(READY)
 FIVE = arm("gcr5_910")
 EFFORT = np.array([100.0, 100.0, 100.0, 50.0, 50.0, 50.0])
@@ -52,9 +54,13 @@ def test_a_torque_beyond_the_levels_share_is_a_collision(level: int) -> None:
     assert found.index(5) < 4 * SMOOTHING / 0.001
 
 
-def test_levels_are_more_sensitive_one_after_the_other() -> None:
+def test_levels_are_more_sensitive_one_after_the_other_as_the_page_says() -> None:
     assert sorted(LEVELS) == [0, 1, 2, 3, 4, 5]
     assert list(LEVELS.values()) == sorted(LEVELS.values(), reverse=True)
+    told = re.search(r"\| share \| off \|(.*)\|", PAGE.read_text("utf-8"))
+    assert told is not None
+    shares = [float(share.strip(" %")) / 100 for share in told[1].split("|")]
+    assert shares == list(LEVELS.values())[1:]
 
 
 def test_level_0_sees_torques_and_no_collision() -> None:
