@@ -251,6 +251,7 @@ def test_the_example() -> None:
     assert "on the right side\non the left side again, round a ball" in done.stdout
 
 
+@pytest.mark.slow
 def test_the_demonstration_is_for_a_simulated_arm() -> None:
     done = CliRunner().invoke(app, ["demo", "--plan", "--host", "127.0.0.1"])
     assert done.exit_code == 2
