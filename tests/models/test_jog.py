@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from typing import Any, get_args
@@ -19,22 +20,11 @@ from aioduco.models.version import ControllerVersion
 SIX = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6]
 
 
-def test_a_joint_is_jogged_on_and_on() -> None:
-    assert Jog.joint(3, -1, 20).wire(JogDirections.MANUAL_3_8) == rpc.MoveJogTaskParam(
-        jog_direction=-1, jog_type=2, axis_num=2, vel=20.0, jog_coordinate=1
-    )
-
-
-def test_a_joint_is_jogged_by_a_step() -> None:
-    assert Jog.joint(6, 1, 20.5, step=0.01).wire(JogDirections.MANUAL_3_8) == rpc.MoveJogTaskParam(
-        jog_direction=1,
-        jog_type=2,
-        axis_num=5,
-        vel=20.5,
-        jog_coordinate=1,
-        use_step=True,
-        step_jointValue=0.01,
-    )
+def test_a_joint_is_jogged_on_and_on_or_by_a_step() -> None:
+    on = rpc.MoveJogTaskParam(jog_direction=-1, jog_type=2, axis_num=2, vel=20.5, jog_coordinate=1)
+    assert Jog.joint(3, -1, 20.5).wire(JogDirections.MANUAL_3_8) == on
+    step = dataclasses.replace(on, use_step=True, step_jointValue=0.01)
+    assert Jog.joint(3, -1, 20.5, step=0.01).wire(JogDirections.MANUAL_3_8) == step
 
 
 @pytest.mark.parametrize(("axis", "index"), [(a, i) for i, a in enumerate(get_args(Axis))])

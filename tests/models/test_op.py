@@ -89,36 +89,19 @@ def test_each_trigger_goes_into_its_own_fields(
             assert 1 <= index <= 127
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize(
-    ("made", "index"),
+    ("make", "first", "most"),
     [
-        (output(1), 1),
-        (output(16), 16),
-        (bool_register(1), 101),
-        (bool_register(64), 164),
-        (word_register(1), 201),
-        (word_register(32), 232),
-        (float_register(1), 301),
-        (float_register(32), 332),
-        (tool_output(1), 401),
-        (tool_output(2), 402),
+        (output, 1, 16),
+        (bool_register, 101, 64),
+        (word_register, 201, 32),
+        (float_register, 301, 32),
+        (tool_output, 401, 2),
     ],
 )
-def test_targets_have_the_manuals_index(made: Output, index: int) -> None:
-    assert made.index == index
-
-
-@pytest.mark.parametrize(
-    ("make", "most"),
-    [
-        (output, 16),
-        (bool_register, 64),
-        (word_register, 32),
-        (float_register, 32),
-        (tool_output, 2),
-    ],
-)
-def test_targets_have_the_manuals_range(make: Any, most: int) -> None:
+def test_targets_have_the_manuals_index_and_range(make: Any, first: int, most: int) -> None:
+    assert (make(1).index, make(most).index) == (first, first + most - 1)
     for num in (0, most + 1, 1.0, True, "1"):
         with pytest.raises(ParameterError):
             make(num)

@@ -341,24 +341,18 @@ async def test_a_client_that_is_entered_again_leaves_no_session_open(sessions: l
     assert all(session.is_closed() for session in sessions)
 
 
-@pytest.mark.slow
 def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> None:
+    file = tmp_path / "fleet.toml"
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        file = tmp_path / "fleet.toml"
         endpoint = f"tcp/127.0.0.1:{taken.getsockname()[1]}"
-        file.write_text(f'[fleet]\nname = "plant"\ngateway = "one"\nlisten = ["{endpoint}"]\n')
-        command = [sys.executable, "-m", "aioduco.cli", "fleet", "serve", str(file)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
-        assert done.returncode == 1
-        assert endpoint in done.stderr
-        file.write_text('[fleet]\nname = "plant"\nrate = 1000\n')
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
-        assert done.returncode == 2
-        assert "0.1 to 100" in done.stderr
-        file.write_text('[fleet]\nname = "plant"\n')
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
-        assert done.returncode == 2
-        assert "needs a name" in done.stderr
+        for more, code, said in (
+            (f'gateway = "one"\nlisten = ["{endpoint}"]\n', 1, endpoint),
+            ("rate = 1000\n", 2, "0.1 to 100"),
+            ("", 2, "needs a name"),
+        ):
+            file.write_text(f'[fleet]\nname = "plant"\n{more}')
+            done = CliRunner().invoke(app, ["fleet", "serve", str(file)])
+            assert (done.exit_code, said in " ".join(done.output.split())) == (code, True)
 
 
 def test_a_stop_without_a_router_was_not_sent(tmp_path: Path) -> None:
