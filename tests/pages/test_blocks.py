@@ -25,7 +25,6 @@ from typing import Any
 import pytest
 from interpreter import python
 from patient import patient_queue
-from ports import free_port
 
 import aioduco
 import aioduco.sync
@@ -35,7 +34,6 @@ from aioduco.sim.server.line_server import LineServer
 from aioduco.testing import eventually
 from pages.blocks import PYTHON, ROOT, SHELL, Block, Page, pages
 from pages.session import ENDLESS, INSTALLS, SHOWN, Session, commands
-from pages.tutorial import carry_out
 
 #: addresses that the pages use for an arm, and for a simulated one
 ARM, SIMULATED = "192.168.1.10", "127.0.0.1"
@@ -253,21 +251,6 @@ def test_a_block_of_commands_runs(block: Block, tmp_path: Path) -> None:
         assert tried, "nothing of it was run: say why by a comment before it"
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(600)
-@pytest.mark.parametrize("page", [pytest.param(p, id=p.path) for p in whole("one session")])
-def test_a_page_that_is_one_session_runs(page: Page, tmp_path: Path) -> None:
-    with session(tmp_path) as (there, host):
-        port = free_port()
-        there.replace(
-            {
-                "aioduco sim-do": f"aioduco sim-do --control-port {port}",
-                "aioduco sim": f"aioduco sim --host {host} --control-port {port}",
-            }
-        )
-        assert carry_out(page, there, install=False) > 10
-
-
 def test_what_is_not_run_says_why_and_is_little() -> None:
     left = [(block.name, block.why_not) for page in PAGES for block in page.blocks if block.why_not]
     assert [name for name, why in left if len(why.split()) < 4] == []
@@ -280,6 +263,8 @@ def test_what_is_not_run_says_why_and_is_little() -> None:
         if block.why_not and "manual-examples" not in block.name
     ]
     assert len(single) <= sum(len(page.blocks) for page in counted) / 5, single
+    # `.ci/tutorial` runs it, from the wheel
+    assert [page.path for page in whole("one session")] == ["docs/tutorial.md"]
     # What is run elsewhere is.
     for _, why in left:
         for named in re.findall(r"(?:tests/|\.ci/)[\w/.-]*\w", why):
