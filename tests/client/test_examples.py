@@ -87,11 +87,6 @@ def test_an_example_for_an_arm_says_that_it_needs_an_address(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_without_an_address_on_a_simulated_arm() -> None:
-    assert "back, within 0.0" in run(str(EXAMPLES / "01_connect_and_move.py"))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ALONE)
 def test_with_more_than_an_arm(name: str) -> None:
     if name == "behaviour_tree.py":

@@ -193,31 +193,30 @@ async def test_every_text_can_be_read_also_of_what_is_pressed_or_off(
         await page.mouse.up()
 
 
-@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1020, 768), (390, 844)])
-async def test_nothing_lies_over_anything_and_the_head_is_small(
-    chromium: BrowserContext, width: int, height: int
-) -> None:
+async def test_nothing_lies_over_anything_and_the_head_is_small(chromium: BrowserContext) -> None:
     async with arm_and_panel() as (_, panel):
         page = await opened(chromium, panel.url)
-        await page.set_viewport_size({"width": width, "height": height})
         await page.evaluate("document.querySelector('[data-tab=simulator]').hidden = false")
         tabs = await page.eval_on_selector_all("#tabs button", "all => all.map(t => t.dataset.tab)")
         assert {"jog", "move", "simulator"} <= set(tabs)
-        for tab in tabs:
-            await page.click(f"[data-tab={tab}]")
-            assert await page.evaluate(UNREADABLE) == [], tab
-            for end in (0, 100_000):
-                await page.evaluate(f"document.querySelector('main').scrollTo(0, {end})")
-                assert await page.evaluate(OVERLAPS) == [], (tab, end)
-                wide = "document.scrollingElement.scrollWidth - innerWidth"
-                assert await page.evaluate(wide) <= 0, (tab, end)
-        head = await page.locator("header").bounding_box()
-        stop = await page.locator("#stop").bounding_box()
-        assert head is not None
-        assert head["height"] < 0.16 * height
-        assert stop is not None
-        assert stop["y"] + stop["height"] <= height
-        assert stop["height"] >= 60
+        wide = "document.scrollingElement.scrollWidth - innerWidth"
+        for width, height in ((1440, 900), (1020, 768), (390, 844)):
+            await page.set_viewport_size({"width": width, "height": height})
+            for tab in tabs:
+                place = f"{tab} at {width} pixels"
+                await page.click(f"[data-tab={tab}]")
+                assert await page.evaluate(UNREADABLE) == [], place
+                for end in (0, 100_000):
+                    await page.evaluate(f"document.querySelector('main').scrollTo(0, {end})")
+                    assert await page.evaluate(OVERLAPS) == [], (place, end)
+                    assert await page.evaluate(wide) <= 0, (place, end)
+            head = await page.locator("header").bounding_box()
+            stop = await page.locator("#stop").bounding_box()
+            assert head is not None
+            assert head["height"] < 0.16 * height
+            assert stop is not None
+            assert stop["y"] + stop["height"] <= height
+            assert stop["height"] >= 60
 
 
 async def test_the_place_of_the_picture_says_that_it_is_loading(chromium: BrowserContext) -> None:
