@@ -33,14 +33,20 @@ def said(text: str) -> str:
     return " ".join(re.sub(r"[│╭╮╰╯─]", " ", text.replace("`", "")).split())
 
 
+#: commands that end as any program does
+NO_CODES = {"plot", "demo", "sim", "sim-do", "preflight", "ros1", "ros2", "tap", "export"}
+
+
 @pytest.mark.parametrize("names", COMMANDS, ids=" ".join)
-def test_help_shows_every_text_whole_units_included(names: tuple[str, ...]) -> None:
+def test_help_shows_an_example_the_exit_codes_and_every_text_whole(names: tuple[str, ...]) -> None:
     done = CliRunner().invoke(
         app, [*names, "--help"], env={"COLUMNS": "400", "TERMINAL_WIDTH": "400"}
     )
     assert done.exit_code == 0
     helps = [text for each in COMMANDS[names].params if (text := getattr(each, "help", None))]
     assert helps
+    assert f"aioduco {' '.join(names)} " in said(done.stdout)
+    assert "Exit codes: " in done.stdout or names[0] in NO_CODES
     missing = [text for text in helps if said(text) not in said(done.stdout)]
     assert not missing
 

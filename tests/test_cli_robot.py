@@ -467,20 +467,6 @@ def test_the_command_line_loads_little_before_it_knows_what_to_do() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "[]\n", "")
 
 
-@pytest.mark.slow
-def test_every_command_says_how_it_is_used_and_how_it_ends() -> None:
-    """Those that are for an arm: an example of each, and its exit codes."""
-    commands = [
-        *("status", "monitor", "view", "bring-up", "recover", "stop", "pause", "resume"),
-        *("move joints", "move pose", "jog", "io read", "io set", "io set-analog"),
-        *("doctor", "record", "call", "completion", "teleop"),
-    ]
-    for command in commands:
-        text = run(*command.split(), "--help").stdout
-        assert f"aioduco {command} " in " ".join(text.split()), command
-        assert "Exit codes: " in text, command
-
-
 @pytest.mark.parametrize("device", ["gamepad", "spacemouse"])
 def test_a_missing_device_is_a_wrong_option_before_anything_is_asked(device: str) -> None:
     answer = run("teleop", "127.0.0.1:1", "--device", device, "--path", "/no/device", "--yes")

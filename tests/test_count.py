@@ -92,9 +92,3 @@ def test_no_module_of_this_package_imports_itself_through_others() -> None:
             "circles of imports with imports for type checkers: 0",
         ],
     )
-
-
-def test_a_package_without_circles(tmp_path: Path) -> None:
-    (tmp_path / "aioduco").mkdir()
-    (tmp_path / "aioduco" / "one.py").write_text('"""One."""\n', encoding="utf-8")
-    assert count(tmp_path)[0] == 0

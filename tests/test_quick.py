@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from quick import CASES, divided, in_share, part, share, slow_first, spread, spread_cases
+from quick import CASES, divided, in_share, part, slow_first, spread, spread_cases
 
 
 def items(
@@ -98,24 +98,8 @@ def test_each_file_is_collected_by_one_process(files: int, processes: int) -> No
     assert part(sizes, processes, processes) == parts[0]
 
 
-def test_the_files_of_a_folder_stay_together_unless_they_take_too_long() -> None:
-    times = {"large/a": 4, "large/b": 4, "large/c": 3, "small/a": 1, "small/b": 2, "one": 5}
-    parts = [part({Path(file): time for file, time in times.items()}, n, 2) for n in range(2)]
-    assert [[file.as_posix() for file in each] for each in parts] == [
-        ["large/c", "small/a", "small/b", "one"],
-        ["large/a", "large/b"],
-    ]
-
-
 def test_each_case_is_in_one_share() -> None:
     names = ids(items("tests/models/test_a.py::test_a", 400))
     shares = [[name for name in names if in_share(name, number, 8)] for number in range(1, 9)]
     assert sorted(name for each in shares for name in each) == sorted(names)
     assert all(shares)
-
-
-@pytest.mark.parametrize("text", ["0/8", "9/8", "3", "1/2/3", "a/b"])
-def test_a_share_that_is_none_is_refused(text: str) -> None:
-    assert share("8/8") == (8, 8)
-    with pytest.raises(ValueError, match=r"."):
-        share(text)
