@@ -26,9 +26,9 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
+def test_what_programs_call_is_recorded(recorded: Path) -> None:
+    records = json.loads(recorded.read_text(encoding="utf-8"))
+    for name, said in (
         ("aioduco.connect", "host: 'str'"),
         ("aioduco.Robot.bring_up", "timeout: 'float' = 30.0"),
         ("aioduco.Robot.motion.movej2", "joints: 'JointsLike'"),
@@ -38,17 +38,10 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("aioduco.compat.DucoCobot.movej2", "joints_list: 'Sequence[float]'"),
         ("aioduco.sim.Simulator", "speed: 'float'"),
         ("aioduco.testing.eventually", "condition: "),
-    ],
-)
-def test_what_programs_call_is_recorded(name: str, said: str, recorded: Path) -> None:
-    record = json.loads(recorded.read_text(encoding="utf-8"))[name]
-    assert said in record["signature"]
-    assert record["doc"]
-
-
-@pytest.mark.slow
-def test_what_is_taken_by_keyword_alone_is_recorded(recorded: Path) -> None:
-    records = json.loads(recorded.read_text(encoding="utf-8"))
+    ):
+        assert said in records[name]["signature"], name
+        assert records[name]["doc"], name
+    # what is taken by keyword alone
     assert "rate" in records["aioduco.Robot.servo.joints > ServoOptions"]["keys"]
 
 
