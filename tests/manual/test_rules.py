@@ -6,7 +6,6 @@ import enum
 import inspect
 import math
 from collections.abc import Callable
-from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -77,35 +76,16 @@ def test_a_number_passes_exactly_when_it_lies_within(value: float) -> None:
         error(SPEED, value)
 
 
-@pytest.mark.parametrize("value", [1, np.float32(1), np.float64(1), np.int16(1), np.array(1.0)])
-def test_numbers_of_other_types_become_floats(value: Any) -> None:
-    result = SPEED("v", value)
-    assert type(result) is float
-    assert result == 1.0
-
-
-@pytest.mark.parametrize(
-    "value",
-    [True, np.True_, "1", None, math.nan, math.inf, -math.inf, 1j, Decimal(1), [1.0], 10**400],
-)
-def test_what_is_no_finite_number_is_refused(value: object) -> None:
-    error(SPEED, value)
-    error(Number(source="test"), value)
-
-
-def test_a_bound_missed_by_rounding_is_put_back() -> None:
-    assert SPEED("v", 2.0 * (1 + 1e-12)) == 2.0
-    assert SPEED("v", 0.5 * (1 - 1e-12)) == 0.5
-    assert ANGLE("q", -math.radians(360) * (1 + 1e-15)) == -2 * math.pi
-    assert SPEED("v", 2.0 * (1 + 5e-8)) == 2.0  # as binary32 rounds
-    error(SPEED, 2.0 * (1 + 1e-7))
-
-
 def test_an_open_bound_is_out_however_it_is_written() -> None:
     error(OPEN, 0.0)
     error(OPEN, 0)
     error(OPEN, -1e-300)
     assert OPEN("v", 5e-324) == 5e-324
+
+
+def test_what_is_not_finite_is_out_of_no_bounds_too() -> None:
+    for value in (math.nan, math.inf, -math.inf, 10**400):
+        error(Number(source="test"), value)
 
 
 def test_errors_say_name_value_range_and_unit() -> None:

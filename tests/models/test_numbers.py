@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -71,7 +72,10 @@ def test_every_kind_of_number_is_taken_and_kept_as_a_float(name: str) -> None:
 @pytest.mark.cases(30)
 @pytest.mark.parametrize("name", TAKERS)
 def test_what_is_no_finite_number_is_refused(name: str) -> None:
-    for value in (math.nan, math.inf, None, "1", True, 10**400, 10**5000, 1j, [1]):
+    for value in (
+        *(math.nan, math.inf, -math.inf, None, "1", True, np.True_, 10**400, 10**5000, 1j, [1]),
+        Decimal(1),
+    ):
         with pytest.raises(ParameterError):
             TAKERS[name](value)
 
