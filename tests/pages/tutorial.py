@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 from pages.blocks import FILES, PYTHON, Page, pages
-from pages.session import INSTALLS, CommandFailed, Session, commands
+from pages.session import CommandFailed, Session, commands
 
 __all__ = ["carry_out"]
 
@@ -25,13 +25,12 @@ BESIDE = "third terminal"
 FETCHED = {"PIP_NO_INDEX", "PIP_FIND_LINKS"}
 
 
-def carry_out(page: Page, session: Session, *, install: bool) -> int:
+def carry_out(page: Page, session: Session) -> int:
     """Do what a page says.
 
     Args:
         page: one session.
         session: where.
-        install: also do what makes the environment.
 
     Returns:
         How many commands were run.
@@ -44,8 +43,6 @@ def carry_out(page: Page, session: Session, *, install: bool) -> int:
             session.write(block.title, block.code)
             continue
         for command in commands(block.code, block.language):
-            if not install and INSTALLS.match(command):
-                continue
             run += 1
             if block.title == BESIDE:
                 session.begin(command)
@@ -87,7 +84,7 @@ def main(wheel: str) -> None:
         # In a clone it is `.[extras]`; here it is the same of the wheel.
         replaced = {"'.[": f"'{Path(wheel).resolve()}[", "pip install ": "pip install -q "}
         with Session(folder, environment, replaced, echo=True) as session:
-            run = carry_out(page, session, install=True)
+            run = carry_out(page, session)
             found = session.run("python -c 'import aioduco; print(aioduco.__file__)'", quiet=True)
             if not re.match(rf"{folder}/\.venv/", found):
                 raise CommandFailed(f"not the wheel's: {found}")
