@@ -45,7 +45,7 @@ class TappedCall(NamedTuple):
         given = ", ".join(f"{name}={value!r}" for name, value in self.arguments.items())
         ended = f"!! {self.error}" if self.error else f"-> {self.answer!r}"
         took = "" if self.duration is None else f"  {1e3 * self.duration:.2f} ms"
-        return f"#{self.connection} {self.function}({given}) {ended}{took}"
+        return _printable(f"#{self.connection} {self.function}({given}) {ended}{took}")
 
 
 class TapNote(NamedTuple):
@@ -62,7 +62,12 @@ class TapNote(NamedTuple):
     text: str
 
     def __str__(self) -> str:
-        return f"#{self.connection} {self.text}"
+        return _printable(f"#{self.connection} {self.text}")
+
+
+def _printable(text: str) -> str:
+    """A text with what either side has sent: controls are spelled out."""
+    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in text)
 
 
 @dataclass(slots=True)

@@ -119,6 +119,17 @@ def test_an_answer_without_a_call_is_said() -> None:
     assert note == TapNote(0, 1.0, "an answer of power_on that no call waits for")
 
 
+def test_names_of_the_wire_control_no_terminal() -> None:
+    lost = Message(MessageType.CALL, "go\x1b[2J", 1, b"\x00").encode()
+    stray = Message(MessageType.REPLY, "\x00", 7, b"\x00").encode()
+    found = items((1.0, REQUEST, lost), (2.0, ANSWER, stray), (3.0, CopyKind.CLOSED, b"client"))
+    assert [str(each) for each in found] == [
+        r"#0 an answer of \x00 that no call waits for",
+        r"#0 go\x1b[2J(body='00') !! no answer: closed by the client",
+        "#0 closed by the client",
+    ]
+
+
 def test_bytes_that_are_no_message_end_what_is_read_of_their_side() -> None:
     found = items(
         (1.0, REQUEST, call("power_on", 3, True)),
