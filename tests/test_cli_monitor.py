@@ -348,7 +348,10 @@ async def test_a_closed_terminal_ends_it_although_it_cannot_be_drawn_on(bench: B
 
 @pytest.mark.slow
 @pytest.mark.linux("SIGHUP")
-def test_a_terminal_that_is_closed_ends_the_command(bench: Bench) -> None:
+def test_a_terminal_that_is_closed_ends_the_command(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # what is left unwritten is dropped
     words = ("monitor", f"{bench.host}:{bench.port}")
     with terminal(*words, command=COMMAND) as shown:
         shown.until_it_shows(b"standing, no task")

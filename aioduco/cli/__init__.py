@@ -19,8 +19,13 @@ _FREE: Final = ("call", "sim-do")
 def main() -> None:
     """Run the command line."""
     output.guard_streams()
-    with output.ended_by_output():
-        _run()
+    try:
+        with output.ended_by_output():
+            _run()
+    except SystemExit as ended:
+        if ended.code:
+            output.drop_unwritten()
+        raise
 
 
 def _run() -> None:

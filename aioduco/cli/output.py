@@ -14,6 +14,7 @@ import io
 import json
 import logging
 import math
+import os
 import sys
 import unicodedata
 from contextlib import contextmanager, suppress
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "OutputFailed",
+    "drop_unwritten",
     "ended_by_output",
     "guard_streams",
     "one_line",
@@ -125,6 +127,20 @@ def ended_by_output() -> Iterator[None]:
     if not isinstance(failed.error, BrokenPipeError):
         say(failed, error=True)
     raise SystemExit(1)
+
+
+def drop_unwritten() -> None:
+    """Drop what the standard streams have not taken yet and cannot take, as of a closed terminal.
+
+    Otherwise Python tries again at its end, and replaces the exit code by its own, 120.
+    """
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)
 
 
 class _ShownFormatter(logging.Formatter):
