@@ -53,7 +53,7 @@ class Crossing(NamedTuple):
         limit: name of the limit.
         body: "tool", "elbow" or "flange"; such as "joint 3" for a joint; "arm" for a singularity.
         place: position of the body in the base frame [m]; NaN if it is not known.
-        margin: distance within the limit; negative beyond it.
+        margin: distance within the limit; negative beyond it; NaN if it is not known.
         unit: unit of the margin; empty for a singularity, which has none.
         action: action of the limit.
     """
@@ -73,6 +73,8 @@ class Crossing(NamedTuple):
         margin = f"has a margin of {self.margin:+.4f} {self.unit}".rstrip()
         if abs(self.margin) < _AT:
             margin = "is at the limit"
+        elif math.isnan(self.margin):
+            margin = "has a value that the controller does not report"
         return f"{self.limit!r}{slow}: {self.body}{there} {margin}"
 
 
@@ -296,6 +298,8 @@ class SingularityMargin(EnvelopeLimit):
 @dataclass(frozen=True, slots=True)
 class ToolForce(EnvelopeLimit):
     """The largest force on the tool. Only the state shows it, so a crossing always stops the arm.
+
+    A force that the controller does not report, as if its sensor failed, stops a moving arm, too.
 
     Attributes:
         most: the force [N].

@@ -133,12 +133,12 @@ class EnvelopeKeeper:
         if envelope is not None:
             # Loaded now, with numpy, and not by the first check while the arm moves.
             from aioduco.envelope import servo, velocities  # noqa: F401, PLC0415
+        # counted, so that the program cannot switch off what the limit needs
+        self._feed.force_readers += _needs_forces(envelope) - _needs_forces(self.envelope)
         self._watch.use(envelope)
         self._last = None
         if self._open and envelope is not None and self._live:
             self._watch.moves_unchecked()  # by another envelope, or by none
-        if envelope is not None and any(isinstance(each, ToolForce) for each in envelope.limits):
-            self._feed.forces = True
         self.begin(opened=self._open)
 
     def begin(self, *, opened: bool = True) -> None:
@@ -508,3 +508,9 @@ class EnvelopeKeeper:
         if speeds:
             self._watch.moves_unchecked()
         return self.envelope.packed(frames.tool), list(frames.wobj), self._watch.reaction
+
+
+def _needs_forces(envelope: Envelope | None) -> bool:
+    """Whether samples must have forces."""
+    limits = () if envelope is None else envelope.limits
+    return any(isinstance(each, ToolForce) for each in limits)

@@ -209,7 +209,7 @@ class EnvelopeWatch:
         """Return the limit of a force that is too large; None if there is none.
 
         It counts when it becomes too large, and then while the arm moves and it grows: so the arm
-        can be led back.
+        can be led back. One that the controller does not report counts whenever the arm moves.
         """
         if sample.read_forces is None:
             return None
@@ -218,8 +218,10 @@ class EnvelopeWatch:
         strong = [
             Crossing(title, "tool", _NOWHERE, limit.most - force, "N", "stop")
             for title, limit in limits
-            if isinstance(limit, ToolForce) and force > limit.most
+            if isinstance(limit, ToolForce) and not force <= limit.most
         ]
+        if math.isnan(force):
+            return strong[0] if strong and fastest > _STILL else None
         if not strong:
             self._force_at_stop = math.inf
             return None

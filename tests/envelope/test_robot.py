@@ -24,6 +24,7 @@ from aioduco.envelope import Crossing, Envelope, SingularityMargin, ToolForce, T
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.realtime import RealtimePoint
 from aioduco.sim import Simulator
+from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.stream import Stream
 from aioduco.supervision.envelope_watch import EnvelopeWatch
@@ -344,6 +345,35 @@ async def test_a_force_stops_the_arm(robot: aioduco.Robot, sim: Simulator) -> No
     cause = stopped.value.__cause__
     assert isinstance(cause, EnvelopeViolated)
     assert (cause.limit, cause.body) == ("push", "tool")
+
+
+async def test_a_program_that_wants_no_forces_does_not_take_them_from_the_limit(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
+    robot.envelope = Envelope("gcr5_910", ToolForce(40.0, name="push"))
+    robot.feed.forces = False
+    move = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
+    sim.push([0, 0, 60.0, 0, 0, 0])
+    try:
+        with pytest.raises(TaskStopped, match="'push'"):
+            await move
+    finally:
+        sim.push([0.0] * 6)
+    robot.envelope = None
+    assert not robot.feed.force_readers
+
+
+@pytest.mark.parametrize("gone", [[math.nan] * 6, []])
+async def test_a_force_that_is_not_reported_stops_a_moving_arm(
+    robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch, gone: list[float]
+) -> None:
+    robot.envelope = Envelope("gcr5_910", ToolForce(40.0, name="push"))
+    move = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
+    monkeypatch.setattr(FrameHandlers, "get_tcp_force", lambda _: gone)
+    with pytest.raises(TaskStopped, match="'push': tool has a value that the controller does not"):
+        await move
+    monkeypatch.undo()
+    await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
 
 
 async def test_singularities_are_kept_away_from(robot: aioduco.Robot) -> None:
