@@ -63,6 +63,8 @@ class Relay:
     """Forwards the messages of one connection, with the faults of the script.
 
     Each direction is a task, so that a reply does not wait for a request that is held back.
+    Answers of the proxy itself keep the order of the calls, which a client may send ahead.
+
     Invariants: whatever ends the relay, both sockets are closed in `run`, after both tasks have
     ended, and nowhere else; a call is added to `_waiting` before its request is sent to the
     server, so a reply always finds its call.
@@ -89,8 +91,10 @@ class Relay:
         self._scope = anyio.CancelScope()
         self._how = Ending.CLOSE
         self._ended_by: str | None = None
-        #: calls that were sent to the server and are not answered yet, oldest first
+        #: calls that are not answered yet, oldest first
         self._waiting: deque[tuple[int, Fault | None]] = deque()
+        #: answers of the proxy itself to some of them
+        self._own: dict[int, bytes] = {}
         self._held: list[bytes] = []
         self._ended = anyio.Event()
 
@@ -176,9 +180,9 @@ class Relay:
                 await anyio.sleep(math.inf if seconds is None else seconds)
                 await self._cut(Ending.RESET)
             case ApplicationError(code, message, forward=False):
-                error = application_error(request, code, message)
-                await self._send(self._client, error.encode())
-                self._records.answered(call)
+                self._own[call] = application_error(request, code, message).encode()
+                self._waiting.append((call, fault))
+                await self._answer()
                 return
             case Cut(Place.BEFORE_REQUEST, how):
                 await self._cut(how)
@@ -193,7 +197,18 @@ class Relay:
         if isinstance(fault, Cut) and fault.at is Place.AFTER_REQUEST:
             await self._cut(fault.how)
 
+    async def _answer(self) -> None:
+        """Send the proxy's own answers to the calls that are now the oldest."""
+        while self._waiting and (data := self._own.pop(self._waiting[0][0], None)) is not None:
+            call, _ = self._waiting.popleft()
+            await self._send(self._client, data)
+            self._records.answered(call)
+
     async def _reply(self, reply: Message) -> None:
+        await self._pass(reply)
+        await self._answer()
+
+    async def _pass(self, reply: Message) -> None:
         if not self._waiting:  # no call waits for it: forward it
             await self._send(self._client, reply.encode())
             return

@@ -289,6 +289,17 @@ def test_an_application_error_does_not_reach_the_server(
     assert [m.seqid for m in server.received] == [9]
 
 
+def test_an_application_error_overtakes_no_reply_of_a_batch(
+    proxy: FaultProxy, server: EchoServer, client: socket.socket
+) -> None:
+    proxy.on("stop", ApplicationError(), times=None)
+    sent = [call(name, seqid) for seqid, name in enumerate(["movej2", "stop", "stop", "movej2"])]
+    client.sendall(b"".join(message.encode() for message in sent))
+    came = replies(client)
+    assert [next(came).seqid for _ in sent] == [0, 1, 2, 3]
+    assert [message.seqid for message in server.received] == [0, 3]
+
+
 def test_a_delay_holds_request_and_reply_back(proxy: FaultProxy, client: socket.socket) -> None:
     proxy.next(Delay(request=0.02, reply=0.03))
     start = time.monotonic()
