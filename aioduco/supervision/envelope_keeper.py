@@ -137,7 +137,7 @@ class EnvelopeKeeper:
         self._feed.force_readers += _needs_forces(envelope) - _needs_forces(self.envelope)
         self._watch.use(envelope)
         self._last = None
-        if self._open and envelope is not None and self._live:
+        if self._open and envelope is not None and (self._live or self._coordinator.streams):
             self._watch.moves_unchecked()  # by another envelope, or by none
         self.begin(opened=self._open)
 

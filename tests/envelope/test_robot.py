@@ -376,6 +376,23 @@ async def test_a_force_that_is_not_reported_stops_a_moving_arm(
     await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
 
 
+async def test_an_envelope_that_comes_during_a_stream_stops_it_before_the_wall(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    """Its worker does not know the envelope: the watch of the state looks ahead."""
+    stream = robot.servo.joints(v=1.0, a=5.0, options=THREAD)
+
+    async def later() -> None:
+        await eventually_async(lambda: stream.taken > 5)
+        robot.envelope = Envelope("gcr5_910", wall())
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(later)
+        with pytest.raises((StreamLeavesEnvelope, aioduco.StreamStopped)):
+            await lead(stream, [list(turned(0.002 * number)) for number in range(400)])
+    assert least(FLAT, seen.q) >= 0
+
+
 async def test_singularities_are_kept_away_from(robot: aioduco.Robot) -> None:
     robot.envelope = Envelope("gcr5_910", SingularityMargin(0.1))
     with pytest.raises(EnvelopeViolated, match="singularities"):
