@@ -145,7 +145,7 @@ class Modes:
                 try:
                     await self._channel.control(name, args, _LEAVE_LIMIT)
                 except (DucoError, MemoryError) as exc:
-                    _log.warning("%s after a stop was not carried out: %r", name, exc)
+                    _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
                     if not isinstance(exc, Refused | ControllerError):
                         self._on.setdefault(name, args)
                         self._overdue.add(name)
@@ -178,7 +178,8 @@ class Modes:
                 elif answer != TaskState.FINISHED:
                     raise Refused(name, answer, "no reason is given")
             except (DucoError, MemoryError) as exc:
-                _log.warning("%s was not carried out: the mode may still be on: %r", name, exc)
+                said = str(exc) or repr(exc)
+                _log.warning("%s failed: the mode may still be on: %s", name, said)
 
 
 class OpenStream(ABC):

@@ -129,7 +129,7 @@ class StopChannel:
             await anyio.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
             budget = min(budget * 2, _LONGEST_ATTEMPT)
             left = until - time.monotonic()
-        raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+        raise _unconfirmed(f"no stop was accepted within {timeout:.3g} s", error) from error
 
     @staticmethod
     def _send(lane: WireLane, timeout: float) -> LaneCall:
@@ -159,7 +159,7 @@ class StopChannel:
             except (DucoError, MemoryError) as exc:
                 error = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
-        raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+        raise _unconfirmed(f"no stop was accepted within {timeout:.3g} s", error) from error
 
     async def moving(self, timeout: float = _ASK_LIMIT) -> bool:
         """Whether the arm moves.

@@ -284,6 +284,17 @@ async def test_hand_guiding_never_stays_on(desk: Desk, way: str) -> None:
     assert desk.commands.index("stop") < desk.commands.index("end_teach_mode")
 
 
+async def test_that_hand_guiding_was_not_ended_is_said_in_words(
+    desk: Desk, caplog: pytest.LogCaptureFixture
+) -> None:
+    desk.answer("end_teach_mode", -1)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        await guiding(robot).start()
+        await robot.stop()
+        await eventually_async(lambda: "end_teach_mode after a stop failed" in caplog.text)
+    assert "Refused(" not in caplog.text
+
+
 async def test_hand_guiding_that_is_refused_leaves_nothing_to_end(
     robot: aioduco.Robot, desk: Desk
 ) -> None:
