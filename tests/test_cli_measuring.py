@@ -253,3 +253,18 @@ def test_too_few_poses_and_a_load_that_is_none_are_said_before_the_arm_moves(
         wrong = invoke("payload", "127.0.0.1:1", "--set-load", mass, "0", "0", "0", "--yes")
         assert wrong.exit_code == 2
         assert "--set-load" in wrong.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("tool", "touch", "--name", "x", "--load", "-1", "0", "0", "0"),
+        ("tool", "touch", "--name", "x" * 33),
+        ("payload", "--tool", "x" * 33),
+    ],
+    ids=["mass", "name", "tool"],
+)
+def test_what_could_not_be_written_is_refused_before_a_person_works(words: tuple[str, ...]) -> None:
+    wrong = invoke(*words, "127.0.0.1:1", "--yes")
+    assert wrong.exit_code == 2
+    assert "nothing was sent" in wrong.stderr

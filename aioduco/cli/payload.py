@@ -114,6 +114,8 @@ def payload(
     known_arm = None if model is None else arm_named(model)
     if set_load is not None:
         _check_load(set_load, sensor)
+    with ended_by_errors():
+        _check_name(tool)
     kept, file = (None, None) if poses is None else _file(poses)
     if cell is not None:
         kept = load_cell(cell)
@@ -170,6 +172,14 @@ def _check_load(load: _Numbers, sensor: Sensor) -> None:
         LOAD("load", load)
     except ParameterError as error:
         raise typer.BadParameter(str(error), param_hint="--set-load") from None
+
+
+def _check_name(tool: str | None) -> None:
+    """Refuse a name of a tool that the controller would not get, before anything is measured."""
+    from aioduco.models.ranges import NAME  # noqa: PLC0415 - quick help
+
+    if tool is not None:
+        NAME("tool", tool)
 
 
 def _file(path: Path) -> tuple[Cell | None, WaypointFile]:

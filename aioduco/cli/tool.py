@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
@@ -75,6 +75,8 @@ def touch(
     """
     if name is None:
         refuse_unused(context, "--name", "load")
+    with ended_by_errors():
+        _check_tool(name, load)
     address = robot_at(host, port, cell)
     say(_HOW.format(count=touches), error=True)
     if guide:
@@ -106,6 +108,20 @@ def touch(
             _define(robot, name, offset, load, yes=yes)
     if name is None:
         say("nothing was written to the controller; --name does that, after a question", error=True)
+
+
+def _check_tool(name: str | None, load: tuple[float, ...] | None) -> None:
+    """Refuse a name or a load that the controller would not get, before a person touches anything.
+
+    Raises:
+        ParameterError: one of them is not valid.
+    """
+    from aioduco.models import ranges  # noqa: PLC0415 - quick help
+
+    if name is not None:
+        ranges.NAME("name", name)
+    if load is not None:
+        ranges.PAYLOAD("load", load)
 
 
 def _measured(robot: Robot, least: int, *, axes: bool) -> tuple[ToolTip, ToolAxes | None]:
