@@ -80,7 +80,9 @@ class Event:
         said = {}
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name != "at" and value not in ("", ()):
+            if field.name == "since":  # a time of the computer's clock says nothing to a person
+                said["for"] = f"{self.at - value:.3g} s"
+            elif field.name != "at" and value not in ("", (), {}):
                 text = f"{value:.3g}" if isinstance(value, float) else value
                 said[field.name] = str(getattr(value, "name", None) or text)
         if said.keys() == {"before", "after"}:

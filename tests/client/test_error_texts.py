@@ -13,7 +13,7 @@ from aioduco.devices.cameras import calibrate_hand_eye
 from aioduco.errors import Described, ParameterError
 from aioduco.kinematics import calibrate_tool_tip
 from aioduco.models.similar import did_you_mean
-from aioduco.supervision.events import LoopBlocked
+from aioduco.supervision.events import LoopBlocked, TwinDiverged
 
 
 def test_what_is_described_is_not_quoted() -> None:
@@ -35,3 +35,13 @@ def test_a_question_ends_its_sentence() -> None:
 
 def test_an_event_is_short() -> None:
     assert LoopBlocked(0.0, 0.329978032001236, "").line() == "loop blocked: seconds 0.33"
+
+
+def test_since_when_arm_and_twin_are_apart_is_a_duration() -> None:
+    event = TwinDiverged(
+        81234.75, "torque", "joint 2", 81234.5, 2.0, 1.0, "N·m", "unknown", {}, "report"
+    )
+    assert event.line() == (
+        "twin diverged: quantity torque, where joint 2, for 0.25 s, value 2, limit 1, unit N·m, "
+        "cause unknown, action report"
+    )
