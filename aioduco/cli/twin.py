@@ -100,6 +100,7 @@ def twin(
     else:
         refuse_unused(context, "--panel", "listen")
     require_folder("--limits", limits)
+    require_folder("--output", output)
     extras.need("sim", "record")
     if action not in ("report", "pause", "stop"):
         raise typer.BadParameter("report, pause or stop", param_hint="--action")

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import errno
 import os
 import threading
 import time
@@ -345,6 +346,8 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
 
 def _created(path: Path) -> tuple[Path, int]:
     """Create a new file; an existing one is kept, and a number is added to the name."""
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY | CLOSE_ON_EXEC
     for number in range(_NAMES):
         tried = path if number == 0 else path.with_stem(f"{path.stem}-{number}")

@@ -231,6 +231,13 @@ async def test_nothing_of_a_recording_stays_behind(robot: aioduco.Robot, tmp_pat
         assert read(tmp_path / name).complete
 
 
+async def test_a_folder_is_no_file_that_exists(bench: Bench, tmp_path: Path) -> None:
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        with pytest.raises(aioduco.RecordingError, match="Is a directory"):
+            await robot.record(tmp_path).start()
+    assert not tmp_path.with_name(f"{tmp_path.name}-1").exists()
+
+
 async def test_closing_the_robot_ends_its_recordings(bench: Bench, tmp_path: Path) -> None:
     robot = aioduco.connect(bench.host, bench.port, record=tmp_path / "a.mcap")
     assert robot.recording is None
