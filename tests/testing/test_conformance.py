@@ -164,6 +164,26 @@ def test_an_arm_that_cannot_be_stopped_is_said_and_not_moved_again(
         cutting.join()
 
 
+def test_a_second_interrupt_does_not_keep_the_arm_from_being_stopped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with Bench() as bench:
+        session = CheckSession(bench.host, bench.port)
+        ask = session._own.call
+        interrupts = [KeyboardInterrupt(), KeyboardInterrupt()]
+
+        def interrupted(*given: Any) -> Any:
+            if interrupts:
+                raise interrupts.pop()
+            return ask(*given)
+
+        monkeypatch.setattr(session._own, "call", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            session.rest()
+        session.close()
+        assert bench.received("stop")
+
+
 @pytest.mark.usefixtures("lost_connection")
 def test_a_motion_of_another_thread_comes_before_the_last_stop(
     sim: Simulator, monkeypatch: pytest.MonkeyPatch

@@ -132,21 +132,36 @@ class CheckSession:
     def rest(self) -> None:
         """Stop the arm until it stands, and a motion that was not answered cannot move it.
 
+        Ctrl-C does not end this, and counts afterwards.
+
         Raises:
             StopUnconfirmed: that is not known.
         """
+        until = time.monotonic() + _REST_LIMIT
+        interrupt: KeyboardInterrupt | None = None
+        while True:
+            try:
+                stands = self._brought_to_rest(until)
+                break
+            except KeyboardInterrupt as again:
+                interrupt = again
+        if not stands:
+            raise StopUnconfirmed(
+                f"the arm was told to stop, but not seen to stand within {_REST_LIMIT:g} s: it may "
+                "be moving. Press the emergency stop if it does"
+            )
+        if interrupt is not None:
+            raise interrupt
+
+    def _brought_to_rest(self, until: float) -> bool:
         now = time.monotonic()
-        motion = UnansweredMotion(now, now, now + _REST_LIMIT)
+        motion = UnansweredMotion(now, now, until)
         if self._own.idle:
             motion.answered(now)
         else:
             self._own.close()
             motion.connection_reset(now)
-        if not bring_to_rest(motion, self._own, CALL, lambda: None):
-            raise StopUnconfirmed(
-                f"the arm was told to stop, but not seen to stand within {_REST_LIMIT:g} s: it may "
-                "be moving. Press the emergency stop if it does"
-            )
+        return bring_to_rest(motion, self._own, CALL, lambda: None)
 
     # -- motions ---------------------------------------------------------------------------------
 
