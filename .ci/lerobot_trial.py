@@ -23,7 +23,7 @@ from aioduco.recording.tap import Tap, TappedCall
 from aioduco.sim import Simulator
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
-from _common import scheduling, write_results
+from _common import write_results
 from _streaming import BareLoop
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
@@ -422,7 +422,6 @@ def main() -> None:
     if given.save:
         results = {
             "command": "chrt -r 5 .ci/integrations --save",
-            "scheduling": scheduling(),
             "lerobot-record, lerobot-replay, lerobot-teleoperate on simulated arms": figures,
             f"a policy at {FPS} Hz that computes 20 ms a step, {given.seconds:g} s": ticks,
             "its set-points": points,

@@ -1,9 +1,11 @@
-"""What the benchmarks share: percentiles, the machine, the table, the JSON file, servers."""
+"""What the benchmarks share: options, percentiles, the machine, tables, JSON files, processes."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import datetime
+import importlib
 import importlib.metadata
 import importlib.util
 import json
@@ -16,38 +18,44 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from types import TracebackType
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from typing import Self
+
+    from numpy.typing import NDArray
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results"
+#: those that this program may use, before it is kept to some of them
+CORES = sorted(os.sched_getaffinity(0))
 
 #: the percentiles that every benchmark gives
 PERCENTILES = (50.0, 99.0, 99.9)
 
 
-def percentile(ordered: Sequence[float], percent: float) -> float:
-    """The value below which so many percent of the ordered values lie (nearest rank)."""
-    if not ordered:
-        raise ValueError("no values were measured")
-    rank = -(-len(ordered) * percent // 100)
-    return ordered[min(len(ordered) - 1, max(0, int(rank) - 1))]
+def percentile(values: Sequence[float] | NDArray[np.float64], percent: float) -> float:
+    """The value below which so many percent of the values lie (nearest rank)."""
+    return float(np.percentile(values, percent, method="inverted_cdf"))
 
 
 def spread(seconds: Iterable[float]) -> dict[str, float]:
     """p50, p99, p99.9 and max in microseconds, of durations in seconds."""
-    ordered = sorted(seconds)
-    figures = {f"p{percent:g}_us": percentile(ordered, percent) * 1e6 for percent in PERCENTILES}
-    return {name: round(value, 1) for name, value in figures.items()} | {
-        "max_us": round(ordered[-1] * 1e6, 1)
-    }
+    values = [float(each) * 1e6 for each in seconds]
+    figures = {f"p{percent:g}_us": percentile(values, percent) for percent in PERCENTILES}
+    return {name: round(value, 1) for name, value in (figures | {"max_us": max(values)}).items()}
 
 
 def scheduling() -> str:
     """How this process is scheduled: a busy machine needs `chrt -f 5` for figures of its own."""
     names = {os.SCHED_OTHER: "other", os.SCHED_FIFO: "fifo", os.SCHED_RR: "round robin"}
     return names.get(os.sched_getscheduler(0), "other")
+
+
+def processor_time(pid: int) -> float:
+    """Seconds of processor time that a process has used: the clock of clock_getcpuclockid(3)."""
+    return time.clock_gettime(~pid << 3 | 2)
 
 
 #: the packages whose versions a result has: as they are imported, and as they are installed
@@ -71,6 +79,7 @@ def machine() -> dict[str, Any]:
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
         "commit": commit(),
         "wake_up_us": wake_up(),
+        "scheduling": scheduling(),
         "system": f"{platform.system()} {platform.release()}",
         "processor": _processor(),
         "cores": os.cpu_count(),
@@ -106,8 +115,7 @@ def wake_up(rounds: int = 1000) -> dict[str, float]:
         subprocess.Popen([sys.executable, "-IS", "-c", _ECHO], stdin=theirs.fileno()) as process,
     ):
         theirs.close()
-        if hasattr(os, "sched_setaffinity"):  # this process may be kept to one core
-            os.sched_setaffinity(process.pid, range(os.cpu_count() or 1))
+        os.sched_setaffinity(process.pid, CORES)
         took = []
         for _ in range(rounds + 10):
             begin = time.perf_counter()
@@ -148,17 +156,15 @@ def write_results(name: str, results: dict[str, Any]) -> Path:
     return path
 
 
-def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """Print a table in plain text."""
-    cells = [[_cell(value) for value in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(columns, *cells, strict=True)]
+def show(title: str, rows: Mapping[str, Mapping[str, object]]) -> None:
+    """Print a table: a row for each name, a column for each key."""
+    columns = list(dict.fromkeys(key for row in rows.values() for key in row))
+    cells = [[name, *(_cell(row.get(key, "")) for key in columns)] for name, row in rows.items()]
+    cells.insert(0, ["", *columns])
+    first, *others = (max(map(len, column)) for column in zip(*cells, strict=True))
     print(title)
-    for row in [list(columns), *cells]:
-        first, *rest = (
-            text.ljust(width) if index == 0 else text.rjust(width)
-            for index, (text, width) in enumerate(zip(row, widths, strict=True))
-        )
-        print("  ".join([first, *rest]))
+    for name, *values in cells:
+        print("  ".join([name.ljust(first), *map(str.rjust, values, others)]))
     print()
 
 
@@ -170,71 +176,87 @@ def _cell(value: object) -> str:
     return str(value)
 
 
-def arguments(doc: str | None, name: str) -> argparse.Namespace:
+def parser(doc: str | None) -> argparse.ArgumentParser:
     """The options that every benchmark takes."""
-    return parser(doc, name).parse_args()
-
-
-def parser(doc: str | None, name: str) -> argparse.ArgumentParser:
-    """A parser of those options, for a benchmark that takes others as well."""
     made = argparse.ArgumentParser(description=(doc or "").splitlines()[0])
     made.add_argument("--quick", action="store_true", help="seconds instead of minutes, for CI")
-    made.add_argument(
-        "--save", action="store_true", help=f"write the figures to benchmarks/results/{name}.json"
-    )
+    made.add_argument("--save", action="store_true", help="write the figures to benchmarks/results")
     return made
 
 
-def apart() -> tuple[set[int], set[int]] | None:
-    """Cores for the client and a core for the server, or None if there are too few.
+def save(options: argparse.Namespace, name: str, results: dict[str, Any]) -> None:
+    """Write the results, if the options ask for it."""
+    if options.save:
+        print("written:", write_results(name, results))
+
+
+def of_tests(name: str) -> Any:
+    """A module of the tests, which makes what is measured."""
+    sys.path.append(str(HERE.parent / "tests"))
+    return importlib.import_module(name)
+
+
+@contextlib.contextmanager
+def core_of_its_own() -> Iterator[None]:
+    """What starts in the block gets a core that this thread does not use, if there are two.
 
     A controller is another machine. When the scheduler puts both on one core, a direct call
     takes a third of the time and nothing that is compared here means anything.
     """
-    if not hasattr(os, "sched_getaffinity"):
-        return None
-    cores = sorted(os.sched_getaffinity(0))
-    return (set(cores[:-1]), {cores[-1]}) if len(cores) > 1 else None
+    *ours, theirs = CORES
+    os.sched_setaffinity(0, {theirs})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, ours or CORES)
 
 
-class ServerProcess:
-    """A script that serves in a process of its own and says where in one line of JSON.
+class Program:
+    """A program of Python in a process of its own, which reads and writes lines.
 
-    The process ends when its standard input is closed, so it cannot outlive the benchmark.
+    It ends when its standard input is closed, so it cannot outlive the benchmark.
     """
 
-    def __init__(self, script: str, *options: str) -> None:
-        self._command = [sys.executable, str(HERE / script), *options]
-        self.endpoints: dict[str, int] = {}
-
-    def __enter__(self) -> ServerProcess:
-        self._process = subprocess.Popen(
-            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    def __init__(self, *arguments: str, quiet: bool = False) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL if quiet else None,
+            text=True,
         )
-        cores = apart()
-        if cores is not None:
-            client, server = cores
-            os.sched_setaffinity(self._process.pid, server)
-            os.sched_setaffinity(0, client)
-        assert self._process.stdout is not None
-        line = self._process.stdout.readline()
-        if not line:
-            raise RuntimeError(f"{self._command} ended before it served")
-        self.endpoints = json.loads(line)
+
+    def __enter__(self) -> Self:
         return self
 
-    def ask(self, line: str) -> str:
-        """Write a line to the script, and return the line that it answers by."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._process.stdin.write(f"{line}\n")
-        self._process.stdin.flush()
-        return self._process.stdout.readline()
+    def line(self) -> str:
+        """The next line that it writes."""
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"{self.process.args!r} ended before it answered")
+        return line
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._process.communicate(timeout=10)
+    def ask(self, line: str) -> str:
+        """Write a line, and return the one that it answers by."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+        return self.line()
+
+    def end(self) -> str:
+        """Close its standard input; the rest of what it writes until it has ended."""
+        return self.process.communicate(timeout=10)[0]
+
+    def __exit__(self, *_: object) -> None:
+        if self.process.returncode is None:
+            self.end()
+
+
+class ServerProcess(Program):
+    """A script that serves on a core of its own, and says where by one line of JSON."""
+
+    def __init__(self, script: str, *options: str) -> None:
+        with core_of_its_own():
+            super().__init__(str(HERE / script), *options)
+        self.endpoints: dict[str, int] = json.loads(self.line())

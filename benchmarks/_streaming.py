@@ -6,21 +6,24 @@ import contextlib
 import json
 import math
 import os
-import subprocess
-import tempfile
+import select
+import sys
+import threading
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
+import numpy as np
+from _common import Program, spread
 
 from aioduco._wire.connection import Connection
 from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.shared.options import WorkerOptions
+from aioduco.streaming.worker.clock import Schedule, sharpen_sleep, sleep_until
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-    from types import TracebackType
+    from collections.abc import AsyncIterator, Iterator, Sequence
+    from typing import Self
 
 HOST = "127.0.0.1"
 RATE = 1000
@@ -84,126 +87,83 @@ def urgent_allowed() -> bool:
     return True
 
 
+class Ticks:
+    """An absolute schedule, and how late each of its ticks was.
+
+    Args:
+        rate: ticks a second.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._period = round(1e9 / rate)
+        self._schedule = Schedule(self._period, time.monotonic_ns() + self._period)
+        self._histogram = Histogram()
+        self.ticks = 0
+
+    @property
+    def due(self) -> int:
+        """When the present tick is due [ns]."""
+        return self._schedule.due
+
+    @property
+    def missed(self) -> int:
+        return self._schedule.missed
+
+    def begin(self) -> None:
+        """The present tick begins."""
+        self._histogram.record(time.monotonic_ns() - self.due)
+
+    def end(self) -> None:
+        """Its work has ended; those that are over by now are missed."""
+        self.ticks += 1
+        due, now = self.due, time.monotonic_ns()
+        for number in range(self._schedule.advance(now)):
+            self._histogram.record(now - due - (number + 1) * self._period)
+
+    def buckets(self) -> list[tuple[int, int, int]]:
+        return self._histogram.buckets()
+
+
 class Lateness:
     """How late one alternative was in all of its slices."""
 
     def __init__(self) -> None:
-        self.buckets: dict[int, int] = {}
+        self.seconds = np.zeros(0)
         self.ticks = self.missed = 0
 
-    def add(self, lateness: list[tuple[int, int, int]], ticks: int, missed: int) -> None:
-        for low, high, count in lateness:
-            self.buckets[(low + high) // 2] = self.buckets.get((low + high) // 2, 0) + count
+    def add(self, buckets: Sequence[Sequence[int]], ticks: int, missed: int) -> None:
+        """Add a slice, by its histogram."""
+        low, high, count = np.reshape(np.array(buckets, int), (-1, 3)).T
+        self.seconds = np.append(self.seconds, np.repeat((low + high) // 2 * 1e-9, count))
         self.ticks += ticks
         self.missed += missed
 
-    def percentile(self, fraction: float) -> float:
-        """In seconds."""
-        left = fraction * sum(self.buckets.values())
-        for value in sorted(self.buckets):
-            left -= self.buckets[value]
-            if left <= 0:
-                return value * 1e-9
-        return 0.0
-
-    def beyond(self, limit: float) -> int:
-        return sum(count for value, count in self.buckets.items() if value > limit * 1e9)
-
     def figures(self) -> dict[str, Any]:
-        return {
-            "ticks": self.ticks,
-            "missed": self.missed,
-            "late_p50_us": round(self.percentile(0.5) * 1e6, 1),
-            "late_p99_us": round(self.percentile(0.99) * 1e6, 1),
-            "late_p99.9_us": round(self.percentile(0.999) * 1e6, 1),
-            "late_max_us": round(max(self.buckets, default=0) * 1e-3, 1),
-            "beyond_2ms": self.beyond(0.002),
-        }
-
-
-#: a loop that only sleeps to each tick: what the machine does to anybody's schedule
-C = r"""
-#include <stdio.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <poll.h>
-#include <sys/prctl.h>
-#include <time.h>
-
-static int64_t now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * 1000000000LL + t.tv_nsec;
-}
-
-int main(int argc, char **argv) {
-    int64_t period = atoll(argv[1]), due = now() + period, missed = 0;
-    struct pollfd in = {0, POLLIN, 0};
-    prctl(PR_SET_TIMERSLACK, 1);
-    printf("[");
-    for (int64_t tick = 0;; tick++) {
-        struct timespec t = {due / 1000000000LL, due % 1000000000LL};
-        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
-        int64_t late = now() - due;
-        printf("%lld,", (long long)late);
-        for (due += period; now() - due >= period; due += period, missed++)
-            printf("%lld,", (long long)(now() - due));
-        if (tick % 64 == 0 && poll(&in, 1, 0) > 0) break;
-    }
-    printf("%lld]\n", (long long)missed);
-    return 0;
-}
-"""
+        late = {f"late_{name}": value for name, value in spread(self.seconds).items()}
+        beyond = int(np.count_nonzero(self.seconds > 0.002))
+        return {"ticks": self.ticks, "missed": self.missed, **late, "beyond_2ms": beyond}
 
 
 class BareLoop:
-    """The loop, in a process of its own on one processor, or any for None, while the block runs."""
+    """A loop that only sleeps to its ticks: what the machine does to anybody's schedule.
+
+    In a process of its own on one processor, or any for None, while the block runs.
+    """
 
     def __init__(self, rate: float, core: int | None) -> None:
-        self._core = core
-        self._period = round(1e9 / rate)
-        self._late: list[int] = []
-        self.missed = 0
+        self._rate, self._core = rate, core
+        self.buckets: list[list[int]] = []
+        self.ticks = self.missed = 0
 
-    def __enter__(self) -> BareLoop:
-        self._folder = tempfile.TemporaryDirectory()
-        self._output = (Path(self._folder.name) / "late").open("w+")
-        self._process = subprocess.Popen(
-            [self._command(), str(self._period)], stdin=subprocess.PIPE, stdout=self._output
-        )
+    def __enter__(self) -> Self:
+        self._program = Program(__file__, str(self._rate))
         if self._core is not None:
-            os.sched_setaffinity(self._process.pid, {self._core})
+            os.sched_setaffinity(self._program.process.pid, {self._core})
+        self._program.line()  # what its start takes is over
         return self
 
-    def _command(self) -> str:
-        source, program = Path(self._folder.name) / "bare.c", Path(self._folder.name) / "bare"
-        source.write_text(C)
-        subprocess.run(["cc", "-O2", "-o", str(program), str(source)], check=True)
-        return str(program)
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._process.communicate(timeout=10)
-        self._output.seek(0)
-        *self._late, self.missed = json.load(self._output)
-        self._output.close()
-        self._folder.cleanup()
-
-    @property
-    def ticks(self) -> int:
-        return len(self._late) - self.missed
-
-    def buckets(self) -> list[tuple[int, int, int]]:
-        """Lateness as histograms give it [ns]."""
-        histogram = Histogram()
-        for late in self._late:
-            histogram.record(late)
-        found: Any = histogram.buckets()
-        return list(found)
+    def __exit__(self, *_: object) -> None:
+        self.buckets, self.ticks, self.missed = json.loads(self._program.end())
 
 
 class Noise:
@@ -223,4 +183,20 @@ class Noise:
             loops = [stack.enter_context(BareLoop(RATE, core)) for core in cores]
             yield
         for bare in loops:
-            self.lateness.add(bare.buckets(), bare.ticks, bare.missed)
+            self.lateness.add(bare.buckets, bare.ticks, bare.missed)
+
+
+def main() -> None:
+    """Sleep to each tick, and do nothing else, until the standard input ends."""
+    sharpen_sleep(threading.get_native_id())
+    print("begins", flush=True)
+    ticks = Ticks(float(sys.argv[1]))
+    while ticks.ticks % 64 or not select.select([sys.stdin], [], [], 0)[0]:
+        sleep_until(ticks.due)
+        ticks.begin()
+        ticks.end()
+    print(json.dumps([ticks.buckets(), ticks.ticks, ticks.missed]))
+
+
+if __name__ == "__main__":
+    main()

@@ -12,11 +12,9 @@ are tried in made-up time, too.
 
 from __future__ import annotations
 
-import importlib
 import math
 import multiprocessing
 import statistics
-import sys
 import tempfile
 from collections import defaultdict
 from concurrent.futures import ProcessPoolExecutor
@@ -27,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
-from _common import arguments, scheduling, write_results
+from _common import of_tests, parser, save, show
 
 import aioduco.sync
 from aioduco.cli.measuring import Extent, measure
@@ -44,8 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 # what the tests of the calibration make recordings with
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-made: Any = importlib.import_module("sim.calibration.made")
+made = of_tests("sim.calibration.made")
 exact = made.exact
 
 CYCLE = 1e-3  # of the simulated controller [s]
@@ -207,7 +204,7 @@ def unit(section: str, name: str) -> str:
     return f"{section} {name.rstrip('123456').removeprefix('joint_').removeprefix('line_')}"
 
 
-def compare(pairs: list[tuple[ArmProfile, Calibration]]) -> dict[str, Any]:
+def compare(pairs: list[tuple[ArmProfile, Calibration]]) -> dict[str, dict[str, Any]]:
     """Errors and intervals by kind of value."""
     kinds: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for truth, found in pairs:
@@ -220,13 +217,7 @@ def compare(pairs: list[tuple[ArmProfile, Calibration]]) -> dict[str, Any]:
                     value,
                     found.profile.values.get(section, {}).get(name),
                 )
-    inside = [each for kind in kinds.values() for each in kind["inside"]]
-    known = [truth.single_precision == found.profile.single_precision for truth, found in pairs]
-    return {
-        "kinds": {name: figures(kind) for name, kind in kinds.items()},
-        "all": {"estimated": len(inside), "inside_interval_percent": percent(inside)},
-        "single_precision": {"right": sum(known), "of": len(known)},
-    }
+    return {name: figures(kind) for name, kind in kinds.items()}
 
 
 def figures(kind: dict[str, list[float]]) -> dict[str, Any]:
@@ -237,16 +228,12 @@ def figures(kind: dict[str, list[float]]) -> dict[str, Any]:
         found["largest_error"] = max(kind["error"])
         found["largest_error_percent"] = 100.0 * max(kind["share"])
         found["median_half_width"] = statistics.median(kind["half"])
-        found["inside_interval_percent"] = percent(kind["inside"])
+        found["inside_interval_percent"] = 100.0 * statistics.mean(kind["inside"])
     return found
 
 
-def percent(flags: list[float]) -> float:
-    return 100.0 * statistics.mean(flags) if flags else math.nan
-
-
 def main() -> None:
-    options = arguments(__doc__, "calibration")
+    options = parser(__doc__).parse_args()
     seeds = range(100, 102 if options.quick else 120)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -254,15 +241,12 @@ def main() -> None:
         with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
             list(pool.map(record, seeds, repeat(folder)))
         pairs = [(hidden(seed), calibrate(folder / f"run{seed}.mcap")) for seed in seeds]
-    result: dict[str, Any] = {"arms": len(pairs), **compare(pairs)}
-    result["kinds"]["times in made-up time [s]"] = made_up(seeds)
+    kinds = compare(pairs) | {"times in made-up time [s]": made_up(seeds)}
     many = range(seeds.start, seeds.start + 10 * len(seeds))
     for name, kind in made_up_friction(many).items():
-        result["kinds"][f"friction {name} in made-up time"] = kind
-    for name, kind in {**result["kinds"], "all": result["all"]}.items():
-        print(name, {key: float(f"{value:.3g}") for key, value in kind.items()})
-    if options.save:
-        write_results("calibration", {"scheduling": scheduling(), **result})
+        kinds[f"friction {name} in made-up time"] = kind
+    show("values in their units", kinds)
+    save(options, "calibration", {"arms": len(pairs), "kinds": kinds})
 
 
 if __name__ == "__main__":

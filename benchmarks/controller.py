@@ -6,7 +6,7 @@ Motions take as long as the time set by `set_system_value_double("duration", s)`
 CLOCK_MONOTONIC, which a client on the same machine shares. It prints the ports as a line of JSON,
 and ends when its standard input does; each line there has all cut every connection, and is
 answered by one when that is done. A heartbeat that does not come stops nothing here, but is kept
-as a stop at the time at which a controller would have acted.
+as a stop at the time at which a controller would have acted. `first_stop` is for its clients.
 """
 
 from __future__ import annotations
@@ -17,24 +17,23 @@ import json
 import sys
 import threading
 import time
-from typing import Any, cast
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, cast
+
+import anyio
 
 from aioduco._wire import rpc
 from aioduco.models.enums import TaskState
 from aioduco.sim.server import Server
 
-SIX = [0.0] * 6
-#: all lists of a status
+if TYPE_CHECKING:
+    from aioduco._wire.lane import WireLane
+
+#: each list of a status
 LISTS: dict[str, Any] = {
-    **{
-        f"{of}{which}{what}": SIX
-        for of in ("joint", "cart")
-        for which in ("Expect", "Actual")
-        for what in ("Position", "Velocity", "Accelera")
-    },
-    **dict.fromkeys(("jointActualCurrent", "jointTemperature", "driverTemperature"), SIX),
+    each.name: [0.0] * 6 for each in fields(rpc.RobotStatus) if each.default_factory is list
 }
-STATUS = rpc.RobotStatus(**LISTS, slaveReady=[True] * 6, robotState=6)
+STATUS = rpc.RobotStatus(**LISTS | {"slaveReady": [True] * 6}, robotState=6)
 IO = rpc.IOStatus(
     digitalInputs=[False] * 16,
     digitalOutputs=[False] * 16,
@@ -133,6 +132,16 @@ class Handlers:
             "getRobotIOStatus": IO,
         }
         return lambda *_: answers[name]
+
+
+async def first_stop(lane: WireLane, begin: float) -> float:
+    """When the controller was first told to stop after `begin`, or stopped by itself."""
+    with anyio.fail_after(30.0):
+        while True:
+            after = [at for at in await lane.rpc.get_system_value_list("stops") if at >= begin]
+            if after:
+                return min(after)
+            await anyio.sleep(0.005)
 
 
 def main() -> None:

@@ -15,11 +15,8 @@ from __future__ import annotations
 import gc
 import json
 import os
-import resource
 import secrets
 import socket
-import subprocess
-import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
@@ -29,7 +26,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
-from _common import ServerProcess, parser, print_table, scheduling, spread, write_results
+from _common import Program, ServerProcess, parser, processor_time, save, show, spread
+from controller import first_stop
 
 import aioduco
 from aioduco._wire import codec, idl
@@ -37,6 +35,7 @@ from aioduco._wire.lane import WireLane
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Iterable
 
 HOST = "127.0.0.1"
@@ -54,7 +53,6 @@ class Member:
         self.robot = robot
         self.lane = lane
         self.samples = 0
-        self.motions = 0
         #: set unless the robot is to stand
         self.allowed = anyio.Event()
         self.allowed.set()
@@ -73,18 +71,6 @@ class Member:
                 await self.robot.motion.movej2([way] * 6, speed, acceleration)
             except aioduco.TaskStopped:
                 await self.allowed.wait()
-                continue
-            self.motions += 1
-
-
-def cpu(guard: int | None) -> float:
-    """Processor time of this process, and of its guard [s]."""
-    own = resource.getrusage(resource.RUSAGE_SELF)
-    total = own.ru_utime + own.ru_stime
-    if guard is not None:
-        fields = open(f"/proc/{guard}/stat").read().rsplit(")", 1)[1].split()  # noqa: PTH123, SIM115
-        total += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    return total
 
 
 async def stop_all(fleet: list[Member]) -> tuple[float, float]:
@@ -94,7 +80,7 @@ async def stop_all(fleet: list[Member]) -> tuple[float, float]:
     begin = time.monotonic()
     await aioduco.stop_all(member.robot for member in fleet)
     stand = time.monotonic() - begin
-    last = await seen((member.lane for member in fleet), begin)
+    last = await last_stop((member.lane for member in fleet), begin)
     for member in fleet:
         member.allowed.set()
     return last - begin, stand
@@ -115,7 +101,7 @@ class Bare:
         begin = time.monotonic()
         for each in self._sockets:
             each.sendall(self._message)
-        last = await seen((member.lane for member in fleet), begin)
+        last = await last_stop((member.lane for member in fleet), begin)
         for each in self._sockets:
             each.recv(4096)
         return last - begin
@@ -125,16 +111,9 @@ class Bare:
             each.close()
 
 
-async def seen(lanes: Iterable[WireLane], begin: float) -> float:
+async def last_stop(lanes: Iterable[WireLane], begin: float) -> float:
     """When the last controller's handler was reached; it may be on its way."""
-    last = begin
-    for lane in lanes:
-        after: list[float] = []
-        while not after:
-            reached = await lane.rpc.get_system_value_list("stops")
-            after = [at for at in reached if at >= begin]
-        last = max(last, min(after))
-    return last
+    return max([await first_stop(lane, begin) for lane in lanes])
 
 
 async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int) -> dict[str, Any]:
@@ -156,14 +135,15 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
         gc.collect()
         gc.freeze()
         seat = fleet[0].robot._supervisor.guard
-        pid = seat.pid if seat is not None else None
-        before, begin = cpu(pid), time.monotonic()
+        processes = [os.getpid()]
+        if seat is not None and seat.pid is not None:
+            processes.append(seat.pid)
+        before, begin = sum(map(processor_time, processes)), time.monotonic()
         samples = sum(member.samples for member in fleet)
         await anyio.sleep(seconds)
         wall = time.monotonic() - begin
-        share = (cpu(pid) - before) / wall
+        share = (sum(map(processor_time, processes)) - before) / wall
         rate = (sum(member.samples for member in fleet) - samples) / wall / len(fleet)
-        motions = sum(member.motions for member in fleet)
         late, standing, bare_late = [], [], []
         bare = Bare(server.endpoints.values())
         for _ in range(stops):
@@ -179,10 +159,8 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
         await member.robot.aclose()
         await member.lane.aclose()
     return {
-        "robots": len(fleet),
         "cores": round(share, 3),
         "samples_per_second_each": round(rate, 1),
-        "motions": motions,
         "stop_all": spread(late) | {"stops": stops},
         "all_stand": spread(standing) | {"stops": stops},
         "bare_sends": spread(bare_late) | {"stops": stops},
@@ -248,48 +226,36 @@ async def reach(ports: list[int], path: Path, stops: int) -> dict[str, Any]:
             answered_after.append(time.monotonic() - begin)
             if not done.confirmed:
                 raise RuntimeError(f"a stop was not confirmed: {done}")
-            reached_after.append(await seen(lanes, begin) - begin)
+            reached_after.append(await last_stop(lanes, begin) - begin)
     for lane in lanes:
         await lane.aclose()
     return {"reached": spread(reached_after), "answered": spread(answered_after)}
 
 
-def gateways(*, quick: bool, save: bool) -> None:
+def gateways(options: argparse.Namespace) -> None:
     """The stop of two gateways, and its table."""
-    each, stops = (4, 20) if quick else (16, 200)
+    each, stops = (4, 20) if options.quick else (16, 200)
     with ExitStack() as stack:
         server = stack.enter_context(ServerProcess("controller.py", str(2 * each)))
         ports = list(server.endpoints.values())
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         made = files(folder, ports)
         for path in made:
-            command = [sys.executable, "-m", "aioduco.cli", "fleet", "serve", str(path)]
-            process = subprocess.Popen(
-                command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-            )
-            stack.callback(process.wait)
-            stack.callback(process.terminate)
-            assert process.stdout is not None
-            process.stdout.readline()
+            serve = ("-m", "aioduco.cli", "fleet", "serve", str(path))
+            gateway = stack.enter_context(Program(*serve, quiet=True))
+            stack.callback(gateway.process.terminate)
+            gateway.line()
         figures = anyio.run(reach, ports, made[0], stops)
-    results = {"scheduling": scheduling(), "gateways": 2, "arms_each": each, "stops": stops}
-    results |= figures
-    rows = [
-        [name, *(round(figures[key][p] / 1000, 2) for p in ("p50_us", "p99_us", "max_us"))]
-        for name, key in (("last controller reached", "reached"), ("answered", "answered"))
-    ]
-    title = f"A stop of 2 x {each} arms from a third process, {stops} times [ms]"
-    print_table(title, ["until", "p50", "p99", "max"], rows)
-    if save:
-        print("written:", write_results("fleet_gateway", results).name)
+    show(f"A stop of 2 x {each} arms from a third process, {stops} times", figures)
+    save(options, "fleet_gateway", {"gateways": 2, "arms_each": each, "stops": stops, **figures})
 
 
 def main() -> None:
-    made = parser(__doc__, "fleet")
+    made = parser(__doc__)
     made.add_argument("--gateways", action="store_true", help="of two gateways, over Zenoh")
     options = made.parse_args()
     if options.gateways:
-        gateways(quick=options.quick, save=options.save)
+        gateways(options)
         return
     counts, seconds = (((8, 20),), 3.0) if options.quick else (((32, 50), (100, 10)), 12.0)
     fleets: dict[str, dict[str, Any]] = {}
@@ -300,11 +266,8 @@ def main() -> None:
                 found = program.submit(served, count, guard, seconds, stops).result()
             fleets[f"{count} robots, {name}"] = found
     for name, found in fleets.items():
-        rows = [[key, *figures.values()] for key, figures in found.items() if key in SPREADS]
-        print_table(f"{name}: {found['cores']} cores", ["", *found["stop_all"]], rows)
-    results = {"scheduling": scheduling(), "fleets": fleets}
-    if options.save:
-        print("written:", write_results("fleet", results).name)
+        show(f"{name}: {found['cores']} cores", {each: found[each] for each in SPREADS})
+    save(options, "fleet", {"fleets": fleets})
 
 
 if __name__ == "__main__":

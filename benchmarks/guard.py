@@ -19,21 +19,14 @@ import json
 import os
 import random
 import signal
-import subprocess
-import sys
 import threading
 import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
-from _common import (
-    ServerProcess,
-    arguments,
-    print_table,
-    scheduling,
-    spread,
-    write_results,
-)
+from _common import CORES, Program, ServerProcess, parser, save, show, spread
+from _streaming import load
+from controller import first_stop
 
 import aioduco
 from aioduco._wire import rpc
@@ -47,15 +40,11 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 HEARTBEAT = 0.5
-#: what the controller of these figures gives beyond the heartbeat time [s]
-SLACK = 0.0
 STALL_LIMIT = 0.6
 #: what is compared
 KINDS: dict[str, GuardKind | None] = {"without guard": None, "with guard": "process"}
 #: turns in which the stops with a guard and without one are measured
 TURNS = 5
-#: s of work, and of rest after it
-BURST = 0.015
 
 #: joints, speed and acceleration of a move from zero; its time is what the client expects
 SPEED, ACCELERATION = 1.0, 100.0
@@ -83,20 +72,13 @@ class Desk:
         """When a task ended in the controller."""
         return (await self.lane.rpc.get_system_value_list(str(task_id)))[0]
 
-    async def reached(self) -> list[float]:
-        """When stops reached the controller's handler, since this was last asked."""
-        return await self.lane.rpc.get_system_value_list("stops")
-
     async def stops(self, count: int, send: Callable[[], Awaitable[float]]) -> list[float]:
         """Seconds from each call to the handler. `send` returns when it called."""
-        await self.reached()
         late: list[float] = []
         for _ in range(count):
             await anyio.sleep(self.random.uniform(0.0005, 0.003))
             begin = await send()
-            reached = await self.reached()
-            # a stop that was repeated counts when it first came
-            late.append(min(at for at in reached if at >= begin) - begin)
+            late.append(await first_stop(self.lane, begin) - begin)
         return late
 
     async def stop(self) -> float:
@@ -125,15 +107,6 @@ class Desk:
         return await self.stop()
 
 
-async def work() -> None:
-    """Bursts of work on the event loop, half of the time."""
-    while True:
-        until = time.monotonic() + BURST
-        while time.monotonic() < until:
-            pass
-        await anyio.sleep(BURST)
-
-
 async def latencies(desk: Desk, count: int) -> dict[str, list[float]]:
     late: dict[str, list[float]] = {}
 
@@ -149,17 +122,15 @@ async def latencies(desk: Desk, count: int) -> dict[str, list[float]]:
             await anyio.sleep(0.001)
         await add("pool blocked, 64 calls waiting", desk.stop)
         tasks.cancel_scope.cancel()
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(work)
+    async with load(busy=True):
         await add("loop in bursts of 15 ms: stop()", desk.stop)
         await add("loop in bursts of 15 ms: stop_now()", desk.stop_now)
-        tasks.cancel_scope.cancel()
     await add("every connection broken just before", desk.broken)
     return late
 
 
 async def compared(
-    lane: WireLane, server: ServerProcess, cores: set[int], count: int
+    lane: WireLane, server: ServerProcess, count: int
 ) -> dict[str, dict[str, Figures]]:
     """Take turns, so that whatever else the machine does meets all alike.
 
@@ -175,7 +146,7 @@ async def compared(
                 if seat is not None and seat.pid is not None:
                     # beside the program, not on its core alone: it is to be free of it
                     for thread in os.listdir(f"/proc/{seat.pid}/task"):  # noqa: PTH208
-                        os.sched_setaffinity(int(thread), cores)
+                        os.sched_setaffinity(int(thread), CORES)
                 found = await latencies(Desk(robot, lane, server), count // TURNS)
             for case, times in found.items():
                 late[name].setdefault(case, []).extend(times)
@@ -222,19 +193,15 @@ async def blocking(desk: Desk) -> float:
     return time.monotonic() - await desk.end(task_id)
 
 
-def loop(pause: float) -> Callable[[Desk], Awaitable[float]]:
+async def polled(desk: Desk) -> float:
     """The loop that applications write: ask, sleep, ask again."""
-
-    async def polled(desk: Desk) -> float:
-        await desk.duration()
-        task_id = int(await desk.lane.call("movel", MOVEL))
-        state = -1
-        while state != TaskState.FINISHED:
-            await anyio.sleep(pause)
-            state = await desk.lane.rpc.get_noneblock_taskstate(task_id)
-        return time.monotonic() - await desk.end(task_id)
-
-    return polled
+    await desk.duration()
+    task_id = int(await desk.lane.call("movel", MOVEL))
+    state = -1
+    while state != TaskState.FINISHED:
+        await anyio.sleep(0.01)
+        state = await desk.lane.rpc.get_noneblock_taskstate(task_id)
+    return time.monotonic() - await desk.end(task_id)
 
 
 async def ends(desk: Desk, count: int) -> dict[str, Figures]:
@@ -243,8 +210,7 @@ async def ends(desk: Desk, count: int) -> dict[str, Figures]:
         "aioduco, end not expected (movel)": unexpected,
         "aioduco, expected too early (speed at 50 %)": slowed,
         "blocking call": blocking,
-        "ask, sleep 10 ms": loop(0.01),
-        "ask, sleep 50 ms": loop(0.05),
+        "ask, sleep 10 ms": polled,
     }
     late: dict[str, list[float]] = {name: [] for name in cases}
     asked = dict.fromkeys(cases, 0)
@@ -284,136 +250,89 @@ anyio.run(main)
 """
 
 
-class Victim:
+class Victim(Program):
     """A program in a process of its own that moves the arm."""
 
     def __init__(self, port: int, guard: GuardKind | None) -> None:
         options = json.dumps([HOST, port, guard, HEARTBEAT, STALL_LIMIT])
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", PROGRAM, options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-        )
-        self.guard: int | None = json.loads(self._line())
+        super().__init__("-c", PROGRAM, options, quiet=True)
+        self.guard: int | None = json.loads(self.line())
 
-    def _line(self) -> str:
-        assert self.process.stdout is not None
-        return self.process.stdout.readline()
-
-    def tell(self, what: str) -> float:
-        """Have it do something; when it began."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(f"{what}\n")
-        self.process.stdin.flush()
-        begin: float = json.loads(self._line())
-        return begin
-
-    def end(self) -> None:
+    def __exit__(self, *_: object) -> None:
         self.process.kill()
-        self.process.communicate()
+        super().__exit__()
 
+    # each returns when it began
 
-async def deaths(
-    lane: WireLane, port: int, guard: GuardKind | None, count: int
-) -> dict[str, Figures]:
-    def program(victim: Victim) -> float:
+    def die(self) -> float:
         begin = time.monotonic()
-        victim.process.kill()
+        self.process.kill()
         return begin
 
-    def guardian(victim: Victim) -> float:
-        assert victim.guard is not None
+    def hang(self) -> float:
+        begin: float = json.loads(self.ask("hang"))
+        return begin
+
+    def lose_guard(self) -> float:
+        assert self.guard is not None
         # Frozen first: it is the heartbeat's end that is measured, not the program's own stop.
-        victim.process.send_signal(signal.SIGSTOP)
+        self.process.send_signal(signal.SIGSTOP)
         begin = time.monotonic()
-        os.kill(victim.guard, signal.SIGKILL)
+        os.kill(self.guard, signal.SIGKILL)
         return begin
 
-    def hang(victim: Victim) -> float:
-        return victim.tell("hang")
 
+async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> dict[str, Figures]:
     cases: dict[str, Callable[[Victim], float]] = {
-        "program killed": program,
-        f"event loop hangs, limit {STALL_LIMIT:g} s": hang,
+        "program killed": Victim.die,
+        f"event loop hangs, limit {STALL_LIMIT:g} s": Victim.hang,
     }
     if guard is not None:
-        cases["guard killed, program frozen"] = guardian
+        cases["guard killed, program frozen"] = Victim.lose_guard
     rng = random.Random(2)
     late: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(count):
         for name, case in cases.items():
-            victim = await anyio.to_thread.run_sync(Victim, port, guard)
-            try:
+            with await anyio.to_thread.run_sync(Victim, lane.port, guard) as victim:
                 # at any moment between two beats
                 await anyio.sleep(rng.uniform(0.0, HEARTBEAT))
-                await lane.rpc.get_system_value_list("stops")
                 begin = case(victim)
-                late[name].append(await told(lane, begin) - begin)
-            finally:
-                victim.end()
+                late[name].append(await first_stop(lane, begin) - begin)
     return {name: spread(seconds) | {"times": len(seconds)} for name, seconds in late.items()}
-
-
-async def told(lane: WireLane, begin: float) -> float:
-    """When the controller was first told to stop after `begin`, or stopped by itself."""
-    with anyio.fail_after(30.0):
-        while True:
-            after = [at for at in await lane.rpc.get_system_value_list("stops") if at >= begin]
-            if after:
-                return min(after)
-            await anyio.sleep(0.005)
 
 
 # -- all of it ---------------------------------------------------------------------------------
 
 
-async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[str, Any]:
+async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
     port = server.endpoints["0"]
-    results: dict[str, Any] = {
-        "heartbeat_s": HEARTBEAT,
-        "slack_s": SLACK,
-        "scheduling": scheduling(),
-        "stop": {},
-        "death": {},
-    }
     lane = WireLane("bench", HOST, port)
     await lane.open()
     try:
-        results["stop"] = await compared(lane, server, cores, 300 if quick else 1000)
+        stop = await compared(lane, server, 300 if quick else 1000)
         async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:
-            results["end"] = await ends(Desk(robot, lane, server), 15 if quick else 100)
-        for name, guard in KINDS.items():
-            results["death"][name] = await deaths(lane, port, guard, 2 if quick else 20)
+            end = await ends(Desk(robot, lane, server), 15 if quick else 100)
+        death = {
+            name: await deaths(lane, guard, 2 if quick else 20) for name, guard in KINDS.items()
+        }
     finally:
         await lane.aclose()
-    return results
+    return {"stop": stop, "death": death, "end": end}
 
 
 def main() -> None:
-    options = arguments(__doc__, "guard")
-    cores = os.sched_getaffinity(0)  # before the program is kept to some of them
+    options = parser(__doc__).parse_args()
     with ServerProcess("controller.py") as server:
-        results = anyio.run(measure, server, cores, options.quick)
-    for key, title, unit, count in (
-        ("stop", "From the call of a stop to the controller's handler [µs]", 1.0, "stops"),
-        ("death", "From the event until the controller is told to stop [ms]", 1e-3, "times"),
+        found = anyio.run(measure, server, options.quick)
+    for key, title in (
+        ("stop", "From the call of a stop to the controller's handler"),
+        ("death", "From the event until the controller is told to stop"),
     ):
-        rows = [
-            [case, name, *(round(f[p] * unit, 1) for p in ("p50_us", "p99_us", "max_us")), f[count]]
-            for name, cases in results[key].items()
-            for case, f in cases.items()
-        ]
-        print_table(title, [key, "", "p50", "p99", "max", count], sorted(rows, key=str))
-    end = results.pop("end")
-    columns = ["end", *next(iter(end.values()))]
-    rows = [[name, *figures.values()] for name, figures in end.items()]
-    print_table("From the end of a motion to its notice [µs]", columns, rows)
-    if options.save:
-        print("written:", write_results("guard", results).name)
-        both = {"scheduling": results["scheduling"], "end": end}
-        print("written:", write_results("supervision", both).name)
+        cases = found[key].items()
+        show(title, {f"{case}, {name}": row for name, rows in cases for case, row in rows.items()})
+    show("From the end of a motion to its notice", found["end"])
+    save(options, "supervision", {"end": found.pop("end")})
+    save(options, "guard", {"heartbeat_s": HEARTBEAT, **found})
 
 
 if __name__ == "__main__":

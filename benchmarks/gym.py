@@ -17,7 +17,7 @@ import time
 from typing import Any
 
 import gymnasium
-from _common import arguments, scheduling, write_results
+from _common import parser, save, show
 
 import aioduco.integrations.gym  # noqa: F401 - registers the names
 
@@ -44,7 +44,7 @@ def rate(made: Any, steps: int) -> float:
 
 
 def main() -> None:
-    options = arguments(__doc__, "gym")
+    options = parser(__doc__).parse_args()
     rounds, steps = (2, 40) if options.quick else (8, 400)
     kinds = {"aioduco": OURS}
     if importlib.util.find_spec("panda_gym") is not None:
@@ -72,21 +72,18 @@ def main() -> None:
                 figures["at the least"] = round(min(shares), 2)
             name = f"{task}, {processes} process{'es' * (processes > 1)}"
             result[name] = figures
-            print(f"{name}: {', '.join(f'{what} {figure}' for what, figure in figures.items())}")
     wire = several("aioduco/Reach-wire-v0", 1)
     rate(wire, 10)
     result["reach over the wire, 1 process"] = {"aioduco, steps/s": round(rate(wire, steps))}
     wire.close()
-    print(f"reach over the wire: {result['reach over the wire, 1 process']}")
-    if options.save:
-        results = {
-            "command": "chrt -r 5 python benchmarks/gym.py --save",
-            "scheduling": scheduling(),
-            "steps a round": steps,
-            "rounds": rounds,
-            "steps a second, of all processes together": result,
-        }
-        print(f"written: {write_results('gym', results)}")
+    show("steps a second, of all processes together", result)
+    results = {
+        "command": "chrt -r 5 python benchmarks/gym.py --save",
+        "steps a round": steps,
+        "rounds": rounds,
+        "steps a second, of all processes together": result,
+    }
+    save(options, "gym", results)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ import tempfile
 import time
 from typing import TYPE_CHECKING
 
-from _common import arguments, print_table, write_results
+from _common import at_most, parser, save, show
 
 from aioduco.testing import RecordingServer
 
@@ -51,22 +51,21 @@ ANSWERS = {
 }
 
 
-class Took:
-    """Seconds that a process took: on the clock, until its stop had arrived, and of a processor."""
+def took(command: list[str], env: Mapping[str, str], server: RecordingServer) -> dict[str, float]:
+    """Seconds of a processor, and on the clock: until its stop has arrived, or else its end."""
+    stops = len(server.received("stop"))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    begin = time.monotonic()
+    subprocess.run(command, env=env, check=True, stdout=subprocess.DEVNULL)
+    end = time.monotonic()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if arrived := server.received("stop")[stops:]:
+        end = arrived[0].at
+    processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {"processor": processor, "clock": end - begin}
 
-    def __init__(self, command: list[str], env: Mapping[str, str], server: RecordingServer) -> None:
-        stops = len(server.received("stop"))
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        begin = time.monotonic()
-        subprocess.run(command, env=env, check=True, stdout=subprocess.DEVNULL)
-        self.clock: float = time.monotonic() - begin
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        self.processor: float = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        if arrived := server.received("stop")[stops:]:
-            self.clock = arrived[0].at - begin
 
-
-def measured(rounds: int) -> dict[str, list[Took]]:
+def measured(rounds: int) -> dict[str, list[dict[str, float]]]:
     """What each process took in each round."""
     with RecordingServer(ANSWERS) as server, tempfile.TemporaryDirectory() as folder:
         env = {**os.environ, "PYTHONPYCACHEPREFIX": folder}
@@ -80,42 +79,37 @@ def measured(rounds: int) -> dict[str, list[Took]]:
             STOP: [*python, "-m", "aioduco.cli", "stop", f"{server.host}:{server.port}"],
         }
         for command in commands.values():
-            Took(command, env, server)  # writes what is compiled
-        took: dict[str, list[Took]] = {name: [] for name in commands}
+            took(command, env, server)  # writes what is compiled
+        found: dict[str, list[dict[str, float]]] = {name: [] for name in commands}
         for _ in range(rounds):
             for name, command in commands.items():
-                took[name].append(Took(command, env, server))
-    return took
+                found[name].append(took(command, env, server))
+    return found
 
 
 def main() -> int:
-    options = arguments(__doc__, "imports")
-    took = measured(5 if options.quick else 25)
-    figures: dict[str, dict[str, float]] = {}
-    for name, each in took.items():
-        pairs = list(zip(each, took[NUMPY], strict=True))
-        figures[name] = {
-            "processor_ms": round(statistics.median(one.processor for one in each) * 1e3, 1),
-            "clock_ms": round(statistics.median(one.clock for one in each) * 1e3, 1),
-            "processor_to_numpy": round(
-                statistics.median(one.processor / yard.processor for one, yard in pairs), 2
-            ),
-            "clock_to_numpy": round(
-                statistics.median(one.clock / yard.clock for one, yard in pairs), 2
-            ),
-        }
-    columns = ("", "processor ms", "clock ms", "processor / numpy", "clock / numpy", "at most")
-    rows = [
-        (name, *each.values(), f"{LIMITS[name]:g}" if name in LIMITS else "")
-        for name, each in figures.items()
-    ]
-    print_table("Processes, from their start", columns, rows)
-    missed = [name for name, limit in LIMITS.items() if figures[name]["processor_to_numpy"] > limit]
-    print(f"not reached: {', '.join(missed) or 'nothing'}")
-    if options.save:
-        results = {"rounds": len(took[NUMPY]), "processes": figures, "limits": LIMITS}
-        print(f"written: {write_results('imports', results)}")
-    return len(missed)
+    options = parser(__doc__).parse_args()
+    found = measured(5 if options.quick else 25)
+    figures: dict[str, dict[str, float]] = {name: {} for name in found}
+    for name, rounds in found.items():
+        for what in ("processor", "clock"):
+            ratios = [
+                each[what] / yard[what] for each, yard in zip(rounds, found[NUMPY], strict=True)
+            ]
+            seconds = statistics.median(each[what] for each in rounds)
+            figures[name][f"{what}_ms"] = round(seconds * 1e3, 1)
+            figures[name][f"{what}_to_numpy"] = round(statistics.median(ratios), 2)
+    asked = {
+        name: at_most(limit, figures[name]["processor_to_numpy"]) for name, limit in LIMITS.items()
+    }
+    show("Processes, from their start", figures)
+    show("Processor time to that of import numpy", asked)
+    save(
+        options,
+        "imports",
+        {"rounds": len(found[NUMPY]), "asked_for": asked, "processes": figures},
+    )
+    return sum(not each["reached"] for each in asked.values())
 
 
 if __name__ == "__main__":

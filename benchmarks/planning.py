@@ -22,7 +22,7 @@ import contextlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from _common import arguments, percentile, print_table, write_results
+from _common import parser, percentile, save, show
 
 from aioduco import Joints, Pose
 from aioduco.errors import NoPathFound
@@ -228,21 +228,20 @@ def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
         "solved_in_1_s_percent": round(100.0 * (number - late) / number, 1),
         "not_known_to_be_solvable": dropped,
         **{
-            f"with_times_p{share}_ms": round(percentile(sorted(took), share) * 1e3, 1)
-            for share in (50, 95)
+            f"with_times_p{share}_ms": round(percentile(took, share) * 1e3, 1) for share in (50, 95)
         },
         "fails_the_dense_check": obstructed,
         "touches_in_the_simulator": touched,
         "movej2_collides_percent": round(100.0 * collided / number, 1),
         **{
-            f"with_jerk_limit_of_the_best_p{share}": round(percentile(sorted(shares), share), 3)
+            f"with_jerk_limit_of_the_best_p{share}": round(percentile(shares, share), 3)
             for share in (50, 95)
         },
     }
 
 
 def main() -> None:
-    options = arguments(__doc__, "planning")
+    options = parser(__doc__).parse_args()
     figures: dict[str, dict[str, Any]] = {}
     for name, make in SCENES.items():
         for model in ARMS:
@@ -250,10 +249,8 @@ def main() -> None:
             row = measure(arm, make(arm.reach), 5 if options.quick else 100)
             figures[f"{name}, {model}"] = row
             print(f"{name}, {model}: {row}", flush=True)
-    rows = [[name, *row.values()] for name, row in figures.items()]
-    print_table("planning", ("scene", *next(iter(figures.values()))), rows)
-    if options.save:
-        print(f"written: {write_results('planning', {'planning': figures})}")
+    show("planning", figures)
+    save(options, "planning", {"planning": figures})
 
 
 if __name__ == "__main__":

@@ -6,20 +6,16 @@ A program of motions, one after the other, which takes about a minute on an arm:
 `aioduco preflight` several times. "share" is what the preflight takes by the wall, of the program's
 own time; asked for is at most a fifth for programs of more than 20 s. "processor share" is the same
 of processor time, of all threads, the start of the process among it: on a machine that has other
-things to do, it is the one that can be compared. A fresh interpreter that imports nothing is
-measured beside, for how busy the machine was.
+things to do, it is the one that can be compared.
 """
 
 from __future__ import annotations
 
 import resource
-import subprocess
-import sys
 import tempfile
-import time
 from pathlib import Path
 
-from _common import arguments, percentile, print_table, write_results
+from _common import parser, percentile, save, show
 
 from aioduco.testing.preflight import preflight
 
@@ -51,50 +47,32 @@ def spent() -> float:
     return sum(use.ru_utime + use.ru_stime for use in uses)
 
 
-def nothing() -> tuple[float, float]:
-    """What an interpreter takes that does nothing: by the wall, and of a processor [s]."""
-    wall, processor = time.perf_counter(), spent()
-    subprocess.run([sys.executable, "-I", "-c", ""], check=True)
-    return time.perf_counter() - wall, spent() - processor
-
-
 def main() -> None:
-    options = arguments(__doc__, "preflight")
+    options = parser(__doc__).parse_args()
     rounds, times = (2, 1) if options.quick else (4, 7)
-    rows, idle = [], []
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "program.py"
         program.write_text(PROGRAM.format(rounds=rounds), encoding="utf-8")
         for _ in range(times):
-            idle.append(nothing())
             before = spent()
             report = preflight(program, (), None, quiet=True)
             assert report.ok, report.findings
             rows.append((report.duration, report.took, spent() - before))
-    shares = sorted(took / duration for duration, took, _ in rows)
-    processor = sorted(used / duration for duration, _, used in rows)
+    shares = {
+        "by the wall": [took / duration for duration, took, _ in rows],
+        "of a processor": [used / duration for duration, _, used in rows],
+    }
     share = {
         name: {
             "p50_percent": round(100 * percentile(each, 50), 1),
-            "max_percent": round(100 * each[-1], 1),
+            "max_percent": round(100 * max(each), 1),
         }
-        for name, each in (("by the wall", shares), ("of a processor", processor))
+        for name, each in shares.items()
     }
-    noise = round(percentile(sorted(wall / used for wall, used in idle), 50), 2)
-    results = {
-        "runs": times,
-        "program_s": round(rows[0][0], 1),
-        "share": share,
-        "wall over processor time of an idle interpreter": noise,
-    }
-    print_table(
-        f"Trying a program of {rows[0][0]:.0f} s, {times} times",
-        ["share of the program's time [%]", "p50", "max"],
-        [[name, *row.values()] for name, row in share.items()],
-    )
-    print(f"wall over processor time of an idle interpreter: {noise}")
-    if options.save:
-        print(f"written: {write_results('preflight', results)}")
+    program_s = round(rows[0][0], 1)
+    show(f"Trying a program of {program_s} s, {times} times: share of its time", share)
+    save(options, "preflight", {"runs": times, "program_s": program_s, "share": share})
 
 
 if __name__ == "__main__":

@@ -7,19 +7,17 @@ with the feed running in both: so the difference is the recording's.
 from __future__ import annotations
 
 import random
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import anyio
-from _common import arguments, percentile, print_table, write_results
+from _common import Program, parser, percentile, save, show
 
 import aioduco
 from aioduco.recording import read
-from aioduco.sim.process import SimulatorProcess
+from aioduco.sim import Simulator
 from aioduco.supervision.concurrency import every
 
 RATE = 125.0
@@ -102,37 +100,30 @@ def kills(port: int, folder: Path, count: int) -> dict[str, float]:
     lost = []
     for number in range(count):
         path = folder / f"kill-{number}.mcap"
-        command = [sys.executable, "-c", CHILD, str(port), str(path)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
-            assert program.stdout is not None
-            last = float(program.stdout.readline())
+        with Program("-c", CHILD, str(port), str(path)) as program:
+            last = float(program.line())
             end = last + chance.uniform(0.5, 3.0)
             while last < end:
-                last = float(program.stdout.readline())
-            program.kill()
-            for line in program.stdout:
-                if line.endswith("\n"):
-                    last = float(line)
+                last = float(program.line())
+            program.process.kill()
+            *lines, _ = program.end().split("\n")
+            last = float(lines[-1]) if lines else last
         run = read(path)
         offset = int(run.metadata["clock_offset"])
         times = [message.time_ns for message in run.messages("/joint_states")]
         lost.append(last - (max(times) - offset) * 1e-9 if times else end - last)
-    lost.sort()
     return {
         "kills": count,
         "opened": len(lost),
-        "lost_p50_s": round(percentile(lost, 50.0), 3),
-        "lost_max_s": round(lost[-1], 3),
+        "lost_p50_s": round(percentile(lost, 50), 3),
+        "lost_max_s": round(max(lost), 3),
     }
 
 
 async def measured(quick: bool) -> dict[str, Any]:
     """Everything, on one simulator."""
     rounds, seconds = (2, 3.0) if quick else (10, 30.0)
-    with (
-        tempfile.TemporaryDirectory() as name,
-        SimulatorProcess({}) as sim,
-    ):
+    with tempfile.TemporaryDirectory() as name, Simulator.spawn() as sim:
         folder = Path(name)
         async with aioduco.connect(
             sim.host, sim.port, state_rate=RATE, heartbeat=10.0, loop_stall_limit=5.0
@@ -149,12 +140,10 @@ async def measured(quick: bool) -> dict[str, Any]:
 
 
 def main() -> None:
-    options = arguments(__doc__, "recording")
+    options = parser(__doc__).parse_args()
     results = anyio.run(measured, options.quick)
-    for name in ("moving", "standing", "kill"):
-        print_table(f"recording, {name}", ("figure", "value"), list(results[name].items()))
-    if options.save:
-        print(f"written to {write_results('recording', results)}")
+    show("recording", {name: results[name] for name in ("moving", "standing", "kill")})
+    save(options, "recording", results)
 
 
 if __name__ == "__main__":

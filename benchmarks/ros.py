@@ -11,24 +11,16 @@ Fast DDS. Needs ROS: run it by `.ci/ros1 figures` or `.ci/ros2 figures`.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import json
 import sys
 import tempfile
 import time
-from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
-from _common import parser, print_table, spread, write_results
+from _common import of_tests, parser, processor_time, save, show, spread
 
 from aioduco.sim import Simulator
-
-if TYPE_CHECKING:
-    import subprocess
-
-# what the tests of the drivers start programs with
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 RATE = 125.0
 HEARTBEAT = 1.0
@@ -39,114 +31,77 @@ PATIENT = 120.0
 NUMBER = 60  # of the domain of ROS 2
 
 
-class Ros(ABC):
-    """A master or a domain, with a driver and clients."""
-
-    #: what is killed, with which guards
-    kills: dict[str, tuple[str, ...]]
-    #: how far the rate of joint states may be off, and the share of a core [%]
-    off: float
-    most: float
-
-    @abstractmethod
-    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
-        """Start the driver of an arm."""
-
-    @abstractmethod
-    def counting(self, seconds: float) -> subprocess.Popen[str]:
-        """A client that counts joint states, of an arm that is ready."""
-
-    @abstractmethod
-    def moving(self, name: str) -> subprocess.Popen[str]:
-        """A client whose goal is being carried out."""
-
-    def victim(self, killed: str, node: Any, client: Any) -> Any:
-        """The process that is to be killed."""
-        return {"driver": node, "client": client}[killed]
-
-    def again(self, killed: str) -> None:  # noqa: B027  # nothing, where there is no master
-        """Start what was killed beside the driver."""
+#: a process that the tests start programs in
+Process: TypeAlias = Any
 
 
-class Ros1(Ros):
-    """A master, and what runs under it."""
+class Ros1:
+    """A master, with a driver and clients.
+
+    Attributes:
+        kills: what is killed, with which guards.
+        off, most: how far the rate of joint states may be off, and the share of a core [%].
+    """
 
     kills = dict.fromkeys(("driver", "master", "client"), tuple(LIMITS))
     off, most = 0.02, 15.0
 
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
         self._folder = folder
-        self._graph: Any = _of_tests("ros1_graph").Graph(folder, stack)
+        self.graph: Any = of_tests("integrations.ros.ros1_graph").Graph(folder, stack)
 
-    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Process:
+        """Start the driver of an arm."""
         given = [f"_heartbeat:={HEARTBEAT}", f"__name:={name}"] if name else []
-        return self._graph.start_node(sim, *given, *([f"_guard:={guard}"] if guard else []))
+        return self.graph.start_node(sim, *given, *([f"_guard:={guard}"] if guard else []))
 
-    def counting(self, seconds: float) -> subprocess.Popen[str]:
-        self._graph.call("bring_up")
-        client: subprocess.Popen[str] = self._graph.client(
-            "states", str(seconds), str(self._folder / "states.bag")
-        )
-        return client
+    def counting(self, seconds: float) -> Process:
+        """A client that counts joint states, of an arm that is ready."""
+        self.graph.call("bring_up")
+        return self.graph.client("states", str(seconds), str(self._folder / "states.bag"))
 
-    def moving(self, name: str) -> subprocess.Popen[str]:
+    def moving(self, name: str) -> Process:
+        """A client whose goal is being carried out."""
         # a driver that the machine held up may not begin a goal
         for left in range(4, -1, -1):
             with contextlib.nullcontext() if not left else contextlib.suppress(AssertionError):
-                self._graph.make_ready(f"/{name}")
-                client: subprocess.Popen[str] = self._graph.moving_client("200", "60.0", "2.0")
-                return client
+                self.graph.make_ready(f"/{name}")
+                return self.graph.moving_client("200", "60.0", "2.0")
         raise AssertionError("the last try raises by itself")
 
-    def victim(self, killed: str, node: Any, client: Any) -> Any:
-        return self._graph.master if killed == "master" else super().victim(killed, node, client)
 
-    def again(self, killed: str) -> None:
-        if killed == "master":
-            self._graph.restart_master()
-
-
-class Ros2(Ros):
-    """A domain."""
+class Ros2:
+    """A domain, with a driver and clients; as `Ros1`."""
 
     kills = {"driver": tuple(LIMITS), "client": ("",)}  # noqa: RUF012  # never changed
     off, most = 0.05, 100.0
     command = ("-m", "aioduco.cli")
 
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
-        self._domain: Any = _of_tests("ros2_domain").Domain(folder, stack, NUMBER)
+        self.graph: Any = of_tests("integrations.ros.ros2_domain").Domain(folder, stack, NUMBER)
 
-    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Process:
         given = [f"heartbeat:={HEARTBEAT}", f"-r __node:={name}"] if name else []
         given += [f"guard:={guard}"] if guard else []
-        return self._domain.start_node(sim, *given, program=self.command)
+        return self.graph.start_node(sim, *given, program=self.command)
 
-    def counting(self, seconds: float) -> subprocess.Popen[str]:
-        self._domain.ready()
-        client: subprocess.Popen[str] = self._domain.client("states", str(seconds))
-        return client
+    def counting(self, seconds: float) -> Process:
+        self.graph.ready()
+        return self.graph.client("states", str(seconds))
 
-    def moving(self, name: str) -> subprocess.Popen[str]:
-        self._domain.ready("recover", NODE=f"/{name}")
-        self._domain.go_to_start(NODE=f"/{name}")
-        client: subprocess.Popen[str] = self._domain.moving_client(
-            "200", "60.0", "2.0", **self._domain.lease()
-        )
-        return client
+    def moving(self, name: str) -> Process:
+        self.graph.ready("recover", NODE=f"/{name}")
+        self.graph.go_to_start(NODE=f"/{name}")
+        return self.graph.moving_client("200", "60.0", "2.0", **self.graph.lease())
 
 
 KINDS: dict[str, type[Ros1 | Ros2]] = {"1": Ros1, "2": Ros2}
 
 
-def _of_tests(name: str) -> Any:
-    return importlib.import_module(f"integrations.ros.{name}")
-
-
 def processor(pid: int) -> float:
     """Seconds of processor time of a process and of its children."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    programs = _of_tests("programs")
-    return float(sum(programs.processor_time(each) for each in (pid, *map(int, children))))
+    return sum(processor_time(each) for each in (pid, *map(int, children)))
 
 
 def joint_states(kind: type[Ros1 | Ros2], folder: Path, seconds: float) -> dict[str, Any]:
@@ -156,7 +111,6 @@ def joint_states(kind: type[Ros1 | Ros2], folder: Path, seconds: float) -> dict[
         ros = kind(folder, stack)
         node = ros.start(sim)
         client = ros.counting(seconds)
-        assert client.stdout is not None
         client.stdout.readline()  # it begins
         begin, used = time.monotonic(), processor(node.pid)
         line = client.stdout.readline()  # it has counted
@@ -185,7 +139,8 @@ def kills(
                 name = f"duco{number}"  # one of its own: the names of the dead are kept
                 node = ros.start(sim, name, guard)
             client = ros.moving(name)
-            victim = ros.victim(killed, node, client)
+            victims = {"driver": node, "client": client}
+            victim = ros.graph.master if killed == "master" else victims[killed]
             begin = time.monotonic()
             victim.kill()
             while sim.moving and time.monotonic() < begin + PATIENT:
@@ -196,7 +151,8 @@ def kills(
                 node.terminate()
                 node.wait(PATIENT)
                 node = None
-                ros.again(killed)
+            if killed == "master":
+                ros.graph.restart_master()
     figures = spread(late)
     return {
         "p50_ms": round(figures["p50_us"] / 1e3, 1),
@@ -209,7 +165,7 @@ def kills(
 
 def main() -> int:
     """Measure, and say whether all is within its limit."""
-    given = parser(__doc__, "ros1 or ros2")
+    given = parser(__doc__)
     given.add_argument("version", choices=KINDS)
     given.add_argument("--times", type=int, default=20, help="kills of each kind")
     options = given.parse_args()
@@ -218,19 +174,18 @@ def main() -> int:
     stands: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         states = joint_states(kind, Path(folder), seconds)
-        print_table("joint states", ["", ""], list(states.items()))
         for killed, guards in kind.kills.items():
             for guard in guards:
                 title = f"{killed} killed, {'with' if guard else 'without'} guard"
                 stands[title] = kills(kind, Path(folder), killed, guard, count)
-                print_table(title, ["", ""], list(stands[title].items()))
+    show("joint states", {"": states})
+    show("until the arm stands", stands)
     results = {
         "heartbeat_s": HEARTBEAT,
         "until_the_arm_stands": stands,
         "joint_states": {f"{seconds:g} s": states},
     }
-    if options.save:
-        print("written:", write_results(f"ros{options.version}", results).name)
+    save(options, f"ros{options.version}", results)
     kept = (
         abs(states["found_hz"] / RATE - 1) <= kind.off
         and states["share_of_a_core_percent"] < kind.most

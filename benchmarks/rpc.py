@@ -27,20 +27,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Awaitable, Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import thriftpy2
-from _common import (
-    ServerProcess,
-    arguments,
-    at_most,
-    print_table,
-    scheduling,
-    spread,
-    write_results,
-)
+from _common import CORES, Program, ServerProcess, at_most, parser, save, show, spread
 from thriftpy2.protocol import TCyBinaryProtocolFactory
 from thriftpy2.rpc import make_client
 from thriftpy2.transport import TCyBufferedTransportFactory
@@ -48,6 +40,9 @@ from thriftpy2.transport import TCyBufferedTransportFactory
 from aioduco._wire import codec, idl
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import WireLane
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
 
 HOST = "127.0.0.1"
 
@@ -58,53 +53,41 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "getRobotStatus": (),
 }
 
-Sync = Callable[[], object]
-Async = Callable[[], Awaitable[object]]
-
 
 class Alternative:
     """One way to call: how, and the durations of its calls in seconds."""
 
-    def __init__(self, name: str, call: Sync | None = None, awaited: Async | None = None) -> None:
+    def __init__(self, name: str, call: Callable[[], Any], *, awaited: bool = False) -> None:
         self.name = name
         self._call = call
         self._awaited = awaited
-        self.durations: list[float] = []
-        self.seconds = 0.0
+        self._durations: list[float] = []
 
     async def run(self, seconds: float, keep: bool) -> None:
         """Call for so long."""
-        clock = time.perf_counter
-        durations: list[float] = []
-        begin = now = clock()
-        end = begin + seconds
-        if self._call is not None:
-            call = self._call
-            while now < end:
-                call()
-                after = clock()
-                durations.append(after - now)
-                now = after
+        call, clock = self._call, time.perf_counter
+        times = [clock()]
+        end = times[0] + seconds
+        if self._awaited:
+            while times[-1] < end:
+                await call()
+                times.append(clock())
         else:
-            assert self._awaited is not None
-            awaited = self._awaited
-            while now < end:
-                await awaited()
-                after = clock()
-                durations.append(after - now)
-                now = after
+            while times[-1] < end:
+                call()
+                times.append(clock())
         if keep:
-            self.durations += durations
-            self.seconds += now - begin
+            self._durations += np.diff(times).tolist()
 
     def figures(self) -> dict[str, Any]:
-        return {
-            "calls": len(self.durations),
-            "calls_per_second": round(len(self.durations) / self.seconds, 1),
-        } | spread(self.durations)
+        calls, seconds = len(self._durations), sum(self._durations)
+        rate = {"calls": calls, "calls_per_second": round(calls / seconds, 1)}
+        return rate | spread(self._durations)
 
 
-def bare_socket(port: int, request: int, reply: int, stack: contextlib.ExitStack) -> Sync:
+def bare_socket(
+    port: int, request: int, reply: int, stack: contextlib.ExitStack
+) -> Callable[[], object]:
     sock = stack.enter_context(socket.create_connection((HOST, port)))
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     sock.sendall(struct.pack("!II", request, reply))
@@ -123,14 +106,9 @@ def bare_socket(port: int, request: int, reply: int, stack: contextlib.ExitStack
 def load(burning: bool) -> Iterator[None]:
     """One process for each core that does nothing but burn, or none."""
     with contextlib.ExitStack() as stack:
-        for _ in range((os.cpu_count() or 1) if burning else 0):
-            process = stack.enter_context(
-                subprocess.Popen([sys.executable, "-c", _BURN], stdin=subprocess.PIPE)
-            )
-            os.sched_setscheduler(process.pid, os.SCHED_OTHER, os.sched_param(0))
-            # it ends with its standard input, and so with this process however that ends
-            assert process.stdin is not None
-            stack.callback(process.stdin.close)
+        for _ in CORES if burning else ():
+            program = stack.enter_context(Program("-c", _BURN))
+            os.sched_setscheduler(program.process.pid, os.SCHED_OTHER, os.sched_param(0))
         yield
 
 
@@ -215,7 +193,7 @@ async def measure(
         alternatives = [
             Alternative("bare socket", bare_socket(ports["echo"], *sizes(name, port), stack)),
             Alternative("thriftpy2", lambda: direct(*args)),
-            Alternative("aioduco", awaited=lambda: awaited(*args)),
+            Alternative("aioduco", lambda: awaited(*args), awaited=True),
         ]
         if apache is not None:
             call = getattr(apache_client(apache, port, stack), name)
@@ -226,11 +204,6 @@ async def measure(
                 await alternative.run(seconds, keep=number >= 0)
         await lane.aclose()
         return {alternative.name: alternative.figures() for alternative in alternatives}
-
-
-def show(name: str, figures: dict[str, Any]) -> None:
-    rows = [[label, *row.values()] for label, row in figures.items()]
-    print_table(name, ["", *next(iter(figures.values()))], rows)
 
 
 def judged(calls: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, Any]]:
@@ -246,7 +219,7 @@ def judged(calls: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, A
 
 
 def main() -> None:
-    options = arguments(__doc__, "rpc")
+    options = parser(__doc__).parse_args()
     rounds, seconds = (3, 0.15) if options.quick else (20, 0.25)
     results: dict[bool, dict[str, dict[str, dict[str, Any]]]] = {False: {}, True: {}}
     with ServerProcess("rpc_server.py") as server, apache_module() as apache:
@@ -257,19 +230,15 @@ def main() -> None:
                     kept[name] = found
                     show(f"{name}, beside burning processes" if burning else name, found)
     asked = judged(results[False])
-    rows = [(line, each["asked"], each["found"], each["reached"]) for line, each in asked.items()]
-    print_table("on the machine as it is", ("", "asked", "found", "reached"), rows)
-    if options.save:
-        figures = {
-            "scheduling": scheduling(),
-            "rounds": rounds,
-            "seconds_each": seconds,
-            "asked_for": asked,
-            "calls": results[False],
-            "calls beside one burning process for each core": results[True],
-        }
-        path = write_results("rpc", figures)
-        print(f"written to {path.relative_to(path.parents[2])}")
+    show("on the machine as it is", asked)
+    figures = {
+        "rounds": rounds,
+        "seconds_each": seconds,
+        "asked_for": asked,
+        "calls": results[False],
+        "calls beside one burning process for each core": results[True],
+    }
+    save(options, "rpc", figures)
 
 
 if __name__ == "__main__":

@@ -13,15 +13,19 @@ is held meanwhile, and how long a stop waits that comes in the middle.
 
 from __future__ import annotations
 
+import contextlib
+import json
+import threading
 import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import simulation_planning
-from _common import arguments, percentile, print_table, write_results
-from simulation_service import DAMPING, HOME, MODEL, PUSH, WAY, judged, measure
+from _common import PERCENTILES, ServerProcess, at_least, at_most, parser, percentile, save, show
+from simulator import client
 
+from aioduco._wire.rpc import Op
 from aioduco.kinematics import Arm, arm
 from aioduco.sim.cycle import SensedState
 from aioduco.sim.force.control import AdmittanceLaw, ForceControl
@@ -31,9 +35,98 @@ from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import joint_move
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco._wire.rpc import RpcClient
     from aioduco.sim.planner.path import JointSetPoint
 
+#: what is asked for: of a core, of real time, calls a second, and their p99 [ms]
+SHARE, TIMES, CALLS, LATENCY = 0.15, 20.0, 5000.0, 1.0
+#: what is asked for of a cycle, measured by tick and step of its case alone: which share of their
+#: speed it has without the clock, and how many times their time it takes in real time
+KEPT, WAKING = 0.7, 2.5
+#: the model that the simulator has if it is told none: the measure is of the same
+MODEL = "gcr5_910"
+#: force control that moves the tool all the time, to and fro: (target - force) / damping
+PUSH, DAMPING = 5.0, 1e4
+HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
+WAY = np.array([1.0, 0.3, -0.3, 0.2, 0.3, 0.5])
 CYCLE = 0.001
+
+
+# -- a simulator in a process of its own ---------------------------------------------------------
+
+
+def give_way(robot: RpcClient, push: float) -> None:
+    """Have force control keep up a force along the tool's z, which nothing answers."""
+    target = [0.0, 0.0, push, 0.0, 0.0, 0.0]
+    along = [i == 2 for i in range(6)]
+    robot.fc_config(along, target, [DAMPING] * 6, [0.05] * 6, [0.0] * 6, "", "", 0)
+
+
+def move(port: int, done: threading.Event, forced: bool) -> None:
+    """Move to and fro, one blocking joint motion after the other."""
+    with client(port) as robot:
+        if forced:
+            give_way(robot, PUSH)
+            robot.fc_start()
+        while not done.is_set():
+            for goal, push in ((HOME + WAY, PUSH), (HOME - WAY, -PUSH)):
+                if forced:
+                    give_way(robot, push)
+                robot.movej2(goal.tolist(), 1.0, 3.0, 0.0, True, Op(), False)
+
+
+@contextlib.contextmanager
+def moving(speed: str, *, forced: bool = False) -> Iterator[tuple[ServerProcess, RpcClient]]:
+    """A simulator in a process of its own, on a core of its own, whose arm moves all the time."""
+    with ServerProcess("simulator.py", speed) as server:
+        port, done = server.endpoints["port"], threading.Event()
+        with client(port) as robot:
+            robot.power_on(True)
+            robot.enable(True)
+            mover = threading.Thread(target=move, args=(port, done, forced))
+            mover.start()
+            time.sleep(1.0)
+            try:
+                yield server, robot
+            finally:
+                done.set()
+                mover.join()
+
+
+def share(speed: str, seconds: float, *, forced: bool = False) -> dict[str, float]:
+    """What a second costs: of a core, and how much simulated time it gives."""
+    with moving(speed, forced=forced) as (server, robot):
+        before, began = json.loads(server.ask("?")), time.perf_counter()
+        time.sleep(seconds)
+        after, took = json.loads(server.ask("?")), time.perf_counter() - began
+        if errors := robot.get_last_error():
+            raise RuntimeError(f"the arm did not move all the time: {errors}")
+    simulated = after["time"] - before["time"]
+    cpu = after["cpu"] - before["cpu"]
+    return {
+        "core_percent": round(100.0 * cpu / took, 1),
+        "x_real_time": round(simulated / took, 2),
+        "cpu_per_cycle_us": round(cpu / simulated * 1e3, 1),
+    }
+
+
+def calls(seconds: float) -> dict[str, float]:
+    """One client asks for the state as fast as it is answered, while the arm moves in real time."""
+    with moving("1") as (_, robot):
+        times = [time.perf_counter()]
+        while times[-1] - times[0] < seconds:
+            robot.get_robot_state()
+            times.append(time.perf_counter())
+    took = np.diff(times) * 1e3
+    return {
+        "calls_a_second": round(len(took) / (times[-1] - times[0])),
+        **{f"p{percent:g}_ms": round(percentile(took, percent), 3) for percent in PERCENTILES},
+    }
+
+
+# -- planner and physics alone -------------------------------------------------------------------
 
 
 def to_and_fro(any_arm: Arm, mover: Mover) -> None:
@@ -96,10 +189,10 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
             world.step(setpoint)
             steps.append(time.perf_counter() - ticked)
             ticks.append(ticked - began)
-    both = sorted(a + b for a, b in zip(ticks, steps, strict=True))
+    both = [a + b for a, b in zip(ticks, steps, strict=True)]
     return {
-        "tick_us": round(percentile(sorted(ticks), 50) * 1e6, 2),
-        "step_us": round(percentile(sorted(steps), 50) * 1e6, 2),
+        "tick_us": round(percentile(ticks, 50) * 1e6, 2),
+        "step_us": round(percentile(steps, 50) * 1e6, 2),
         "both_us": round(percentile(both, 50) * 1e6, 2),
         "p99_us": round(percentile(both, 99) * 1e6, 2),
         "x_real_time": round(len(both) * CYCLE / sum(both), 1),
@@ -107,24 +200,57 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
     }
 
 
+# -- all of it -----------------------------------------------------------------------------------
+
+
+def judged(
+    clock: dict[str, dict[str, float]],
+    state: dict[str, float],
+    cycle: dict[str, dict[str, Any]],
+) -> dict[str, dict[str, Any]]:
+    """What is asked for of the simulator, and what was found."""
+    rows: dict[str, dict[str, Any]] = {}
+    for case, model in (("", MODEL), ("force control, ", f"{MODEL}, force control")):
+        alone = cycle[model]["both_us"]
+        kept = round(alone / clock[f"{case}without the clock"]["cpu_per_cycle_us"], 2)
+        name = f"{case}without the clock, of the speed of tick and step alone"
+        rows[name] = at_least(KEPT, kept)
+        times = round(clock[f"{case}in real time"]["cpu_per_cycle_us"] / alone, 2)
+        rows[f"{case}in real time, times tick and step alone"] = at_most(WAKING, times)
+    share, fast = clock["in real time"]["core_percent"], clock["without the clock"]["x_real_time"]
+    return rows | {
+        "one arm at 1 kHz in real time, % of a core": at_most(100 * SHARE, share),
+        "without the clock, server included, times real time": at_least(TIMES, fast),
+        "calls a second to one client while moving": at_least(CALLS, state["calls_a_second"]),
+        "their p99 [ms]": at_most(LATENCY, state["p99_ms"]),
+    }
+
+
 def main() -> None:
-    options = arguments(__doc__, "simulation")
-    planning = simulation_planning.measure(options.quick)
-    service = measure(options.quick)
-    repeats = 1 if options.quick else 3
-    results = {
+    options = parser(__doc__).parse_args()
+    long_plans = simulation_planning.measure(options.quick)
+    seconds, repeats = (2.0, 1) if options.quick else (15.0, 3)
+    clock = {
+        "in real time": share("1", seconds),
+        "without the clock": share("inf", seconds),
+        "force control, in real time": share("1", seconds, forced=True),
+        "force control, without the clock": share("inf", seconds, forced=True),
+    }
+    state = calls(seconds)
+    cycle = {
         MODEL: cycles(arm(MODEL), repeats),
         f"{MODEL}, force control": cycles(arm(MODEL), repeats, forced=True),
     }
-    work, forced = (row["both_us"] for row in results.values())
-    asked = judged(service["clock"], service["calls_while_moving"], work, forced)
-    asked |= simulation_planning.judged(planning)
-    tables = {"asked_for": asked} | service | {"long_plans": planning, "cycles": results}
-    for title, table in tables.items():
-        rows = [[name, *row.values()] for name, row in table.items()]
-        print_table(title.replace("_", " "), ["", *next(iter(table.values()))], rows)
-    if options.save:
-        print(f"written: {write_results('simulation', tables)}")
+    tables = {
+        "asked_for": judged(clock, state, cycle) | simulation_planning.judged(long_plans),
+        "clock": clock,
+        "calls_while_moving": {"get_robot_state": state},
+        "long_plans": long_plans,
+        "cycles": cycle,
+    }
+    for title, rows in tables.items():
+        show(title.replace("_", " "), rows)
+    save(options, "simulation", tables)
 
 
 if __name__ == "__main__":

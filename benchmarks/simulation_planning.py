@@ -1,8 +1,8 @@
 """Long plans in the simulated controller: how long others wait while a motion is planned.
 
-Its lock is watched in a simulator in this process. How long a stop
-waits that comes in the middle is measured at one in a process of its own, as a program would see
-it, and beside it the same stop while nothing is planned.
+Its lock is watched in a simulator in this process. How long a stop waits that comes in the middle
+is measured at one in a process of its own, as a program would see it, and beside it the same stop
+while nothing is planned.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from _common import at_most, percentile
-from simulation_service import client
+from _common import at_most
+from simulator import client
 
 from aioduco._wire.rpc import Op
 from aioduco.models.pose import Pose
@@ -60,7 +60,7 @@ class WatchedLock:
 def watched(sim: Simulator) -> WatchedLock:
     """The lock of a running simulator, which notes from now on."""
     runtime: Any = sim._running().runtime
-    lock: WatchedLock = WatchedLock()
+    lock = WatchedLock()
     runtime._lock = runtime.planning._lock = lock
     return lock
 
@@ -97,12 +97,6 @@ def chain(start: Pose, robot: RpcClient) -> int:
     return id_
 
 
-def alone(port: int, ask: Ask) -> None:
-    """Ask on a connection of its own, which the thread of another must not use."""
-    with client(port) as robot:
-        ask(robot)
-
-
 def planned(port: int, lock: WatchedLock, ask: Ask) -> dict[str, float]:
     """Ask for a motion; what its plan cost [s]."""
     with client(port) as robot:
@@ -110,27 +104,27 @@ def planned(port: int, lock: WatchedLock, ask: Ask) -> dict[str, float]:
         began = time.perf_counter()
         ask(robot)
         took = time.perf_counter() - began
-        held = sorted(lock.held)
+        longest = max(lock.held)
         robot.stop(True)
-    return {
-        "plan": took,
-        "lock_p50": percentile(held, 50),
-        "lock_p99": percentile(held, 99),
-        "lock_max": held[-1],
-    }
+    return {"plan": took, "lock_max": longest}
 
 
 def stopped(port: int, ask: Ask, count: int) -> dict[str, float]:
     """Stop in the middle of planning, at as many moments, and as often while nothing is planned."""
     waits: list[float] = []
     idle: list[float] = []
-    with client(port) as robot, client(port) as other:
+
+    def alone() -> None:
+        with client(port) as robot:  # no other thread may use this connection
+            ask(robot)
+
+    with client(port) as other:
         began = time.perf_counter()
-        ask(robot)
+        alone()
         took = time.perf_counter() - began
         other.stop(True)
         for number in range(count):
-            asking = threading.Thread(target=alone, args=(port, ask))
+            asking = threading.Thread(target=alone)
             asking.start()
             time.sleep(took * (number + 0.5) / count)
             waits.append(_stop(other))
@@ -138,12 +132,7 @@ def stopped(port: int, ask: Ask, count: int) -> dict[str, float]:
             other.stop(True)
             time.sleep(0.05)
             idle.append(_stop(other))
-    return {
-        "stop_waits_p50": percentile(sorted(waits), 50),
-        "stop_waits_max": max(waits),
-        "idle_stop_p50": percentile(sorted(idle), 50),
-        "idle_stop_max": max(idle),
-    }
+    return {"stop_waits_max": max(waits), "idle_stop_max": max(idle)}
 
 
 def _stop(robot: RpcClient) -> float:

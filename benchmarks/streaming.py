@@ -10,27 +10,28 @@ else the machine does meets them all.
     urgent      the same under SCHED_FIFO from the start, where the system allows it
     thread      the same worker in a thread of the program
     loop        no worker: a task of the program sleeps to each tick and awaits the call
-    bare        no stream at all: a loop in C on each processor that only sleeps to each tick,
-                beside `process`, for the machine's own noise
+    bare        no stream at all: a loop on each processor that only sleeps to each tick, beside
+                `process`, for the machine's own noise
     busy        the program's event loop works in bursts of 15 ms, with pauses of 15 ms
 
 A stream whose set-points are further apart than 20 ms lets a controller trip. The last cases are
 against the simulated arm, in a process of its own, with the program's loop busy. Asked for is a p99
-of lateness of at most 250 µs. Needs a compiler for C.
+of lateness of at most 250 µs.
 """
 
 from __future__ import annotations
 
 import contextlib
-import functools
 import os
+import statistics
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
 import rpc as calls
-from _common import ServerProcess, arguments, print_table, write_results
+from _common import CORES, ServerProcess, parser, save, show
 from _streaming import (
     HOST,
     RATE,
@@ -38,6 +39,7 @@ from _streaming import (
     WORKERS,
     Lateness,
     Noise,
+    Ticks,
     ask,
     load,
     sine,
@@ -53,12 +55,10 @@ from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.api.streams.servo import Servo
 from aioduco.sim import Simulator
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.shared.options import WorkerOptions
-from aioduco.streaming.worker.clock import Schedule
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Mapping
 
     from aioduco.streaming.report import StreamStatistics
 
@@ -99,7 +99,7 @@ async def greatest_rate(port: int, quick: bool) -> dict[str, dict[str, Any]]:
             rates["thriftpy2"].append(sync_rate(direct, seconds))
             if slow is not None:
                 rates.setdefault("Apache", []).append(sync_rate(slow, seconds))
-    medians = {name: sorted(found)[len(found) // 2] for name, found in rates.items()}
+    medians = {name: statistics.median(found) for name, found in rates.items()}
     slowest = medians.get("Apache")
     return {
         name: {
@@ -129,50 +129,53 @@ async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> No
 async def by_loop(found: Lateness, port: int, seconds: float) -> None:
     lane = WireLane("benchmark", HOST, port)
     await lane.open()
-    histogram = Histogram()
-    period = round(1e9 / RATE)
-    schedule = Schedule(period, time.monotonic_ns() + period)
-    end = schedule.due + round(seconds * 1e9)
     points = sine(round(seconds * RATE) + 1, RATE)
-    number = 0
-    while schedule.due < end:
-        await anyio.sleep(max(0, schedule.due - time.monotonic_ns()) * 1e-9)
-        due = schedule.due
-        histogram.record(time.monotonic_ns() - due)
-        await lane.rpc.servoj(points[min(number, len(points) - 1)], *SERVOJ)
-        number += 1
-        now = time.monotonic_ns()
-        for missed in range(schedule.advance(now)):
-            histogram.record(now - due - (missed + 1) * period)
+    ticks = Ticks(RATE)
+    end = ticks.due + round(seconds * 1e9)
+    while ticks.due < end:
+        await anyio.sleep(max(0, ticks.due - time.monotonic_ns()) * 1e-9)
+        ticks.begin()
+        await lane.rpc.servoj(points[min(ticks.ticks, len(points) - 1)], *SERVOJ)
+        ticks.end()
     await lane.aclose()
-    found.add(histogram.buckets(), number, schedule.missed)
+    found.add(ticks.buckets(), ticks.ticks, ticks.missed)
+
+
+async def in_turn(
+    port: int,
+    account: str,
+    runs: Mapping[str, Callable[[], Awaitable[object]]],
+    slices: int,
+    *,
+    busy: bool,
+) -> tuple[dict[str, list[list[float]]], Lateness]:
+    """The server's account of each slice, and how late bare loops beside `process` were."""
+    accounts: dict[str, list[list[float]]] = {name: [] for name in runs}
+    noise = Noise()
+    for _ in range(slices):
+        for name, run in runs.items():
+            ask(port, account)
+            beside = noise.beside() if name == "process" else contextlib.nullcontext()
+            async with load(busy):
+                with beside:
+                    await run()
+            accounts[name].append(ask(port, account))
+    return accounts, noise.lateness
 
 
 async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]]:
     """One set-point each millisecond; the alternatives take turns."""
     slices, seconds = (1, 1.5) if quick else (6, 3.0)
-    runs: dict[str, Callable[[Lateness], Awaitable[None]]] = {
-        kind: functools.partial(by_worker, kind=kind, port=port, seconds=seconds)
-        for kind in WORKERS
+    kinds = [kind for kind in WORKERS if kind != "urgent" or urgent_allowed()]
+    found = {name: Lateness() for name in (*kinds, "loop")}
+    runs = {kind: partial(by_worker, found[kind], kind, port, seconds) for kind in kinds}
+    runs["loop"] = partial(by_loop, found["loop"], port, seconds)
+    accounts, noise = await in_turn(port, "arrivals", runs, slices, busy=busy)
+    rows = {
+        name: each.figures() | {"trips": round(sum(trips for (trips,) in accounts[name]))}
+        for name, each in found.items()
     }
-    runs["loop"] = functools.partial(by_loop, port=port, seconds=seconds)
-    if not urgent_allowed():
-        del runs["urgent"]
-    found = {name: Lateness() for name in runs}
-    trips = dict.fromkeys(runs, 0)
-    noise = Noise()
-    for _ in range(slices):
-        for name, run in runs.items():
-            ask(port, "arrivals")
-            beside = noise.beside() if name == "process" else contextlib.nullcontext()
-            async with load(busy):
-                with beside:
-                    await run(found[name])
-            trips[name] += int(ask(port, "arrivals")[0])
-    found["bare"] = noise.lateness
-    return {
-        name: lateness.figures() | {"trips": trips.get(name, 0)} for name, lateness in found.items()
-    }
+    return rows | {"bare": noise.figures() | {"trips": 0}}
 
 
 async def queue_by_worker(port: int, seconds: float) -> None:
@@ -212,28 +215,21 @@ async def queue_by_loop(port: int, seconds: float) -> None:
 async def starvation(port: int, quick: bool) -> dict[str, dict[str, Any]]:
     """A point each millisecond through the queue, under load; the controller's side of it."""
     slices, seconds = (1, 2.0) if quick else (6, 2.0)
-    runs: dict[str, Callable[[], Awaitable[object]]] = {
-        "process": functools.partial(queue_by_worker, port, seconds),
-        "loop": functools.partial(queue_by_loop, port, seconds),
+    runs = {
+        "process": partial(queue_by_worker, port, seconds),
+        "loop": partial(queue_by_loop, port, seconds),
     }
-    found = {name: [0.0, 0.0, 0.0] for name in runs}
-    noise = Noise()
-    for _ in range(slices):
-        for name, run in runs.items():
-            ask(port, "starvation")
-            beside = noise.beside() if name == "process" else contextlib.nullcontext()
-            async with load(True):
-                with beside:
-                    await run()
-            taken, starved, longest = ask(port, "starvation")
-            before = found[name]
-            found[name] = [before[0] + taken, before[1] + starved, max(before[2], longest)]
-    rows: dict[str, dict[str, Any]] = {
-        name: {"points": round(taken), "starved_cycles": round(starved), "longest_ms": longest}
-        for name, (taken, starved, longest) in found.items()
-    }
+    accounts, noise = await in_turn(port, "starvation", runs, slices, busy=True)
+    rows: dict[str, dict[str, Any]] = {}
+    for name, account in accounts.items():
+        taken, starved, longest = zip(*account, strict=True)
+        rows[name] = {
+            "points": round(sum(taken)),
+            "starved_cycles": round(sum(starved)),
+            "longest_ms": max(longest),
+        }
     # What no queue of this depth bridges: how long the machine let a bare loop wait.
-    rows["bare"] = {"longest_ms": round(max(noise.lateness.buckets) * 1e-6, 1)}
+    rows["bare"] = {"longest_ms": round(float(noise.seconds.max()) * 1e3, 1)}
     return rows
 
 
@@ -290,42 +286,29 @@ async def simulated(quick: bool) -> dict[str, dict[str, Any]]:
         }
 
 
-def show(results: dict[str, Any]) -> None:
-    tables = {
-        "greatest servoj rate, closed loop": results["greatest_rate"],
-        **{f"servoj at 1 kHz, {title}": rows for title, rows in results["pacing"].items()},
-        **{f"realtime queue, {title}": rows for title, rows in results["realtime_queue"].items()},
-        "simulated arm, busy": results["simulator"],
-    }
-    for title, rows in tables.items():
-        columns = list(dict.fromkeys(key for row in rows.values() for key in row))
-        cells = [[name, *(row.get(key, "") for key in columns)] for name, row in rows.items()]
-        print_table(title, ["", *columns], cells)
-
-
 async def measure(port: int, quick: bool) -> dict[str, Any]:
     results: dict[str, Any] = {"greatest_rate": await greatest_rate(port, quick)}
     # The rest needs no server on a core of its own: a paced worker leaves the machine idle.
-    os.sched_setaffinity(0, range(os.cpu_count() or 1))
+    os.sched_setaffinity(0, CORES)
     results["pacing"] = {
         "idle": await pacing(port, False, quick),
         "busy": await pacing(port, True, quick),
     }
-    results["realtime_queue"] = {
-        "busy loop, one stall of 300 ms": await starvation(port, quick),
-    }
+    results["realtime_queue"] = {"busy loop, one stall of 300 ms": await starvation(port, quick)}
     results["simulator"] = await simulated(quick)
     return results
 
 
 def main() -> None:
-    options = arguments(__doc__, "streaming")
+    options = parser(__doc__).parse_args()
     with ServerProcess("streaming_server.py") as server:
         results = anyio.run(measure, server.endpoints["thrift"], options.quick)
-    show(results)
-    if options.save:
-        path = write_results("streaming", results)
-        print(f"written to {path.relative_to(path.parents[2])}")
+    show("greatest servoj rate, closed loop", results["greatest_rate"])
+    for kind in ("pacing", "realtime_queue"):
+        for title, rows in results[kind].items():
+            show(f"{kind.replace('_', ' ')}, {title}", rows)
+    show("simulated arm, busy", results["simulator"])
+    save(options, "streaming", results)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ line of JSON, and ends when its standard input does.
 from __future__ import annotations
 
 import sys
-import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -27,37 +26,14 @@ CYCLE = 0.001
 TRIP = 0.02
 
 
-class Queue:
-    """The realtime queue; what was taken from it is reckoned when somebody looks."""
-
-    def __init__(self) -> None:
-        self.lock = threading.Lock()
-        self.reset()
-
-    def reset(self) -> None:
-        self.began: float | None = None
-        self.filled = self.taken = self.starved = 0
-        self.longest = self.dry = 0
-
-    def advance(self) -> None:
-        if self.began is None:
-            return
-        due = int((time.monotonic() - self.began) / CYCLE) - self.starved
-        missing = max(0, due - self.filled)
-        self.taken = due - missing
-        self.starved += missing
-        self.dry = self.dry + missing if missing else 0
-        self.longest = max(self.longest, self.dry)
-
-
 class Handlers(rpc_server.Handlers):
-    """What streams call."""
+    """What streams call; what was taken from the queue is reckoned when somebody looks."""
 
     def __init__(self, structs: Any) -> None:
         super().__init__(structs)
-        self.queue = Queue()
         self.place: list[float] = [0.0] * 6
         self.times: list[float] = []
+        self.clear_realtime_data_queue()
 
     def servoj(self, *args: Any) -> int:
         self.times.append(time.monotonic())
@@ -77,31 +53,38 @@ class Handlers(rpc_server.Handlers):
         return 4
 
     def clear_realtime_data_queue(self) -> int:
-        with self.queue.lock:
-            self.queue.reset()
+        self.began: float | None = None
+        self.filled = self.taken = self.starved = 0
+        self.longest = self.dry = 0
         return 4
 
     def start_realtime_mode(self, *_: object) -> int:
-        with self.queue.lock:
-            self.queue.began = time.monotonic()
+        self.began = time.monotonic()
         return 4
 
     def end_realtime_mode(self) -> int:
-        with self.queue.lock:
-            self.queue.advance()
-            self.queue.began = None
+        self._advance()
+        self.began = None
         return 4
 
     def realtime_data_enqueue(self, realtime_data: list[Any], _block: bool) -> int:
-        with self.queue.lock:
-            self.queue.advance()
-            self.queue.filled += len(realtime_data)
+        self._advance()
+        self.filled += len(realtime_data)
         return 4
 
     def get_realtime_data_queue_size(self) -> int:
-        with self.queue.lock:
-            self.queue.advance()
-            return self.queue.filled - self.queue.taken
+        self._advance()
+        return self.filled - self.taken
+
+    def _advance(self) -> None:
+        if self.began is None:
+            return
+        due = int((time.monotonic() - self.began) / CYCLE) - self.starved
+        missing = max(0, due - self.filled)
+        self.taken = due - missing
+        self.starved += missing
+        self.dry = self.dry + missing if missing else 0
+        self.longest = max(self.longest, self.dry)
 
     def get_system_value_list(self, name: str) -> list[float]:
         """The account that is named, which begins anew."""
@@ -115,9 +98,8 @@ class Handlers(rpc_server.Handlers):
 
     def _starvation(self) -> list[float]:
         """Points taken, cycles without one, and the most of them in a row."""
-        with self.queue.lock:
-            found: list[float] = [self.queue.taken, self.queue.starved, self.queue.longest]
-            self.queue.reset()
+        found: list[float] = [self.taken, self.starved, self.longest]
+        self.clear_realtime_data_queue()
         return found
 
 

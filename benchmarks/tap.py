@@ -18,7 +18,7 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any
 
-from _common import ServerProcess, arguments, percentile, print_table, spread, write_results
+from _common import ServerProcess, parser, save, show, spread
 from rpc import HOST, thriftpy2_client
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def tap(port: int) -> Iterator[int]:
 
 
 def main() -> None:
-    options = arguments(__doc__, "tap")
+    options = parser(__doc__).parse_args()
     rounds = 20 if options.quick else 400
     times: dict[str, list[float]] = {"straight": [], "straight, once more": [], "through a tap": []}
     with contextlib.ExitStack() as stack:
@@ -66,27 +66,10 @@ def main() -> None:
                     if number >= 5:
                         times[name].append(time.perf_counter() - begin)
     rows = {name: spread(each) for name, each in times.items()}
-    ordered = {name: sorted(each) for name, each in times.items()}
-    added = {
-        f"p{percent}_us": round(
-            1e6
-            * (
-                percentile(ordered["through a tap"], percent)
-                - percentile(ordered["straight"], percent)
-            ),
-            1,
-        )
-        for percent in (50, 99)
-    }
-    print_table(
-        f"{rounds * CALLS} calls each [µs]",
-        ["", "p50", "p99", "p99.9", "max"],
-        [[name, *row.values()] for name, row in rows.items()],
-    )
-    print(f"a tap adds {added['p50_us']} µs at p50, {added['p99_us']} µs at p99")
-    results = {"calls": rounds * CALLS, "durations": rows, "added": added}
-    if options.save:
-        print(f"written: {write_results('tap', results)}")
+    straight, tapped = rows["straight"], rows["through a tap"]
+    added = {key: round(tapped[key] - straight[key], 1) for key in ("p50_us", "p99_us")}
+    show(f"{rounds * CALLS} calls each", rows)
+    save(options, "tap", {"calls": rounds * CALLS, "durations": rows, "added": added})
 
 
 if __name__ == "__main__":

@@ -18,14 +18,14 @@ import multiprocessing
 import pickle
 import random
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from _common import parser, write_results
+from _common import parser, save
 
 from aioduco.compat import DucoCobot, Op
 from aioduco.kinematics import arm as arm_of
@@ -278,6 +278,14 @@ def received(cell: Cell, seconds: float, noise: Noise) -> Iterator[tuple[float, 
             yield now, due
 
 
+def heard(monitor: TwinMonitor, item: Item) -> list[Divergence]:
+    """What a twin says of an item."""
+    if isinstance(item, TwinCommand):
+        monitor.command(item)
+        return []
+    return list(monitor.sample(item))
+
+
 @cache
 def limits(number: int) -> TwinLimits:
     """Limits from a good run of 100 s on one arm."""
@@ -301,26 +309,22 @@ class Watched(NamedTuple):
     at: float
     early: int
 
+    @property
+    def cause(self) -> str:
+        return "not seen" if self.first is None else self.first.cause.value
+
 
 def watched(number: int, seed: int, change: str, seconds: float, after: float = 3.0) -> Watched:
     """One run with a twin, up to some time after the change shows."""
     cell = Cell(number, seed, change, at=random.Random(f"when {seed}").uniform(4.0, 8.0))
-    monitor, line, early = TwinMonitor(cell.arm, limits(number), tool=TOOL), Timeline(), 0
-    first, at, noise = None, math.nan, Noise(seed)
-    for now, items in cell.run(seconds):
-        for item in filter(None, map(noise, items)):
-            line.put(item)
-        for item in line.due():
-            if isinstance(item, TwinCommand):
-                monitor.command(item)
-                continue
-            for divergence in monitor.sample(item):
-                early += cell.shown is None
-                if first is None:
-                    first, at = divergence, now
-        if cell.shown is not None and now > cell.shown + after:
-            break
-        if first is not None and change:
+    monitor = TwinMonitor(cell.arm, limits(number), tool=TOOL)
+    first, at, early = None, math.nan, 0
+    for now, item in received(cell, seconds, Noise(seed)):
+        for divergence in heard(monitor, item):
+            early += cell.shown is None
+            if first is None:
+                first, at = divergence, now
+        if (first is not None and change) or (cell.shown is not None and now > cell.shown + after):
             break
     return Watched(change, cell.shown, first, at, early)
 
@@ -343,10 +347,7 @@ def good_order(number: int, items: list[Any], seed: int) -> Order:
     for data in given:
         line.put(pickle.loads(data)[0])
         for due in line.due():
-            if isinstance(due, TwinCommand):
-                monitor.command(due)
-            else:
-                found += monitor.sample(due)
+            found += heard(monitor, due)
     return Order(found, (time.process_time() - begun) / max(1, len(given)))
 
 
@@ -357,62 +358,56 @@ def hour_in_good_order(number: int, seed: int, block: float) -> list[Order]:
 
 
 def main() -> None:
-    options = parser(__doc__, "twin")
+    options = parser(__doc__)
     options.add_argument("--runs", type=int, default=20, help="with a change, and without")
     options.add_argument("--hours", type=float, default=0.2, help="of work in good order")
     options.add_argument("--jobs", type=int, default=1, help="processes beside each other")
     given = options.parse_args()
     if given.quick:
         given.runs, given.hours = 2, 0.02
-    begun = time.perf_counter()
-    matrix: dict[str, Counter[str]] = {}
-    times: dict[str, list[float]] = {}
     changes = [list(CHANGES)[count % len(CHANGES)] for count in range(given.runs)]
-    runs = range(given.runs)
-    turns, seeds = [count % ARMS for count in runs], [1000 + count for count in runs]
+    arms = [count % ARMS for count in range(given.runs)]
+    seeds = range(1000, 1000 + given.runs)
     block = min(0.1, given.hours / DRAWS)
     blocks = range(round(given.hours / DRAWS / block) if block else 0)
-    false, false_runs, costs = [], 0, [0.0]
+    confusion: dict[str, Counter[str]] = defaultdict(Counter)
+    times: dict[str, list[float]] = defaultdict(list)
+    false_runs, false, costs = 0, 0, [0.0]
     # Processes that start anew: the simulators' threads would not be in a fork.
     with ProcessPoolExecutor(given.jobs, multiprocessing.get_context("spawn")) as pool:
-        with_change = pool.map(watched, turns, seeds, changes, [40.0] * given.runs)
-        other_seeds = [seed + 500 for seed in seeds]
-        without = pool.map(watched, turns, other_seeds, [""] * given.runs, [12.0] * given.runs)
+        with_change = pool.map(watched, arms, seeds, changes, repeat(40.0))
+        without = pool.map(watched, arms, [seed + 500 for seed in seeds], repeat(""), repeat(12.0))
         ordered = pool.map(hour_in_good_order, [n % ARMS for n in blocks], blocks, repeat(block))
         for count, run in enumerate(with_change):
-            change = run.change
-            said = "not seen" if run.first is None else run.first.cause.value
-            matrix.setdefault(change, Counter())[said] += 1
+            confusion[run.change][run.cause] += 1
             if run.first is not None and run.shown is not None:
-                times.setdefault(change, []).append(run.at - run.shown)
-            if run.first is None or run.first.cause is not CHANGES[change] or run.early:
-                print(f"{change}, run {count}: {run.first}, early {run.early}", flush=True)
+                times[run.change].append(run.at - run.shown)
+            if run.cause != CHANGES[run.change].value or run.early:
+                print(f"{run.change}, run {count}: {run.first}, early {run.early}", flush=True)
         for count, run in enumerate(without):
             if run.early:
                 false_runs += 1
                 print(f"no change, run {count}: {run.first}", flush=True)
         for count, order in enumerate(chain.from_iterable(ordered)):
             costs.append(order.cost)
+            false += len(order.found)
             for divergence in order.found:
-                false.append(str(divergence))
                 print(f"false alarm in hour {(count + 1) * block:.2f}: {divergence}", flush=True)
-        hours, worked = block * DRAWS * len(blocks), block * len(blocks)
-    seen = sum(sum(row.values()) - row["not seen"] for row in matrix.values())
-    right = sum(row[CHANGES[change].value] for change, row in matrix.items())
-    within = sum(each <= 0.5 for row in times.values() for each in row)
     result = {
+        "command": f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
+        f"--jobs {given.jobs} --save",
         "runs with a change": given.runs,
-        "seen": seen,
-        "seen within 0.5 s of showing": within,
-        "cause named right": right,
+        "seen": given.runs - sum(row["not seen"] for row in confusion.values()),
+        "seen within 0.5 s of showing": sum(each <= 0.5 for row in times.values() for each in row),
+        "cause named right": sum(row[CHANGES[name].value] for name, row in confusion.items()),
         "runs without a change": given.runs,
         "of these with an alarm": false_runs,
-        "hours in good order": round(hours, 2),
-        "of different work": round(worked, 2),
-        "false alarms in these": len(false),
+        "hours in good order": round(block * DRAWS * len(blocks), 2),
+        "of different work": round(block * len(blocks), 2),
+        "false alarms in these": false,
         "share of a processor at 125 Hz": round(125.0 * float(np.median(costs)), 3),
         "confusion: hidden change, named cause": {
-            change: dict(row) for change, row in matrix.items()
+            change: dict(row) for change, row in confusion.items()
         },
         "time until it was said [s]": {
             change: {"p50": round(float(np.median(row)), 3), "max": round(max(row), 3)}
@@ -421,13 +416,7 @@ def main() -> None:
     }
     for name, value in result.items():
         print(f"{name}: {value}")
-    print(f"{time.perf_counter() - begun:.0f} s")
-    if given.save:
-        command = (
-            f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
-            f"--jobs {given.jobs} --save"
-        )
-        write_results("twin", {"command": command, **result})
+    save(given, "twin", result)
 
 
 if __name__ == "__main__":
