@@ -106,8 +106,9 @@ def bare_socket(
 def load(burning: bool) -> Iterator[None]:
     """One process for each core that does nothing but burn, or none."""
     with contextlib.ExitStack() as stack:
-        for _ in CORES if burning else ():
+        for core in CORES if burning else ():
             program = stack.enter_context(Program("-c", _BURN))
+            os.sched_setaffinity(program.process.pid, {core})
             os.sched_setscheduler(program.process.pid, os.SCHED_OTHER, os.sched_param(0))
         yield
 
