@@ -7,7 +7,6 @@ import contextlib
 import datetime
 import importlib
 import importlib.metadata
-import importlib.util
 import json
 import os
 import platform
@@ -58,23 +57,15 @@ def processor_time(pid: int) -> float:
     return time.clock_gettime(~pid << 3 | 2)
 
 
-#: the packages whose versions a result has: as they are imported, and as they are installed
-PACKAGES = {name: name for name in ("aioduco", "thriftpy2", "thrift", "anyio", "numpy")} | {
-    "mujoco": "mujoco-core",
-    "gymnasium": "gymnasium",
-    "panda_gym": "panda-gym",
-    "pybullet": "pybullet",
-    "lerobot": "lerobot",
+#: the packages whose versions a result has
+PACKAGES = {
+    *("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core"),
+    *("gymnasium", "panda-gym", "pybullet", "lerobot"),
 }
 
 
 def machine() -> dict[str, Any]:
     """The machine, the commit and the versions of a result; nothing that names a host."""
-    versions = {
-        name: importlib.metadata.version(installed)
-        for name, installed in PACKAGES.items()
-        if importlib.util.find_spec(name) is not None
-    }
     return {
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
         "commit": commit(),
@@ -84,7 +75,13 @@ def machine() -> dict[str, Any]:
         "processor": _processor(),
         "cores": os.cpu_count(),
         "python": platform.python_version(),
-        "packages": versions,
+        "packages": dict(
+            sorted(
+                (each.name, each.version)
+                for each in importlib.metadata.distributions()
+                if each.name in PACKAGES
+            )
+        ),
     }
 
 

@@ -37,10 +37,11 @@ WORKERS = {
 SERVOJ = (1.0, 5.0, False, 200.0, 25.0, 10.0, 1.0)
 
 
-def sine(count: int, rate: float) -> list[list[float]]:
+def sine(count: int, rate: float, start: Sequence[float] = (0.0,) * 6) -> list[list[float]]:
     """Set-points of a slow sine on all joints, from rest."""
     turn = 2 * math.pi * 0.2 / rate
-    return [[0.1 * (1 - math.cos(turn * n))] * 6 for n in range(count)]
+    ways = (0.1 * (1 - math.cos(turn * n)) for n in range(count))
+    return [[angle + way for angle in start] for way in ways]
 
 
 def ask(port: int, account: str) -> list[float]:

@@ -29,7 +29,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
-import numpy as np
 import rpc as calls
 from _common import CORES, ServerProcess, parser, save, show
 from _streaming import (
@@ -46,7 +45,7 @@ from _streaming import (
     urgent_allowed,
     work_for,
 )
-from streaming_server import CYCLE
+from rpc_server import CYCLE
 
 import aioduco
 from aioduco._wire.lane import WireLane
@@ -61,8 +60,6 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
     from aioduco.streaming.report import StreamStatistics
-
-WAY = 0.05  # rad
 
 
 async def lane_rate(port: int, count: int) -> float:
@@ -236,21 +233,12 @@ async def starvation(port: int, quick: bool) -> dict[str, dict[str, Any]]:
 # -- the simulated arm ---
 
 
-def sway(start: aioduco.Joints, seconds: float) -> list[list[float]]:
-    """There and back on the first joint, a set-point each millisecond."""
-    count = round(seconds * RATE)
-    turns = np.linspace(0, 2 * np.pi * max(1, round(seconds / 4)), count)
-    points = np.tile(np.array(start), (count, 1))
-    points[:, 0] += WAY * (1 - np.cos(turns)) / 2
-    return [list(map(float, point)) for point in points]
-
-
 async def servo(robot: aioduco.Robot, seconds: float, noise: Noise) -> dict[str, Any]:
     start = await robot.state.get_actual_joints_position()
     async with load(True):
         with noise.beside():
             async with robot.servo.joints(v=1.0, a=20.0, rate=RATE, hold=5.0) as stream:
-                for point in sway(start, seconds):
+                for point in sine(round(seconds * RATE), RATE, start):
                     await stream.send(point)
     return figures(stream.statistics())
 
@@ -260,7 +248,7 @@ async def realtime(robot: aioduco.Robot, seconds: float) -> dict[str, Any]:
     async with load(True):
         opened = robot.realtime.stream("joint_position", v=1.0, a=20.0, depth=50, hold=5.0)
         async with opened as stream, anyio.create_task_group() as tasks:
-            tasks.start_soon(stream.play, sway(start, seconds))
+            tasks.start_soon(stream.play, sine(round(seconds * RATE), RATE, start))
             await anyio.sleep(seconds / 2)
             work_for(0.3)
     return figures(stream.statistics())
@@ -301,7 +289,7 @@ async def measure(port: int, quick: bool) -> dict[str, Any]:
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    with ServerProcess("streaming_server.py") as server:
+    with ServerProcess("rpc_server.py") as server:
         results = anyio.run(measure, server.endpoints["thrift"], options.quick)
     show("greatest servoj rate, closed loop", results["greatest_rate"])
     for kind in ("pacing", "realtime_queue"):

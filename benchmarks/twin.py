@@ -71,21 +71,13 @@ CHANGES = {
 }
 
 
-class Friction(NamedTuple):
-    dry: tuple[float, ...]
-    viscous: tuple[float, ...]
-
-    def times(self, factor: float) -> tuple[list[float], list[float]]:
-        return [factor * each for each in self.dry], [factor * each for each in self.viscous]
-
-
-def friction(arm: Arm, number: int) -> Friction:
-    """The friction of one arm: 2.4 to 3.6 % of each joint's largest torque, as much at 3 rad/s."""
+def friction(arm: Arm, number: int, factor: float = 1.0) -> list[list[float]]:
+    """Dry and viscous: 2.4 to 3.6 % of each joint's largest torque, and as much at 3 rad/s."""
     draw = random.Random(f"arm {number}")
-    return Friction(
-        tuple(0.03 * draw.uniform(0.8, 1.2) * each for each in arm.effort),
-        tuple(0.01 * draw.uniform(0.8, 1.2) * each for each in arm.effort),
-    )
+    return [
+        [factor * share * draw.uniform(0.8, 1.2) * each for each in arm.effort]
+        for share in (0.03, 0.01)
+    ]
 
 
 class Noise:
@@ -128,7 +120,7 @@ class Cell:
             which = random.Random(f"link {seed}").choice(("a2", "a3"))
             longer = true.geometry._replace(**{which: getattr(true.geometry, which) + 1e-3})
             true = dataclasses.replace(true, geometry=longer)
-        self._friction = friction(self.arm, number)
+        self._number = number
         self._change, self._at = change, at
         self._draw = random.Random(seed)
         self._noise = Noise(seed)
@@ -148,7 +140,7 @@ class Cell:
             client.open(), other.open()
             client.power_on(True), client.enable(True)
             sim.lock_time()
-            sim.drag(*self._friction)
+            sim.drag(*friction(self.arm, self._number))
             self._start = sim.time
             sim.observe(self._seen)
             items = self._work(sim, client, other, seconds)
@@ -221,7 +213,7 @@ class Cell:
                 return False
             sim.load(0.0)
         elif self._change == "friction":
-            sim.drag(*self._friction.times(1.3))
+            sim.drag(*friction(self.arm, self._number, 1.3))
         elif self._change == "contact":
             way = np.array([draw.gauss(0.0, 1.0) for _ in range(3)])
             sim.push([*(10.0 * way / np.linalg.norm(way)).tolist(), 0.0, 0.0, 0.0])
