@@ -243,7 +243,11 @@ class Program:
 
     def end(self) -> str:
         """Close its standard input; the rest of what it writes until it has ended."""
-        return self.process.communicate(timeout=10)[0]
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        with self.process:
+            self.process.stdin.close()
+            return self.process.stdout.read()
 
     def __exit__(self, *_: object) -> None:
         if self.process.returncode is None:

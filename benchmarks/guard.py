@@ -21,6 +21,7 @@ import random
 import signal
 import threading
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -166,17 +167,14 @@ async def followed(desk: Desk, motion: aioduco.MotionCommand) -> float:
     return task.ended_at - await desk.end(task.id)
 
 
-async def expected(desk: Desk) -> float:
-    """A joint move: its end can be computed from where the arm is."""
-    seconds = await desk.duration()
-    way = (seconds - SPEED / ACCELERATION) * SPEED
-    return await followed(desk, desk.robot.motion.movej2([way] * 6, SPEED, ACCELERATION))
+async def joint_move(desk: Desk, slower: float = 1.0) -> float:
+    """A joint move, whose end can be computed from where the arm is.
 
-
-async def slowed(desk: Desk) -> float:
-    """A joint move that takes twice as long as computed: the speed slider is at a half."""
-    seconds = await desk.duration()
-    way = (seconds / 2 - SPEED / ACCELERATION) * SPEED
+    Args:
+        desk: where it is made.
+        slower: how many times the computed time it takes, as with a lower speed slider.
+    """
+    way = (await desk.duration() / slower - SPEED / ACCELERATION) * SPEED
     return await followed(desk, desk.robot.motion.movej2([way] * 6, SPEED, ACCELERATION))
 
 
@@ -206,9 +204,9 @@ async def polled(desk: Desk) -> float:
 
 async def ends(desk: Desk, count: int) -> dict[str, Figures]:
     cases: dict[str, Callable[[Desk], Awaitable[float]]] = {
-        "aioduco, end expected (movej2)": expected,
+        "aioduco, end expected (movej2)": joint_move,
         "aioduco, end not expected (movel)": unexpected,
-        "aioduco, expected too early (speed at 50 %)": slowed,
+        "aioduco, expected too early (speed at 50 %)": partial(joint_move, slower=2.0),
         "blocking call": blocking,
         "ask, sleep 10 ms": polled,
     }

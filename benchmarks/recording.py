@@ -106,7 +106,7 @@ def kills(port: int, folder: Path, count: int) -> dict[str, float]:
             while last < end:
                 last = float(program.line())
             program.process.kill()
-            *lines, _ = program.end().split("\n")
+            *lines, _ = program.end().split("\n")  # the last one may be cut off
             last = float(lines[-1]) if lines else last
         run = read(path)
         offset = int(run.metadata["clock_offset"])

@@ -123,7 +123,6 @@ class Cell:
         self._number = number
         self._change, self._at = change, at
         self._draw = random.Random(seed)
-        self._noise = Noise(seed)
         self._sim = Simulator(true, cycle=CYCLE, seed=seed, joints=READY, speed=math.inf)
         self._cycle = 0
         self._samples: list[TwinSample] = []
@@ -251,12 +250,9 @@ class Cell:
             there, back = (list(Pose.from_matrix(each)) for each in (down, above))
             yield "movej2", (near, fast, draw.uniform(1.0, 3.0), 0.0, False, Op(), False)
             yield "movel", (there, speed, 1.0, 0.0, near, "", "", False, Op(), False)
-            if self._change in ("", "lost part") or not self._changed:
-                wants = not self._held
-                keep = self._change == "payload" or (self._change == "lost part" and self._changed)
-                if not keep:
-                    self._held = wants
-                    yield "set_load_data", ([HELD_MASS if wants else 0.0, 0.0, 0.0, 0.05],)
+            if self._change != "payload" and not self._changed:
+                self._held = not self._held
+                yield "set_load_data", ([HELD_MASS if self._held else 0.0, 0.0, 0.0, 0.05],)
             yield "movel", (back, speed, 1.0, 0.0, near, "", "", False, Op(), False)
 
 
