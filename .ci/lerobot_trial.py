@@ -24,7 +24,7 @@ from aioduco.sim import Simulator
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 from _common import write_results
-from _streaming import BareLoop
+from _streaming import Lateness, bare_loop
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
 FAR = [0.3, 0.1, 1.45, 0.1, -1.5, 0.3]
@@ -310,7 +310,7 @@ def policy_loop(host: str, port: int, seconds: float, answer: Any) -> None:
     answer.put((steps, late, found.as_dict()))
 
 
-def looped(sim: Any, seconds: float) -> tuple[dict[str, Any], list[BareLoop], np.ndarray]:
+def looped(sim: Any, seconds: float) -> tuple[dict[str, Any], list[Lateness], np.ndarray]:
     """Run the loop through a tap, beside loops that only sleep to their ticks.
 
     One of them is on any processor, as the stream's worker is, and one on each.
@@ -334,7 +334,9 @@ def looped(sim: Any, seconds: float) -> tuple[dict[str, Any], list[BareLoop], np
         program = context.Process(target=policy_loop, args=(tap.host, tap.port, seconds, answers))
         with ExitStack() as stack:
             cores = [None, *sorted(os.sched_getaffinity(0))]
-            bare = [stack.enter_context(BareLoop(RATE, core)) for core in cores]
+            bare = [Lateness() for _ in cores]
+            for each, core in zip(bare, cores, strict=True):
+                stack.enter_context(bare_loop(each, RATE, core))
             program.start()
             steps, late, found = answers.get(timeout=seconds + 300)
         program.join()

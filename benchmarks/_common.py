@@ -59,9 +59,9 @@ def processor_time(pid: int) -> float:
 
 #: the packages whose versions a result has
 PACKAGES = {
-    *("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core"),
-    *("gymnasium", "panda-gym", "pybullet", "lerobot"),
-}
+    "aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core",
+    "gymnasium", "panda-gym", "pybullet", "lerobot",
+}  # fmt: skip
 
 
 def machine() -> dict[str, Any]:

@@ -6,24 +6,18 @@ import contextlib
 import json
 import math
 import os
-import select
-import sys
-import threading
 import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
-from _common import Program, spread
+from _common import CORES, HERE, Program, spread
 
 from aioduco._wire.connection import Connection
-from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.shared.options import WorkerOptions
-from aioduco.streaming.worker.clock import Schedule, sharpen_sleep, sleep_until
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator, Sequence
-    from typing import Self
 
 HOST = "127.0.0.1"
 RATE = 1000
@@ -88,43 +82,6 @@ def urgent_allowed() -> bool:
     return True
 
 
-class Ticks:
-    """An absolute schedule, and how late each of its ticks was.
-
-    Args:
-        rate: ticks a second.
-    """
-
-    def __init__(self, rate: float) -> None:
-        self._period = round(1e9 / rate)
-        self._schedule = Schedule(self._period, time.monotonic_ns() + self._period)
-        self._histogram = Histogram()
-        self.ticks = 0
-
-    @property
-    def due(self) -> int:
-        """When the present tick is due [ns]."""
-        return self._schedule.due
-
-    @property
-    def missed(self) -> int:
-        return self._schedule.missed
-
-    def begin(self) -> None:
-        """The present tick begins."""
-        self._histogram.record(time.monotonic_ns() - self.due)
-
-    def end(self) -> None:
-        """Its work has ended; those that are over by now are missed."""
-        self.ticks += 1
-        due, now = self.due, time.monotonic_ns()
-        for number in range(self._schedule.advance(now)):
-            self._histogram.record(now - due - (number + 1) * self._period)
-
-    def buckets(self) -> list[tuple[int, int, int]]:
-        return self._histogram.buckets()
-
-
 class Lateness:
     """How late one alternative was in all of its slices."""
 
@@ -145,59 +102,27 @@ class Lateness:
         return {"ticks": self.ticks, "missed": self.missed, **late, "beyond_2ms": beyond}
 
 
-class BareLoop:
+@contextlib.contextmanager
+def bare_loop(found: Lateness, rate: float, core: int | None) -> Iterator[None]:
     """A loop that only sleeps to its ticks: what the machine does to anybody's schedule.
 
     In a process of its own on one processor, or any for None, while the block runs.
     """
-
-    def __init__(self, rate: float, core: int | None) -> None:
-        self._rate, self._core = rate, core
-        self.buckets: list[list[int]] = []
-        self.ticks = self.missed = 0
-
-    def __enter__(self) -> Self:
-        self._program = Program(__file__, str(self._rate))
-        if self._core is not None:
-            os.sched_setaffinity(self._program.process.pid, {self._core})
-        self._program.line()  # what its start takes is over
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.buckets, self.ticks, self.missed = json.loads(self._program.end())
+    with Program(str(HERE / "ticks.py"), str(rate)) as program:
+        if core is not None:
+            os.sched_setaffinity(program.process.pid, {core})
+        program.line()  # what its start takes is over
+        yield
+        found.add(*json.loads(program.end()))
 
 
-class Noise:
-    """A bare loop on each processor, beside what is measured: the machine's own noise.
+@contextlib.contextmanager
+def bare_loops(found: Lateness) -> Iterator[None]:
+    """One on each processor: the machine's own noise, beside what is measured.
 
     The worker may run on any of them, so the worst of them is what it is held against.
     """
-
-    def __init__(self) -> None:
-        self.lateness = Lateness()
-
-    @contextlib.contextmanager
-    def beside(self) -> Iterator[None]:
-        """Run them while the block runs, and add what they found."""
-        with contextlib.ExitStack() as stack:
-            cores = sorted(os.sched_getaffinity(0))
-            loops = [stack.enter_context(BareLoop(RATE, core)) for core in cores]
-            yield
-        for bare in loops:
-            self.lateness.add(bare.buckets, bare.ticks, bare.missed)
-
-
-def main() -> None:
-    """Sleep to each tick, and do nothing else, until the standard input ends."""
-    sharpen_sleep(threading.get_native_id())
-    print("begins", flush=True)
-    ticks = Ticks(float(sys.argv[1]))
-    while ticks.ticks % 64 or not select.select([sys.stdin], [], [], 0)[0]:
-        sleep_until(ticks.due)
-        ticks.begin()
-        ticks.end()
-    print(json.dumps([ticks.buckets(), ticks.ticks, ticks.missed]))
-
-
-if __name__ == "__main__":
-    main()
+    with contextlib.ExitStack() as stack:
+        for core in CORES:
+            stack.enter_context(bare_loop(found, RATE, core))
+        yield

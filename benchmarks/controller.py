@@ -57,7 +57,7 @@ class Handlers:
         self._moving_until = 0.0
         self._ids = itertools.count(1000)
         self._beat: threading.Timer | None = None
-        self._held = threading.Event()
+        self.held = threading.Event()
 
     def _start(self, *_: object) -> int:
         task_id = next(self._ids)
@@ -73,10 +73,11 @@ class Handlers:
         return task_id
 
     def get_noneblock_taskstate(self, id: int) -> int:  # noqa: A002  # the wire's name
-        end = self._ends.get(id, 0.0)
         if id in self._stopped:
             return TaskState.STOPPED
-        return TaskState.FINISHED if time.monotonic() >= end else TaskState.RUNNING
+        return (
+            TaskState.RUNNING if time.monotonic() < self._ends.get(id, 0.0) else TaskState.FINISHED
+        )
 
     def stop(self, block: bool) -> int:  # noqa: ARG002  # the wire's name
         now = time.monotonic()
@@ -102,18 +103,11 @@ class Handlers:
         self._stops.append(time.monotonic())
 
     def set_standard_digital_out(self, *_: object) -> int:
-        self._held.wait()
+        self.held.wait()
         return TaskState.FINISHED
 
-    def set_tool_digital_out(self, *_: object) -> int:
-        time.sleep(0.05)
-        return TaskState.FINISHED
-
-    def set_system_value_double(self, name: str, value: float) -> int:
-        if name == "duration":
-            self._duration = value
-        elif name == "release":
-            self._held.set()
+    def set_system_value_double(self, name: str, value: float) -> int:  # noqa: ARG002  # the wire's
+        self._duration = value
         return 0
 
     def get_system_value_list(self, name: str) -> list[float]:
@@ -154,7 +148,7 @@ def main() -> None:
                 server.drop()
             print(flush=True)
         for each in handlers:
-            each.set_system_value_double("release", 1.0)
+            each.held.set()
 
 
 if __name__ == "__main__":

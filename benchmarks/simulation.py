@@ -129,24 +129,17 @@ def calls(seconds: float) -> dict[str, float]:
 # -- planner and physics alone -------------------------------------------------------------------
 
 
-def to_and_fro(any_arm: Arm, mover: Mover) -> None:
-    """Queue the motions that the whole simulator is measured by."""
-    for key in range(4):
-        goal = HOME - WAY if key % 2 else HOME + WAY
-        mover.append(key, partial(joint_move, any_arm, q1=goal, v=1.0, a=3.0))
-
-
 class GivingWay:
     """Force control between planner and physics, which moves the tool to and fro all the time."""
 
-    def __init__(self, any_arm: Arm, mover: Mover, world: World) -> None:
-        self._mover, self._world, self._time = mover, world, 0.0
-        self.control = ForceControl(any_arm, CYCLE)
-        self.control.start(mover.setpoint)
+    def __init__(self, any_arm: Arm, start: JointSetPoint, world: World) -> None:
+        self._world, self._time = world, 0.0
+        self._control = ForceControl(any_arm, CYCLE)
+        self._control.start(start)
 
     def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
         """The set-point of the drives, as the controller makes it."""
-        control, now = self.control, self._world.reading()
+        control, now = self._control, self._world.reading()
         if control.law is None or self._time % 1.0 < CYCLE:
             push = PUSH if control.law is None else -control.law.target[2]
             control.law = AdmittanceLaw(
@@ -177,8 +170,10 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
     steps: list[float] = []
     for _ in range(repeats):
         world, mover = World(any_arm, CYCLE, HOME), Mover(any_arm, HOME, CYCLE)
-        to_and_fro(any_arm, mover)
-        giving = GivingWay(any_arm, mover, world) if forced else None
+        for key in range(4):  # as the whole simulator goes
+            goal = HOME - WAY if key % 2 else HOME + WAY
+            mover.append(key, partial(joint_move, any_arm, q1=goal, v=1.0, a=3.0))
+        giving = GivingWay(any_arm, mover.setpoint, world) if forced else None
         setpoint = mover.setpoint
         while mover.moving:
             began = time.perf_counter()

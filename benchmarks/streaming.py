@@ -37,15 +37,15 @@ from _streaming import (
     SERVOJ,
     WORKERS,
     Lateness,
-    Noise,
-    Ticks,
     ask,
+    bare_loops,
     load,
     sine,
     urgent_allowed,
     work_for,
 )
 from rpc_server import CYCLE
+from ticks import Ticks
 
 import aioduco
 from aioduco._wire.lane import WireLane
@@ -148,16 +148,16 @@ async def in_turn(
 ) -> tuple[dict[str, list[list[float]]], Lateness]:
     """The server's account of each slice, and how late bare loops beside `process` were."""
     accounts: dict[str, list[list[float]]] = {name: [] for name in runs}
-    noise = Noise()
+    noise = Lateness()
     for _ in range(slices):
         for name, run in runs.items():
             ask(port, account)
-            beside = noise.beside() if name == "process" else contextlib.nullcontext()
+            beside = bare_loops(noise) if name == "process" else contextlib.nullcontext()
             async with load(busy):
                 with beside:
                     await run()
             accounts[name].append(ask(port, account))
-    return accounts, noise.lateness
+    return accounts, noise
 
 
 async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]]:
@@ -233,10 +233,10 @@ async def starvation(port: int, quick: bool) -> dict[str, dict[str, Any]]:
 # -- the simulated arm ---
 
 
-async def servo(robot: aioduco.Robot, seconds: float, noise: Noise) -> dict[str, Any]:
+async def servo(robot: aioduco.Robot, seconds: float, noise: Lateness) -> dict[str, Any]:
     start = await robot.state.get_actual_joints_position()
     async with load(True):
-        with noise.beside():
+        with bare_loops(noise):
             async with robot.servo.joints(v=1.0, a=20.0, rate=RATE, hold=5.0) as stream:
                 for point in sine(round(seconds * RATE), RATE, start):
                     await stream.send(point)
@@ -266,10 +266,10 @@ async def simulated(quick: bool) -> dict[str, dict[str, Any]]:
     # The stall is meant, so nobody needs to be warned of it.
     async with Simulator.spawn() as sim, aioduco.connect(HOST, sim.port, lag_limit=None) as robot:
         await robot.bring_up()
-        noise = Noise()
+        noise = Lateness()
         return {
             "servoj": await servo(robot, seconds, noise),
-            "bare, beside servoj": noise.lateness.figures(),
+            "bare, beside servoj": noise.figures(),
             "realtime": await realtime(robot, seconds),
         }
 
