@@ -166,10 +166,9 @@ def show(title: str, rows: Mapping[str, Mapping[str, object]]) -> None:
 
 
 def _cell(value: object) -> str:
+    """A value as docs/figures.py shows it."""
     if isinstance(value, float):
-        if value >= 100:
-            return f"{value:,.0f}"
-        return f"{value:.1f}" if value >= 10 else f"{value:.2f}"
+        return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
     return str(value)
 
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import contextlib
 from typing import TYPE_CHECKING, Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 from _common import parser, percentile, save, show
@@ -36,7 +37,7 @@ from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.scene import Box, mjcf_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -177,20 +178,10 @@ def compared(plan: Plan) -> float:
     rows = np.append(rows[length[rows] < length[-1] - 5e-3], len(q) - 1)
     curve = BSpline.through(length[rows], q[rows])
     usual = float(timed(curve, plan.limits).times[-1])
-    with changed(timing, _TICK=0.002), changed(time_law, _HARD=2e-4, _ENOUGH=4e-4):
+    finer = patch.multiple(timing, _TICK=0.002)
+    with finer, patch.multiple(time_law, _HARD=2e-4, _ENOUGH=4e-4):
         best = min(float(timed(curve, plan.limits).times[-1]), usual)
     return usual / best
-
-
-@contextlib.contextmanager
-def changed(module: Any, **values: float) -> Iterator[None]:
-    """Constants of a module, otherwise for a while."""
-    before = {name: getattr(module, name) for name in values}
-    vars(module).update(values)
-    try:
-        yield
-    finally:
-        vars(module).update(before)
 
 
 def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:

@@ -10,15 +10,19 @@ import random
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio
+import numpy as np
 from _common import Program, parser, percentile, save, show
 
 import aioduco
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 RATE = 125.0
 HERE, THERE = [0.0, -0.3, 1.9, 0.0, -1.5, 0.0], [1.2, 0.1, 1.5, 0.4, -1.2, 0.8]
@@ -38,21 +42,14 @@ anyio.run(main, int(sys.argv[1]), sys.argv[2])
 """
 
 
-class Phase:
-    """The processor time of all phases of one kind."""
-
-    def __init__(self) -> None:
-        self.cpu = 0.0
-        self.wall = 0.0
-
-    async def measure(self, seconds: float) -> None:
-        """Measure the processor for a time, in which the loop has a little to do."""
-        cpu, wall = time.process_time(), time.monotonic()
-        async for _ in every(0.002):
-            if time.monotonic() - wall > seconds:
-                break
-        self.cpu += time.process_time() - cpu
-        self.wall += time.monotonic() - wall
+async def spent(seconds: float) -> NDArray[np.float64]:
+    """Processor time and time by the clock [s], while the loop has a little to do."""
+    begin = np.array([time.process_time(), time.monotonic()])
+    async for _ in every(0.002):
+        if time.monotonic() - begin[1] > seconds:
+            break
+    took: NDArray[np.float64] = np.array([time.process_time(), time.monotonic()]) - begin
+    return took
 
 
 async def moving(robot: aioduco.Robot) -> None:
@@ -66,16 +63,16 @@ async def cost_and_size(
     robot: aioduco.Robot, folder: Path, rounds: int, seconds: float, *, moves: bool
 ) -> dict[str, Any]:
     """Phases with and without, while the arm moves or stands."""
-    off, on = Phase(), Phase()
+    off, on = np.zeros(2), np.zeros(2)
     sizes, recorded, signals = 0, 0.0, 0
     async with anyio.create_task_group() as group:
         if moves:
             group.start_soon(moving, robot)
         with robot.feed.subscribe("latest"):
             for _ in range(rounds):
-                await off.measure(seconds)
+                off += await spent(seconds)
                 async with robot.record(folder / "run.mcap") as recording:
-                    await on.measure(seconds)
+                    on += await spent(seconds)
                 sizes += recording.statistics().size
                 run = read(recording.path)
                 recorded += run.duration
@@ -87,8 +84,8 @@ async def cost_and_size(
                 )
         group.cancel_scope.cancel()
     return {
-        "core_without_percent": round(100 * off.cpu / off.wall, 2),
-        "core_with_percent": round(100 * on.cpu / on.wall, 2),
+        "core_without_percent": round(100 * float(off[0] / off[1]), 2),
+        "core_with_percent": round(100 * float(on[0] / on[1]), 2),
         "megabytes_an_hour": round(sizes / recorded * 3600 / 1e6, 1),
         "numbers": signals,
     }
