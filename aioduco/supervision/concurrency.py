@@ -54,6 +54,8 @@ __all__ = [
 
 #: time between two moments of `on_grid` [s]
 GRID = 0.002
+#: seconds after which a coroutine that is to end, and has not, is cancelled again
+_CANCEL_AGAIN = 5.0
 
 T = TypeVar("T")
 
@@ -216,6 +218,9 @@ class DaemonThread:
 
         Returns:
             Its result, and the last cancellation that came meanwhile: the caller must raise it.
+
+        Raises:
+            What the function raised, or the last cancellation if one came meanwhile.
         """
         over = anyio.Event()
         ring = loop_callback(over.set)
@@ -232,6 +237,8 @@ class DaemonThread:
         self._inbox.put(job)
         _, cancelled = await run_to_completion(over.wait)
         if errors:
+            if cancelled is not None:  # it must not be lost
+                raise cancelled from errors[0]
             raise errors[0]
         return results[0], cancelled
 
@@ -301,7 +308,8 @@ class BackgroundTasks:
         while self._tasks:
             for task in self._tasks:
                 task.cancel()
-            done, _ = await asyncio.wait(self._tasks)
+            # again after a while: an error that comes with a cancellation may hide it
+            done, _ = await asyncio.wait(self._tasks, timeout=_CANCEL_AGAIN)
             self._tasks -= done  # also those whose `_ended` was not called, due to an interrupt
 
     async def ended(self) -> None:

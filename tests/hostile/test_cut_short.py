@@ -1,13 +1,18 @@
-"""An event loop that ends cancels work before it began: nobody waits for it for ever."""
+"""Work that is cancelled before it began, or as it fails: nobody waits for it for ever."""
 
 from __future__ import annotations
 
 import asyncio
+import threading
+from contextlib import suppress
 
 import pytest
 
 from aioduco._process.reporting import reporter
-from aioduco.supervision.concurrency import BackgroundTasks
+from aioduco._wire.owner_loop import loop_callback
+from aioduco.errors import GuardLost
+from aioduco.supervision import concurrency
+from aioduco.supervision.concurrency import BackgroundTasks, DaemonThread
 
 
 def cancel_all() -> None:
@@ -28,6 +33,45 @@ async def test_work_that_never_began_is_over() -> None:
     cancel_all()
     await over.wait()
     assert not began
+    assert not len(background)
+
+
+async def test_a_cancellation_that_meets_the_error_of_a_thread_is_not_lost() -> None:
+    begun, go = asyncio.Event(), threading.Event()
+    ring = loop_callback(begun.set)
+
+    def fail() -> None:
+        ring()
+        go.wait()
+        raise GuardLost("no process could be started")
+
+    thread = DaemonThread("work")
+    waiting = asyncio.get_running_loop().create_task(thread.run(fail))
+    await begun.wait()
+    waiting.cancel()
+    go.set()
+    with pytest.raises(asyncio.CancelledError):
+        await waiting
+    thread.end()
+
+
+async def test_work_that_goes_on_after_a_cancellation_is_cancelled_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As work that takes it for the error that came with it."""
+    monkeypatch.setattr(concurrency, "_CANCEL_AGAIN", 0.01)
+    begun = asyncio.Event()
+
+    async def work() -> None:
+        begun.set()
+        with suppress(asyncio.CancelledError):
+            await asyncio.Event().wait()
+        await asyncio.Event().wait()
+
+    background = BackgroundTasks(lambda error: None)
+    background.start(work(), "work")
+    await begun.wait()
+    await background.aclose()
     assert not len(background)
 
 
