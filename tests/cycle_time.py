@@ -16,8 +16,8 @@ SHORT = {"power_on": 0.05, "enable": 0.03}
 USUAL = {name: CHANGES[name].steps[0][0] for name in SHORT}
 
 #: beginnings of the paths of tests that have a user's times in the thorough run: those of the
-#: simulator itself, of what is promised whatever happens, of what the pages show, and of points that
-#: are followed closely
+#: simulator itself, of what is promised whatever happens, of what the pages show, and of points
+#: that are followed closely
 REAL = (
     *("adversity/", "explore/", "hostile/", "manual/test_examples"),
     *("pages/", "recording/playback/test_player", "shipped/", "sim/"),
