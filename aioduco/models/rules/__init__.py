@@ -38,6 +38,7 @@ from aioduco.models.rules.scalars import (
     Text,
     Whole,
     condition_holds,
+    is_whole,
     stored,
 )
 
@@ -66,5 +67,6 @@ __all__ = [
     "Whole",
     "WholesLike",
     "condition_holds",
+    "is_whole",
     "stored",
 ]

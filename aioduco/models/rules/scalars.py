@@ -165,6 +165,11 @@ class Number(Rule):
         raise ParameterError(name, value, self.expected + hint)
 
 
+def is_whole(value: object) -> bool:
+    """Whether it is a whole number, also one of numpy; True and False are none."""
+    return isinstance(value, _WHOLE) and not isinstance(value, bool)
+
+
 class Integer(Rule):
     """A whole number within bounds.
 
@@ -188,9 +193,7 @@ class Integer(Rule):
         if type(value) is int and self.low <= value <= self.high:
             return value
         number: Any = _plain(value)
-        if isinstance(number, bool) or not isinstance(number, _WHOLE):
-            raise ParameterError(name, value, self.expected)
-        if not self.low <= number <= self.high:
+        if not is_whole(number) or not self.low <= number <= self.high:
             raise ParameterError(name, value, self.expected)
         return int(number)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-import numbers
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from aioduco.models.rules import is_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 __all__ = ["LEVEL", "Bank", "Outputs", "Pulses", "Signals"]
 
 T = TypeVar("T")
-#: what counts as a number of a signal: also numpy's
-_WHOLE: Any = numbers.Integral
 _SHORTEST = 1e-3  # shorter pulses switch the output off [s]
 
 
@@ -50,7 +49,7 @@ class Bank(Generic[T]):
         return self._values[num - 1] if num in self else self._zero
 
     def _require(self, num: int) -> None:
-        if not isinstance(num, _WHOLE) or num not in self:
+        if not is_whole(num) or num not in self:
             raise IndexError(f"there is no signal {num!r}; there are 1 to {len(self._values)}")
 
     def __setitem__(self, num: int, value: T) -> None:

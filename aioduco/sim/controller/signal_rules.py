@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import numbers
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import FLAG, WAIT
+from aioduco.models.rules import is_whole
 
 if TYPE_CHECKING:
     from aioduco.sim.cabinet.grippers import ValveGripper
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 __all__ = ["SignalRule", "SignalRules", "place"]
 
 _TOOL = "tool"
-#: what counts as a number of a signal: also numpy's
-_WHOLE: Any = numbers.Integral
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +40,7 @@ class SignalRule:
     def __post_init__(self) -> None:
         for name, signal in (("output", self.output), ("input", self.input)):
             tool, num = place(signal)
-            whole = isinstance(num, _WHOLE) and not isinstance(num, bool)
-            if not whole or not 1 <= num <= (2 if tool else 16):
+            if not is_whole(num) or not 1 <= num <= (2 if tool else 16):
                 raise ParameterError(name, signal, '1 to 16, or "tool 1" or "tool 2"')
         WAIT("after", self.after)
         FLAG("inverted", self.inverted)
