@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 from aioduco.envelope.limits import Crossing
 from aioduco.errors import (
@@ -18,6 +19,9 @@ from aioduco.errors import (
     WorkerFailed,
 )
 from aioduco.streaming.shared.words import Reason
+
+if TYPE_CHECKING:
+    from aioduco.errors import DucoError
 
 __all__ = ["failure"]
 
@@ -87,7 +91,7 @@ def failure(
     reason: Reason,
     text: str,
     statistics: object,
-    stopped_by: EnvelopeViolated | None = None,
+    stopped_by: DucoError | None = None,
     *,
     reads: bool = False,
 ) -> StreamError | None:
@@ -98,12 +102,14 @@ def failure(
         reason: reason of the end.
         text: what is known beyond that.
         statistics: the stream's statistics.
-        stopped_by: the limit of the envelope at which the arm was stopped, if it was.
+        stopped_by: why the watch of the envelope has stopped the arm, if it has.
         reads: whether its worker sends no set-points, and only reads.
     """
     if reason is Reason.STOPPED and stopped_by is not None:
-        limit, body = stopped_by.limit, stopped_by.body
         message = f"{name}: {stopped_by}. Nothing more is sent: open a new stream to go on"
+        if not isinstance(stopped_by, EnvelopeViolated):
+            return StreamStopped(message, statistics)
+        limit, body = stopped_by.limit, stopped_by.body
         return StreamLeavesEnvelope(
             message, limit, body, stopped_by.place, stopped_by.margin, statistics
         )

@@ -48,7 +48,6 @@ from aioduco.supervision.motion_sources import OpenStream
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from aioduco.errors import EnvelopeViolated
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.shared.config import WorkerConfig
     from aioduco.supervision.gate import Permit
@@ -88,7 +87,7 @@ class Session(OpenStream):
         #: tasks that stop the robot after a task of `_background` has failed
         self._rescue = BackgroundTasks(self._rescue_failed)
         self._fault = ""
-        self.stopped_by: EnvelopeViolated | None = None
+        self.stopped_by: DucoError | None = None
         self._supervised = anyio.Event()
         self._permit: Permit | None = None
         #: commands that were given, for a worker that does not exist yet

@@ -19,6 +19,8 @@ or in two cells of a notebook.
 `Alarm`: a wait that ends at a given time, or earlier. A cancel scope with a deadline costs half as
 much again, and the tasks of each robot are polled about thirty times a second.
 
+`Silence`: what reports nothing for a while may be dead; a program that stood still did not hear it.
+
 `on_grid`: waits of many robots on one loop are due at the same moments, where they need not be
 exact. Most of the cost of a wait is the iteration of the loop, which then serves several waits.
 """
@@ -46,6 +48,7 @@ __all__ = [
     "Alarm",
     "BackgroundTasks",
     "DaemonThread",
+    "Silence",
     "Ticker",
     "every",
     "on_grid",
@@ -56,6 +59,8 @@ __all__ = [
 GRID = 0.002
 #: seconds after which a coroutine that is to end, and has not, is cancelled again
 _CANCEL_AGAIN = 5.0
+#: seconds by which the event loop may be late between two looks; more counts as a standstill of it
+_LATE = 0.05
 
 T = TypeVar("T")
 
@@ -120,6 +125,34 @@ def every(period: float, first: float | None = None) -> Ticker:
         An iterator over the times when the cycles were due [s of `time.monotonic`].
     """
     return Ticker(period, time.monotonic() if first is None else first)
+
+
+class Silence:
+    """How long nothing new came, without the time in which the event loop stood still.
+
+    Args:
+        period: seconds between two looks.
+
+    Attributes:
+        seconds: how long nothing new had come at the last look [s].
+    """
+
+    __slots__ = ("_heard_at", "_longest", "_looked_at", "seconds")
+
+    def __init__(self, period: float) -> None:
+        self._longest = period + _LATE
+        self._heard_at: float | None = None
+        self._looked_at = 0.0
+        self.seconds: float = 0.0
+
+    def look(self, now: float, heard_at: float) -> float:
+        """Take in when the newest thing came; return how long nothing has come since [s]."""
+        if heard_at == self._heard_at:
+            self.seconds += min(now - self._looked_at, self._longest)
+        else:
+            self._heard_at, self.seconds = heard_at, 0.0
+        self._looked_at = now
+        return self.seconds
 
 
 def on_grid(at: float) -> float:

@@ -164,7 +164,7 @@ class EnvelopeKeeper:
             trial.current.checked(name)
         if envelope is None or name in _NOT_THE_ARM:
             return command
-        await self._check_arm(envelope)
+        await self._check_arm(name, envelope)
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
         before, self._last = self._last, None
@@ -325,7 +325,7 @@ class EnvelopeKeeper:
                 sent.
         """
         if self.envelope is not None and (joints or moves):
-            await self._check_arm(self.envelope)
+            await self._check_arm(name, self.envelope)
             paths = [joints] if joints else []
             await self._check_unknown(self.envelope, name, paths, moves=moves)
 
@@ -402,12 +402,14 @@ class EnvelopeKeeper:
             *found[:4],
         )
 
-    async def _check_arm(self, envelope: Envelope) -> None:
-        """Check once, while the arm stands, that the envelope was made for it.
+    async def _check_arm(self, name: str, envelope: Envelope) -> None:
+        """Check that it is watched; and once, while it stands, that the envelope was made for it.
 
         Raises:
+            StaleState: no samples come; nothing was sent.
             ParameterError: it was made for another arm; nothing was sent.
         """
+        self._watch.require_samples(name)
         if envelope is self._fitting or self._live:
             return
         try:
@@ -500,7 +502,7 @@ class EnvelopeKeeper:
                 break  # before, the arm and what moved it would be looked at too early
         if not self._live:  # else the stream is not opened
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
-        await self._check_arm(self.envelope)
+        await self._check_arm(name, self.envelope)
         frames = await self._frames(tool, wobj, standing=True)
         if frames is None:
             await self._check_unknown(self.envelope, name)

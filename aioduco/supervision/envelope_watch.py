@@ -4,6 +4,9 @@ Every sample in which the arm moves is judged, also while a stop of the watch is
 arm that begins to move again is stopped again. One task brings the arm to rest, whatever happens
 meanwhile.
 
+While no samples come, the watch is blind: it stops the arm if that may be moving, and nothing that
+moves it is sent.
+
 Where the path was checked before it was sent, only an arm that is beyond a limit by more than it
 may lag behind its set-points is stopped.
 """
@@ -19,10 +22,11 @@ import anyio
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.envelope.checker import STOPPING, EnvelopeChecker
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
-from aioduco.errors import DucoError, EnvelopeViolated
+from aioduco.errors import DucoError, EnvelopeViolated, StaleState
 from aioduco.models.controller_clock import release_nothing
 from aioduco.models.samples import pose as pose_of
-from aioduco.supervision.events import EnvelopeLeft
+from aioduco.supervision.concurrency import Silence, every
+from aioduco.supervision.events import EnvelopeLeft, EnvelopeUnwatched
 from aioduco.supervision.gate import PermitEnding
 
 if TYPE_CHECKING:
@@ -32,7 +36,7 @@ if TYPE_CHECKING:
     from aioduco.envelope.velocities import Ahead
     from aioduco.models.pose import Pose
     from aioduco.supervision.concurrency import BackgroundTasks
-    from aioduco.supervision.events import Events
+    from aioduco.supervision.events import Event, Events
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -55,6 +59,7 @@ _AGAIN = 0.02
 #: arm that is beyond may seem to get deeper while its joints swing [m, rad]
 _LAG = 3e-3
 _FRESH = 0.1  # largest age of a sample that says where a moving arm is [s]
+_LOOK_EVERY = 0.02  # time between two looks whether samples come [s]
 _MOST_CHECKERS = 8  # checkers that are kept, each for a tool
 #: factor by which a controller may exceed the requested tool speed
 _OVERSHOOT = 1.05
@@ -113,6 +118,7 @@ class EnvelopeWatch:
         self.reaction: float = max(_PERIODS * self._period, _REACTION)
         self._checkers: dict[tuple[Pose, bool], EnvelopeChecker] = {}
         self._running = False
+        self._silence = Silence(_LOOK_EVERY)
         #: whether the tool in use is being read
         self._reading = False
         #: speed of the fastest joint in the last sample [rad/s]
@@ -141,6 +147,7 @@ class EnvelopeWatch:
         if not self._running:
             self._running = True
             self._background.start(self._run(), "aioduco envelope")
+            self._background.start(self._look_for_samples(), "aioduco envelope's samples")
 
     def checker(self, envelope: Envelope, tool: Pose, *, by_tip: bool = False) -> EnvelopeChecker:
         """A checker for an envelope and a tool, which is made once."""
@@ -187,6 +194,54 @@ class EnvelopeWatch:
             self._release_clock()
             self._running = False
 
+    # -- no samples ----------------------------------------------------------------------------
+
+    @property
+    def _blind(self) -> bool:
+        """Whether no samples come, although an envelope is to be watched."""
+        return self.envelope is not None and self._silence.seconds > self._feed.silence_limit
+
+    def require_samples(self, name: str) -> None:
+        """Check that the state is watched, before `name` is sent, which may move the arm.
+
+        Raises:
+            StaleState: no samples come; nothing was sent.
+        """
+        if self._blind:
+            raise StaleState(f"{name} was not sent, since {self._unwatched()}")
+
+    def _unwatched(self) -> str:
+        error = self._feed.error
+        return (
+            f"the envelope is not watched: no sample of the state came for "
+            f"{self._silence.seconds:.2g} s{'' if error is None else f' ({error})'}. "
+            "Try again when the controller answers, or set robot.envelope to None"
+        )
+
+    async def _look_for_samples(self) -> None:
+        """Stop the arm whenever it may be moving while no samples come."""
+        told = False
+        async for _ in every(_LOOK_EVERY):
+            self._silence.look(time.monotonic(), self._feed.heard_at)
+            if not self._blind:
+                told = False
+            elif not self._stopping and await self._may_move():
+                why = StaleState(f"the arm was stopped, since {self._unwatched()}")
+                seconds, reason = self._silence.seconds, str(self._feed.error or "")
+                event = EnvelopeUnwatched(time.monotonic(), seconds, reason)
+                await self._stop(why, None if told else event, 0.0)
+                told = True
+                self._release_clock()
+
+    async def _may_move(self) -> bool:
+        """Whether this program moves the arm, or the controller says that it moves."""
+        if self._coordinator.moving:
+            return True
+        try:
+            return await self._rpc.robotmoving()
+        except DucoError:
+            return False  # a lost connection is handled elsewhere
+
     # -- samples -------------------------------------------------------------------------------
 
     async def _judge(self, envelope: Envelope, sample: Snapshot) -> None:
@@ -201,9 +256,10 @@ class EnvelopeWatch:
             return
         if not self._stopping:
             if self.unchecked or not self.only_unchecked:
-                await self._stop(found, fastest)
+                event = EnvelopeLeft(time.monotonic(), found)
+                await self._stop(_violated(found), event, fastest)
         elif again:
-            await self._stop_again(found)
+            await self._stop_again(_violated(found))
 
     def _force(self, envelope: Envelope, sample: Snapshot, fastest: float) -> Crossing | None:
         """Return the limit of a force that is too large; None if there is none.
@@ -335,18 +391,27 @@ class EnvelopeWatch:
 
     # -- stops ---------------------------------------------------------------------------------
 
-    async def _stop(self, found: Crossing, fastest: float) -> None:
-        _log.warning("the arm is stopped, since it would leave its envelope: %s", found)
-        self._events.tell(EnvelopeLeft(time.monotonic(), found))
-        self._name_cause(found)
+    async def _stop(self, why: DucoError, event: Event | None, fastest: float) -> None:
+        """Stop the arm; return when the controller has accepted a stop, or that has failed.
+
+        Args:
+            why: the cause for the tasks and the stream that this ends.
+            event: what subscribers are told; None if they were told.
+            fastest: speed of the fastest joint [rad/s].
+        """
+        if event is not None:
+            _log.warning("%s", why)
+            self._events.tell(event)
+        self._name_cause(why)
         # At once: what is on its way to a socket must not pass while the stop's task starts.
         self._coordinator.gate.end(PermitEnding.ENVELOPE)
         self._stopping, self._slowest = True, fastest
         accepted = anyio.Event()
-        self._background.start(self._rest(accepted), "aioduco stop at the envelope", accepted.set)
+        rest = self._rest(why, accepted)
+        self._background.start(rest, "aioduco stop at the envelope", accepted.set)
         await accepted.wait()
 
-    async def _rest(self, accepted: anyio.Event) -> None:
+    async def _rest(self, why: DucoError, accepted: anyio.Event) -> None:
         """Stop the arm, and wait until it stands. The clock is held until a stop is accepted."""
         settings = self._settings
         try:
@@ -358,26 +423,29 @@ class EnvelopeWatch:
                     self._unconfirmed -= 1
                     await self._coordinator.rest(settings.stop_timeout, settings.standstill_timeout)
         except DucoError as exc:
-            _log.critical("the arm leaves its envelope, and %s", exc)
+            _log.critical("%s. But %s", why, exc)
         finally:
             self._stopping = False
 
-    async def _stop_again(self, found: Crossing) -> None:
+    async def _stop_again(self, why: DucoError) -> None:
         """Stop an arm that moves again while `_rest` waits for it to stand."""
-        _log.warning("the arm moves again, and is stopped again: %s", found)
-        self._name_cause(found)
+        _log.warning("the arm moves again: %s", why)
+        self._name_cause(why)
         self._unconfirmed += 1
         try:
             await self._coordinator.send_stop(self._settings.stop_timeout)
         except DucoError as exc:
-            _log.critical("the arm leaves its envelope, and %s", exc)
+            _log.critical("%s. But %s", why, exc)
 
-    def _name_cause(self, found: Crossing) -> None:
-        """Give the tasks and the stream that a stop ends the limit as its cause."""
-        why = EnvelopeViolated(
-            f"the arm was stopped, since it would have left its envelope: {found}", *found[:4]
-        )
+    def _name_cause(self, why: DucoError) -> None:
+        """Give the tasks and the stream that a stop ends its cause."""
         for task in self._coordinator.follower.tasks:
             task.stopped_by = why
         for stream in self._coordinator.streams:
             stream.stopped_by = why
+
+
+def _violated(found: Crossing) -> EnvelopeViolated:
+    return EnvelopeViolated(
+        f"the arm was stopped, since it would have left its envelope: {found}", *found[:4]
+    )

@@ -31,6 +31,7 @@ __all__ = [
     "EmergencyStopPressed",
     "EmergencyStopReleased",
     "EnvelopeLeft",
+    "EnvelopeUnwatched",
     "ErrorsChanged",
     "Event",
     "Events",
@@ -214,6 +215,21 @@ class EnvelopeLeft(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class EnvelopeUnwatched(Event):
+    """The envelope is not watched, since no samples come, and the arm is being stopped.
+
+    Attributes:
+        seconds: how long none came.
+        reason: the error of the last read; empty if the controller has not answered it yet.
+    """
+
+    seconds: float
+    reason: str
+
+    _severity = "alarm"
+
+
+@dataclass(frozen=True, slots=True)
 class TwinDiverged(Event):
     """The arm and its twin have parted: something is not as in the good run.
 
@@ -303,8 +319,6 @@ def suspicious(before: Snapshot, after: Snapshot) -> bool:
     )
 
 
-#: seconds without a sample after which the connection counts as lost
-_GONE_AFTER = 0.5
 #: seconds between two reads of the error list while no sample suggests that it changed
 _ERRORS_EVERY = 1.0
 #: seconds between two checks of the heartbeat and of the age of the newest sample
@@ -411,8 +425,8 @@ class Events(Uncopied):
                 self.tell(HeartbeatChanged(now, heartbeat, state))
                 heartbeat = state
             heard = self._feed.heard_at
-            limit = max(_GONE_AFTER, 3.0 / self._feed.rate)
-            if gone_since is None and now - heard > limit and self._feed.error is not None:
+            lost = now - heard > self._feed.silence_limit and self._feed.error is not None
+            if gone_since is None and lost:
                 gone_since = heard
                 self.tell(ConnectionGone(now, str(self._feed.error)))
             elif gone_since is not None and heard > gone_since:

@@ -31,7 +31,6 @@ from aioduco.models.enums import TaskState
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from aioduco.errors import EnvelopeViolated
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
@@ -186,10 +185,10 @@ class OpenStream(ABC):
     """A stream as the supervision uses it.
 
     Attributes:
-        stopped_by: the limit of the envelope at which the arm was stopped, if it was.
+        stopped_by: why the watch of the envelope has stopped the arm, if it has.
     """
 
-    stopped_by: EnvelopeViolated | None
+    stopped_by: DucoError | None
 
     @property
     @abstractmethod

@@ -156,6 +156,8 @@ _STATE = ("get_robot_state", "getRobotStatus", "getRobotIOStatus")
 _FORCES = ("get_tcp_force", "get_ext_torque")
 #: seconds between two attempts while the controller does not answer
 _RETRY_EVERY = 0.1
+#: seconds without a sample after which it counts as silent, and how many samples that are, at least
+_SILENT_AFTER, _SILENT_SAMPLES = 0.5, 3.0
 #: seconds by which a wait is late if the loop was blocked meanwhile
 _HELD_UP = 0.05
 
@@ -277,6 +279,11 @@ class StateFeed(Uncopied, MisspeltRefused):
     def heard_at(self) -> float:
         """When the last sample came, or, before the first, when the feed began [s]."""
         return self._begun if self._latest is None else self._latest.received_at
+
+    @property
+    def silence_limit(self) -> float:
+        """Time without a sample after which nobody knows the state any more [s]."""
+        return max(_SILENT_AFTER, _SILENT_SAMPLES / self._rate)
 
     def statistics(self) -> FeedStatistics:
         """Return statistics since the feed began."""

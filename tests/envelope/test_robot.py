@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import AsyncIterator
 from types import SimpleNamespace
+from typing import NamedTuple, TypeVar
 
 import anyio
 import numpy as np
@@ -15,7 +16,9 @@ import aioduco.sync
 from aioduco import (
     EnvelopeViolated,
     Pose,
+    StaleState,
     StreamLeavesEnvelope,
+    StreamStopped,
     TaskState,
     TaskStopped,
     WorkerOptions,
@@ -27,15 +30,18 @@ from aioduco.sim import Simulator
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.stream import Stream
+from aioduco.supervision.concurrency import Silence
 from aioduco.supervision.envelope_watch import EnvelopeWatch
-from aioduco.supervision.events import EnvelopeLeft, Event
+from aioduco.supervision.events import EnvelopeLeft, EnvelopeUnwatched, Event
 from aioduco.supervision.state_feed import Subscription
-from aioduco.testing import eventually_async
+from aioduco.testing import FaultProxy, HalfOpen, eventually_async
 
 from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, turned, wall
 from .trials import LAG, Seen, least
 
 TOOL = Pose(0, 0, 0, 0, 0, 0)
+
+E = TypeVar("E", bound=Event)
 
 
 async def test_a_joint_motion_beyond_a_zone_is_not_sent(robot: aioduco.Robot, seen: Seen) -> None:
@@ -304,11 +310,104 @@ async def test_the_realtime_queue_ends_before_the_wall(
     assert 0.07 - LAG <= least(FLAT, seen.q) < 0.095
 
 
-async def until_left(events: Subscription[Event]) -> AsyncIterator[EnvelopeLeft]:
+async def until(events: Subscription[Event], kind: type[E]) -> AsyncIterator[E]:
     async for event in events:
-        if isinstance(event, EnvelopeLeft):
+        if isinstance(event, kind):
             yield event
             return
+
+
+class Beside(NamedTuple):
+    robot: aioduco.Robot
+    proxy: FaultProxy
+
+    def kill_feed(self) -> None:
+        self.proxy.on("getRobotIOStatus", HalfOpen(), times=None)
+
+    async def feed_comes_back(self) -> None:
+        self.proxy.clear()
+        self.proxy.cut()
+        samples = self.robot.feed.statistics().samples
+        await eventually_async(lambda: self.robot.feed.statistics().samples > samples)
+
+
+@pytest.fixture
+async def beside(sim: Simulator, robot: aioduco.Robot) -> AsyncIterator[Beside]:
+    """A robot that watches its envelope, and whose feed alone can be killed: other calls pass."""
+    del robot  # it has brought the arm up
+    with FaultProxy(sim.host, sim.port) as proxy:
+        async with aioduco.connect(
+            proxy.host, proxy.port, clock=sim.clock, lag_limit=None, call_timeout=60.0
+        ) as watching:
+            watching.envelope = Envelope("gcr5_910", wall(0.5))
+            await watching.feed.latest(max_age=60.0)
+            yield Beside(watching, proxy)
+
+
+async def test_a_motion_is_stopped_when_no_samples_come_and_others_are_not_sent(
+    beside: Beside,
+) -> None:
+    robot = beside.robot
+    with robot.events.subscribe() as events:
+        move = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
+        beside.kill_feed()
+        with pytest.raises(TaskStopped, match="the envelope is not watched: no sample") as stopped:
+            await move
+        told = [event async for event in until(events, EnvelopeUnwatched)]
+    assert isinstance(stopped.value.__cause__, StaleState)
+    assert told[-1].severity == "alarm"
+    assert told[-1].seconds > robot.feed.silence_limit
+    assert not await robot.state.robotmoving()
+    with pytest.raises(StaleState, match="movej2 was not sent, since the envelope is not watched"):
+        await robot.motion.movej2(turned(0.0), v=1.0, a=5.0)
+    with pytest.raises(StaleState, match="servoj was not sent"):
+        async with robot.servo.joints(v=1.0, a=5.0, options=THREAD):
+            raise AssertionError("entered")
+    assert not robot.tasks
+    await beside.feed_comes_back()
+    await eventually_async(lambda: not watch_of(robot)._blind)
+    await robot.motion.movej2(turned(0.0), v=1.0, a=5.0)
+
+
+@pytest.mark.slow
+async def test_a_stream_is_stopped_when_no_samples_come(beside: Beside) -> None:
+    stream = beside.robot.servo.joints(v=1.0, a=5.0, hold=60.0, options=THREAD)
+    beside.kill_feed()
+    with pytest.raises(StreamStopped, match="the envelope is not watched: no sample") as stopped:
+        await lead(stream, [list(START)] * 1_000_000)
+    assert stopped.value.statistics is not None
+
+
+@pytest.mark.slow
+async def test_an_arm_that_another_program_moves_is_stopped_when_no_samples_come(
+    beside: Beside, robot: aioduco.Robot
+) -> None:
+    move = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
+    beside.kill_feed()
+    with pytest.raises(TaskStopped):
+        await move
+
+
+@pytest.mark.slow
+async def test_a_standing_arm_is_not_stopped_when_no_samples_come(beside: Beside) -> None:
+    beside.kill_feed()
+    await eventually_async(lambda: watch_of(beside.robot)._blind)
+    asked = len(beside.proxy.calls("robotmoving"))
+    await eventually_async(lambda: len(beside.proxy.calls("robotmoving")) > asked + 2)
+    assert not beside.robot.statistics().stop_attempts
+
+
+def watch_of(robot: aioduco.Robot) -> EnvelopeWatch:
+    return robot._supervisor.envelope._watch
+
+
+def test_a_standstill_of_the_loop_is_no_silence() -> None:
+    silence = Silence(0.02)
+    assert silence.look(10.0, 3.0) == 0.0
+    assert silence.look(10.02, 3.0) == pytest.approx(0.02)
+    assert silence.look(20.0, 3.0) == pytest.approx(0.09)  # the loop stood still for 10 s
+    assert silence.look(20.02, 20.01) == 0.0
+    assert silence.look(20.05, 20.01) == pytest.approx(0.03)
 
 
 @pytest.mark.slow
@@ -317,7 +416,7 @@ async def test_a_jog_is_stopped_before_the_wall(robot: aioduco.Robot, seen: Seen
     with robot.events.subscribe() as events:
         with pytest.raises(TaskStopped) as stopped:
             await robot.motion.speedl([0, 0.3, 0, 0, 0, 0], a=2.0, time=3.0, frame="base")
-        told = [each async for each in until_left(events)]
+        told = [each async for each in until(events, EnvelopeLeft)]
     assert told[-1].crossing.limit == "wall"
     assert isinstance(stopped.value.__cause__, EnvelopeViolated)
     assert 0 <= least(FLAT, seen.q) < 0.09

@@ -59,7 +59,7 @@ async def _asks_at_lock(
 @mend(
     "4: the stop at the envelope is no stop for the gate", EnvelopeWatch, "_rest", programs.Envelope
 )
-async def _rests_beside_the_gate(self: EnvelopeWatch, accepted: Any) -> None:
+async def _rests_beside_the_gate(self: EnvelopeWatch, why: Any, accepted: Any) -> None:
     settings = self._settings
     self._coordinator.gate.end(PermitEnding.ENVELOPE)
     await self._coordinator.send_stop(settings.stop_timeout)

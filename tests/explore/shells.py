@@ -685,7 +685,7 @@ class Robot:
         watch = object.__new__(EnvelopeWatch)
         watch._coordinator, watch._settings = self.coordinator, self.coordinator._settings
         with self.run.confirms():
-            await watch._rest(asyncio.Event())  # type: ignore[arg-type]
+            await watch._rest(DucoError(), asyncio.Event())  # type: ignore[arg-type]
 
     async def leaves(self) -> None:
         """Leave the robot, by the steps of `Supervisor.aclose`."""

@@ -33,7 +33,7 @@ from aioduco.errors import (
 )
 from aioduco.models import ranges
 from aioduco.models.rules import Number
-from aioduco.supervision.concurrency import BackgroundTasks, every
+from aioduco.supervision.concurrency import BackgroundTasks, Silence, every
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -48,8 +48,6 @@ _log = BackgroundLogger(__name__)
 
 #: seconds within which the gripper must answer the command to halt
 _HALTING = 2.0
-#: seconds by which the event loop may be late between two polls; more counts as a standstill of it
-_LATE = 0.05
 
 #: what became of the arm when a part was lost
 _NOTHING = "nothing was done to the arm"
@@ -250,13 +248,9 @@ class PolledGripper(Uncopied, ABC):
 
     async def _watch_age(self) -> None:
         """Note whether no new state comes; apart from the polls, since one of them may hang."""
-        read_at, age, before = self.state.read_at, 0.0, time.monotonic()
+        silence = Silence(self._poll)
         async for _ in every(self._poll):
-            now = time.monotonic()
-            age += min(now - before, self._poll + _LATE)
-            before = now
-            if self.state.read_at != read_at:
-                read_at, age = self.state.read_at, 0.0
+            age = silence.look(time.monotonic(), self.state.read_at)
             self._silent = age > self._max_age
 
     def _poll_failed(self, error: BaseException) -> None:

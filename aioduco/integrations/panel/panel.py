@@ -98,6 +98,8 @@ _MINUTE: Final = 60.0
 _KEPT_RATE: Final = 5.0
 #: seconds without a sample after which pages show that the controller does not answer
 _SILENT: Final = 1.0
+#: events that only the robot that commands the arm reports
+_OF_COMMANDER: Final = (events.EnvelopeLeft, events.EnvelopeUnwatched, events.HeartbeatChanged)
 #: number of stops that are sent or confirmed at a time; further ones are joined
 _MOST_STOPS: Final = 4
 #: model that is drawn if the controller does not report a known one
@@ -501,7 +503,7 @@ class Panel(Uncopied):
         """Note events that the observing robot does not report."""
         with robot.events.subscribe("drop_oldest") as stream:
             async for event in stream:
-                if isinstance(event, events.EnvelopeLeft | events.HeartbeatChanged):
+                if isinstance(event, _OF_COMMANDER):
                     self._note(event.line(), event.severity)
 
     async def _move(self, motion: HoldMotion, scope: anyio.CancelScope) -> None:
