@@ -100,7 +100,7 @@ def test_an_unknown_arm_is_refused_and_the_known_ones_are_listed(command: str) -
             {"mujoco", "matplotlib"},
             "mujoco and matplotlib: pip install 'aioduco[cli,sim,plot]'",
         ),
-        (("plot", "figures.json"), {"matplotlib"}, "pip install 'aioduco[cli,plot]'"),
+        (("plot", __file__), {"matplotlib"}, "pip install 'aioduco[cli,plot]'"),
     ],
 )
 def test_missing_extra_is_named(
@@ -622,8 +622,7 @@ NOBODY = "127.0.0.1:1"
         ("sim --generation 5", 2, "4.3"),
         ("sim-do --port 60000 state", 2, "no port for commands belongs to 60000"),
         ("preflight program.py --mounting 0,0,0.5", 2, "mounting is '0,0,0.5', but must be"),
-        ("plot .", 2, ". is no file"),
-        ("plot x.json", 1, "No such file or directory"),
+        ("plot .", 2, "'.' is a directory"),
         (f"tap {NOBODY} --only movej2,movej3", 2, "'movej3' is not known"),
         (f"tap {NOBODY} --only movej3,", 2, "is not known"),
         (f"tap {NOBODY} --only ,", 2, "'' is not known"),
@@ -695,7 +694,31 @@ def test_an_option_that_has_no_effect_with_the_others_is_refused(
     assert f"Invalid value for {option}: " in answer.stderr
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(4)
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [
+        ("plot no.json", "'figures'"),
+        ("plot no.mcap", "'figures'"),
+        ("plot run.mcap --over no.mcap", "'--over'"),
+        ("play no.mcap", "'file'"),
+        ("calibrate run.mcap no.mcap", "'recordings'"),
+        (f"payload {NOBODY} --poses no.toml --yes", "'--poses'"),
+        ("twin --judge no.mcap", "'--judge'"),
+        ("twin --judge run.mcap --limits no.json", "--limits"),
+        ("sim --scene no.xml", "'--scene'"),
+        ("fleet serve no.toml", "'file'"),
+    ],
+)
+def test_a_file_that_is_not_there_is_said_before_anything_is_done(
+    words: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "run.mcap").touch()
+    _said_to_be_wrong(words, option, r"(file|there is no file) '?no\.")
+
+
+@pytest.mark.cases(5)
 @pytest.mark.parametrize(
     ("words", "option"),
     [
@@ -709,17 +732,35 @@ def test_an_option_that_has_no_effect_with_the_others_is_refused(
         ("calibrate run.mcap --output no/arm.toml", "--output"),
         (f"teach {NOBODY} --output no/points.toml --yes", "--output"),
         ("twin --learn run.mcap --limits no/left.json", "--limits"),
+        (f"record {NOBODY} --output no/run.mcap", "--output"),
+        ("teleop --record no/run.mcap", "--record"),
+        ("play run.mcap --record no/run.mcap", "--record"),
+        ("plot run.mcap no/run.png", "PICTURE"),
+        (f"tap {NOBODY} --output no/calls.jsonl", "--output"),
     ],
 )
-def test_a_folder_that_is_not_there_is_said_before_anything_is_done(
+def test_a_file_that_cannot_be_written_is_said_before_anything_is_done(
     words: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Its folder is not there; it is a folder itself; or its folder may not be written."""
     monkeypatch.chdir(tmp_path)
     for name in ("program.py", "run.mcap"):
         (tmp_path / name).touch()
+    file = tmp_path / next(word for word in words.split() if word.startswith("no/"))
+    _said_to_be_wrong(words, option, "there is no folder no")
+    file.mkdir(parents=True)
+    _said_to_be_wrong(words, option, r"no/\S+ is a folder")
+    file.rmdir()
+    # root may write everywhere
+    monkeypatch.setattr(os, "access", lambda path, *_: Path(path).name != "no")
+    _said_to_be_wrong(words, option, r"no/\S+ cannot be written: no is write-protected")
+
+
+def _said_to_be_wrong(words: str, option: str, wrong: str) -> None:
     answer = run(*words.split())
+    told = " ".join(answer.output.replace("│", " ").split())
     assert answer.exit_code == 2, answer.output
-    assert f"Invalid value for {option}: there is no folder no" in answer.stderr
+    assert re.search(f"Invalid value for {option}: {wrong}", told), told
 
 
 def test_what_a_cell_tells_and_what_takes_no_cell_is_not_passed_over(tmp_path: Path) -> None:

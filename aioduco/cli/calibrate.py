@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.exit_codes import ended_by_errors, fail
-from aioduco.cli.options import require_folder
+from aioduco.cli.exit_codes import ended_by_errors, writing
+from aioduco.cli.options import require_writable
 from aioduco.cli.output import say
 
 __all__ = ["calibrate"]
@@ -18,7 +18,11 @@ __all__ = ["calibrate"]
 def calibrate(
     recordings: Annotated[
         list[Path],
-        typer.Argument(help="Recordings of one arm, from `aioduco check HOST --motions`."),
+        typer.Argument(
+            exists=True,
+            dir_okay=False,
+            help="Recordings of one arm, from `aioduco check HOST --motions`.",
+        ),
     ],
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Profile to write. An existing one is replaced.")
@@ -40,7 +44,7 @@ def calibrate(
 
     Exit codes: 0 written; 1 the recordings do not fit the arm, or show nothing; 2 wrong options.
     """
-    require_folder("--output", output)
+    require_writable("--output", output)
     extras.need("record", "calibrate")
     if model is not None:
         extras.arm(model)
@@ -49,8 +53,6 @@ def calibrate(
     with ended_by_errors():
         found = estimate(recordings, model=model)
     say(str(found))
-    try:
+    with writing(output):
         found.profile.save(output)
-    except OSError as error:
-        fail(f"{output} cannot be written: {error.strerror or error}")
     say(f"written to {output}")

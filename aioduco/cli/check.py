@@ -10,9 +10,9 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail, write_file
+from aioduco.cli.exit_codes import ended_by_errors, fail, write_file, writing
 from aioduco.cli.number_lists import numbers
-from aioduco.cli.options import refuse_unused, require_folder
+from aioduco.cli.options import refuse_unused, require_writable
 from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.status import look
@@ -119,7 +119,7 @@ def check(
         return
     refuse_unused(context, "a file of points", "model", "start", "tool", "wobj")
     for option, path in {"--output": output, "--bundle": bundle, "--motions": motions}.items():
-        require_folder(option, path)
+        require_writable(option, path)
     if motions is not None:
         refuse_unused(context, "a comparison, without --motions", *with_report)
         from aioduco.cli import extras  # noqa: PLC0415 - for this option alone
@@ -174,10 +174,9 @@ def _controller(
     if bundle is not None:
         from aioduco.testing.conformance.bundle import write_bundle  # noqa: PLC0415 - for this alone
 
-        try:
-            write_bundle(bundle, report, plain(look(address)), ids=ids)
-        except OSError as error:
-            fail(f"{bundle} cannot be written: {error.strerror or error}", USAGE)
+        found = plain(look(address))
+        with writing(bundle):
+            write_bundle(bundle, report, found, ids=ids)
         say(f"written to {bundle}; read it before you send it")
     if not report.ok:
         raise typer.Exit(1)

@@ -9,8 +9,8 @@ import anyio
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import ended_by_errors
-from aioduco.cli.options import require_folder
+from aioduco.cli.exit_codes import ended_by_errors, writing
+from aioduco.cli.options import require_writable
 
 __all__ = ["doctor"]
 
@@ -35,14 +35,15 @@ def doctor(
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.cli.stream_rate import examine  # noqa: PLC0415
 
-    require_folder("--json", json)
+    require_writable("--json", json)
     address = robot_at(host, port, cell)
 
     async def run() -> None:
         found = await examine(address.host, address.port, seconds=seconds)
         SafeConsole().print(found)
         if json is not None:
-            found.plain.save(json)
+            with writing(json):
+                found.plain.save(json)
 
     with ended_by_errors():
         anyio.run(run)

@@ -24,6 +24,7 @@ __all__ = [
     "ended_by_errors",
     "fail",
     "write_file",
+    "writing",
 ]
 
 #: the command failed; the message says why
@@ -62,12 +63,19 @@ def fail(message: object, code: int = FAILED) -> NoReturn:
     raise typer.Exit(code)
 
 
-def write_file(path: Path, text: str, errors: str = "strict") -> None:
-    """Write a text to a file that an option names; end the command if that is not possible."""
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """End the command if a file that an option names cannot be written in the block."""
     try:
-        path.write_text(text, encoding="utf-8", errors=errors)
+        yield
     except OSError as error:
         fail(f"{path} cannot be written: {error.strerror or error}", USAGE)
+
+
+def write_file(path: Path, text: str, errors: str = "strict") -> None:
+    """Write a text to a file that an option names; end the command if that is not possible."""
+    with writing(path):
+        path.write_text(text, encoding="utf-8", errors=errors)
 
 
 @contextmanager

@@ -46,7 +46,10 @@ def export(
     output: Annotated[
         Path,
         typer.Option(
-            "--output", "-o", help="Folder to write to. It is created if it does not exist."
+            "--output",
+            "-o",
+            file_okay=False,
+            help="Folder to write to. It is created if it does not exist.",
         ),
     ] = Path(),
     prefix: Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -17,7 +18,8 @@ __all__ = [
     "ToolFile",
     "Yes",
     "refuse_unused",
-    "require_folder",
+    "require_readable",
+    "require_writable",
 ]
 
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
@@ -45,18 +47,42 @@ Pedestal: TypeAlias = Annotated[
 ]
 
 
-def require_folder(option: str, path: Path | None) -> None:
-    """Require that a file can be made, before what is to be written into it is done.
+def require_readable(option: str, path: Path | None) -> None:
+    """Require that a file can be read, where it depends on other options whether it is.
 
     Args:
         option: the option that names the file.
         path: the file; None for none.
 
     Raises:
-        BadParameter: its folder does not exist.
+        BadParameter: it does not exist, is a folder, or may not be read.
     """
-    if path is not None and not path.parent.is_dir():
-        raise typer.BadParameter(f"there is no folder {path.parent}", param_hint=option)
+    if path is not None and not (path.is_file() and os.access(path, os.R_OK)):
+        raise typer.BadParameter(f"there is no file {path} that can be read", param_hint=option)
+
+
+def require_writable(option: str, path: Path | None) -> None:
+    """Require that a file can be written, before what is to be written into it is done.
+
+    Args:
+        option: the option that names the file.
+        path: the file; None for none.
+
+    Raises:
+        BadParameter: it is a folder, its folder does not exist, or it may not be written.
+    """
+    if path is None:
+        return
+    place = path if path.exists() else path.parent
+    wrong = ""
+    if path.is_dir():
+        wrong = f"{path} is a folder"
+    elif not path.parent.is_dir():
+        wrong = f"there is no folder {path.parent}"
+    elif not os.access(place, os.W_OK):
+        wrong = f"{path} cannot be written: {place} is write-protected"
+    if wrong:
+        raise typer.BadParameter(wrong, param_hint=option)
 
 
 def refuse_unused(context: typer.Context, use: str, *names: str) -> None:

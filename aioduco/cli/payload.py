@@ -62,6 +62,8 @@ def payload(
     poses: Annotated[
         Path | None,
         typer.Option(
+            exists=True,
+            dir_okay=False,
             help="File of `aioduco teach`, or of a cell: the arm moves to its waypoints. Without "
             "it, the arm is guided by hand.",
         ),

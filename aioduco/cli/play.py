@@ -11,7 +11,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors
-from aioduco.cli.options import SceneFile, refuse_unused
+from aioduco.cli.options import SceneFile, refuse_unused, require_writable
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -22,7 +22,12 @@ __all__ = ["play"]
 
 def play(
     context: typer.Context,
-    file: Annotated[Path, typer.Argument(help="A recording, .mcap, or waypoints, .toml.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            exists=True, dir_okay=False, help="A recording, .mcap, or waypoints, .toml."
+        ),
+    ],
     host: HostOrSimulator = None,
     port: Port = None,
     cell: CellFile = None,
@@ -81,6 +86,7 @@ def play(
     4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was brought to rest.
     """
     _refuse_unused(context, file, host, speed)
+    require_writable("--record", record)
     simulates = not check and (host is None or rehearse)
     extras.need("record", *(("sim",) if simulates else ()))
     if model is not None:

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.exit_codes import USAGE, fail
-from aioduco.cli.options import refuse_unused
+from aioduco.cli.exit_codes import fail, writing
+from aioduco.cli.options import refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.models.toml_files import read_text
 
@@ -22,30 +22,35 @@ _NOTHING_TO_DRAW = "it is neither a recording, .mcap, nor a file of StreamStatis
 def plot(
     context: typer.Context,
     figures: Annotated[
-        Path, typer.Argument(help="A recording, or a file of `StreamStatistics.save`.")
+        Path,
+        typer.Argument(
+            exists=True,
+            dir_okay=False,
+            help="A recording, or a file of `StreamStatistics.save`.",
+        ),
     ],
     picture: Annotated[
         Path | None,
         typer.Argument(help="Output file, .png or .html. Default: beside the input."),
     ] = None,
     over: Annotated[
-        Path | None, typer.Option(help="Another recording, drawn dashed over it.")
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="Another recording, drawn dashed over it."),
     ] = None,
 ) -> None:
     """Draw a recording, as a PNG or as a page with zoom; or how late a stream was, as a PNG.
 
     aioduco plot run.mcap run.html --over last-week.mcap
     """
-    if not figures.name:
-        raise typer.BadParameter(f"{figures} is no file", param_hint="FIGURES")
+    target = picture or figures.with_suffix(".png")
+    require_writable("PICTURE", target)
     if figures.suffix == ".mcap":
-        _recording(figures, picture or figures.with_suffix(".png"), over)
+        _recording(figures, target, over)
         return
     refuse_unused(context, "a recording", "over")
     extras.need("plot")
     from aioduco.cli.stream_figure import plot as draw  # noqa: PLC0415 - needs matplotlib
 
-    target = picture or figures.with_suffix(".png")
     if target.suffix == ".html":
         raise typer.BadParameter(f"{target} is a page, which a recording alone can be drawn as")
     try:
@@ -55,9 +60,8 @@ def plot(
     except (ValueError, RecursionError):
         fail(f"{figures} cannot be drawn: {_NOTHING_TO_DRAW}")
     try:
-        draw(found, target)
-    except OSError as error:
-        fail(f"{target} cannot be written: {error.strerror or error}", USAGE)
+        with writing(target):
+            draw(found, target)
     except (ValueError, LookupError, AttributeError, TypeError) as error:
         fail(f"{figures} cannot be drawn: {_NOTHING_TO_DRAW} ({error!r})")
     say(f"written to {target}")
@@ -73,11 +77,10 @@ def _recording(path: Path, target: Path, over: Path | None) -> None:
     try:
         run = read(path)
         other = None if over is None else read(over)
-        (draw_page if as_page else draw_png)(run, target, other)
+        with writing(target):
+            (draw_page if as_page else draw_png)(run, target, other)
     except DucoError as error:
         fail(str(error))
-    except OSError as error:
-        fail(f"{target} cannot be written: {error.strerror or error}", USAGE)
     for each in (run, other):
         if each is not None and not each.complete:
             say(f"{each.path} was cut off: it is drawn up to there")

@@ -19,7 +19,7 @@ from aioduco.cli.options import (
     SceneFile,
     ToolFile,
     refuse_unused,
-    require_folder,
+    require_writable,
 )
 
 if TYPE_CHECKING:
@@ -92,8 +92,8 @@ def preflight(
         refuse_unused(context, "one run, without --runs", "html", "quiet")
     if not vary:
         refuse_unused(context, "--vary", "seed")
-    require_folder("--json", result)
-    require_folder("--html", html)
+    require_writable("--json", result)
+    require_writable("--html", html)
     extras.need("sim", *(("plot",) if html else ()), *(("sweep",) if runs else ()))
     extras.arm(model)
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone

@@ -10,7 +10,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import fail
-from aioduco.cli.options import Duration
+from aioduco.cli.options import Duration, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
@@ -41,6 +41,7 @@ def record(
     Exit codes: 0 the file is complete; 1 nothing was recorded, it ended early, or the controller
     did not answer at the end; 2 wrong options; 143 SIGTERM: the file is complete.
     """
+    require_writable("--output", output)
     extras.need("record")
     address = robot_at(host, port, cell)
     with observing_session(address, state_rate=rate) as robot:

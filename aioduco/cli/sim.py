@@ -14,7 +14,7 @@ from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import USAGE, fail
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, require_folder
+from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
@@ -117,7 +117,7 @@ def sim(
     )
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
-    require_folder("--render", render)
+    require_writable("--render", render)
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
     from aioduco.sim.console import Console  # noqa: PLC0415 - as above
     from aioduco.sim.server.line_server import LineServer  # noqa: PLC0415 - as above

@@ -15,8 +15,8 @@ from aioduco._process.platform import private
 from aioduco._wire import idl
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import fail
-from aioduco.cli.options import require_folder
+from aioduco.cli.exit_codes import fail, writing
+from aioduco.cli.options import require_writable
 from aioduco.cli.output import say
 from aioduco.cli.signals import end_signals, handled
 from aioduco.errors import ParameterError
@@ -61,7 +61,7 @@ def tap(
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
     from aioduco.recording.tap import Tap, TapNote  # noqa: PLC0415
 
-    require_folder("--output", output)
+    require_writable("--output", output)
     address = robot_at(host, port, cell)
     try:
         where, number = parse_address(listen, any_port=True)
@@ -107,10 +107,8 @@ def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedC
             yield record
     else:
         ended = False
-        try:
+        with writing(path):
             opened = open(path, "ab", buffering=0, opener=private)  # noqa: SIM115 - closed below
-        except OSError as error:
-            fail(f"{path} cannot be written: {error.strerror or error}")
         with opened as file:
 
             def write(call: TappedCall) -> None:

@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import load_cell
-from aioduco.cli.options import Guide, refuse_unused, require_folder
+from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import control_session, observing_session
@@ -55,7 +55,7 @@ def teach(
     """
     if cell is not None:
         refuse_unused(context, "waypoints: with --cell, points are stored there", "output")
-    require_folder("--output", output)
+    require_writable("--output", output)
     address = robot_at(host, port, cell)
     # No heartbeat: another program may lead the arm.
     with observing_session(address) as robot:

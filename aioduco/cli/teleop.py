@@ -13,7 +13,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
-from aioduco.cli.options import Yes, refuse_unused
+from aioduco.cli.options import Yes, refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -102,6 +102,7 @@ def teleop(
         refuse_unused(context, "--joints", "joint_speed")
     if frame is not TeleopFrame.WOBJ:
         refuse_unused(context, "--frame wobj", "wobj")
+    require_writable("--record", record)
     extras.need(*(() if record is None else ("record",)), *(("sim",) if host is None else ()))
     from aioduco.devices.teleoperation import TeleopScale, open_device  # noqa: PLC0415
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone

@@ -16,7 +16,13 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
 from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import Duration, MountingOption, refuse_unused, require_folder
+from aioduco.cli.options import (
+    Duration,
+    MountingOption,
+    refuse_unused,
+    require_readable,
+    require_writable,
+)
 from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 from aioduco.cli.signals import receive_signals
@@ -99,8 +105,11 @@ def twin(
         refuse_unused(context, "a twin without --panel, which only shows", *without_page)
     else:
         refuse_unused(context, "--panel", "listen")
-    require_folder("--limits", limits)
-    require_folder("--output", output)
+    if learn is None:
+        require_readable("--limits", limits)
+    else:
+        require_writable("--limits", limits)
+    require_writable("--output", output)
     extras.need("sim", "record")
     if action not in ("report", "pause", "stop"):
         raise typer.BadParameter("report, pause or stop", param_hint="--action")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from aioduco.cli.addresses import Port, robot_at
-from aioduco.cli.options import refuse_unused, require_folder
+from aioduco.cli.options import refuse_unused, require_writable
 
 __all__ = ["demo"]
 
@@ -39,7 +39,8 @@ def demo(
         typer.Option("--plan", help="Plan and carry out ways round an obstacle, if simulated."),
     ] = False,
     pictures: Annotated[
-        Path | None, typer.Option(help="With --plan: folder for pictures before and after.")
+        Path | None,
+        typer.Option(file_okay=False, help="With --plan: folder for pictures before and after."),
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
 ) -> None:
@@ -54,8 +55,8 @@ def demo(
         refuse_unused(context, "the pick and place, without --plan", "speed", "plot", "no_plot")
     else:
         refuse_unused(context, "--plan", "pictures")
-    require_folder("--plot", None if no_plot or planned else plot)
-    require_folder("--json", result)
+    require_writable("--plot", None if no_plot or planned else plot)
+    require_writable("--json", None if result == run.OUTPUT else result)
     address = None if host is None else robot_at(host, port)
     if planned:
         run.run_planned(address, model, result, pictures)
