@@ -24,8 +24,8 @@ from aioduco.cli.app import app
 from aioduco.errors import ConnectError, ConnectTimeout, NotAController, StopUnconfirmed
 from aioduco.sim import Simulator
 from aioduco.sim.controller.tasks import TaskTable
-from aioduco.testing import FaultProxy, check_controller
-from aioduco.testing.conformance import CheckResult, ControllerReport, Verdict
+from aioduco.testing import DropReply, FaultProxy, check_controller
+from aioduco.testing.conformance import CheckResult, ControllerReport, Verdict, check_session
 from aioduco.testing.conformance.check_session import CheckSession
 from aioduco.testing.conformance.moving import MOVING
 from aioduco.testing.conformance.reading import READING
@@ -132,9 +132,36 @@ def test_what_is_no_controller() -> None:
 
 
 def test_what_never_answers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(CheckSession.call, "__kwdefaults__", {"timeout": 0.1})
+    monkeypatch.setattr(check_session, "CALL", 0.1)
     with listener(b"") as address, pytest.raises(ConnectTimeout):
         check_controller(*address)
+
+
+def test_a_controller_that_freezes_ends_the_check_at_once(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[CheckResult] = []
+    with FaultProxy(sim.host, sim.port) as proxy:
+
+        def freeze(result: CheckResult) -> None:
+            seen.append(result)
+            proxy.freeze()
+            monkeypatch.setattr(CheckSession.call, "__kwdefaults__", {"timeout": 0.1})
+            monkeypatch.setattr(check_session, "CALL", 0.1)
+
+        with pytest.raises(ConnectTimeout, match=r"answers nothing any more .*the check ends"):
+            check_controller(proxy.host, proxy.port, progress=freeze)
+    assert len(seen) == 1
+    assert len(proxy.connections()) == 2  # that of the check, and one to see whether it answers
+
+
+@pytest.mark.slow
+def test_a_function_that_is_not_answered_ends_no_check_while_others_are(sim: Simulator) -> None:
+    with FaultProxy(sim.host, sim.port) as proxy:
+        proxy.on("get_robot_type", DropReply())
+        report = check_controller(proxy.host, proxy.port)
+    assert len(report.results) == len(READING)
+    assert verdicts(report)["functions that read and take nothing"] is Verdict.DIFFERENT
 
 
 @pytest.fixture

@@ -58,7 +58,7 @@ class CheckSession:
             ConnectError: there is no controller.
         """
         try:
-            self.call("get_robot_state")
+            self._own.call("get_robot_state", (), CALL)
         except ControllerError:  # it is one of its checks whether the controller has this function
             return
         except CallTimeout as error:
@@ -77,8 +77,31 @@ class CheckSession:
 
         Raises:
             DucoError: there is no answer, or the answer is an error.
+            ConnectError: there is no answer, nor one to another call: no check can follow.
         """
-        return self._own.call(name, args, timeout)
+        try:
+            return self._own.call(name, args, timeout)
+        except CallTimeout as error:
+            self.require_answers(str(error))
+            raise
+
+    def require_answers(self, missing: str) -> None:
+        """Check on another connection that the controller answers at all, after it did not.
+
+        Args:
+            missing: what was not answered.
+
+        Raises:
+            ConnectError: it does not.
+        """
+        try:
+            with self.another() as connection:
+                connection.call("get_robot_state", (), CALL)
+        except ControllerError:
+            return
+        except (CallTimeout, ConnectionLost) as error:
+            reason = f"it answers nothing any more ({missing}): the check ends here"
+            raise ConnectTimeout(*self.address, reason) from error
 
     @contextlib.contextmanager
     def another(self) -> Iterator[Connection]:

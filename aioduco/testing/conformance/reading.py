@@ -99,6 +99,8 @@ def _exchange(session: CheckSession, message: Message) -> list[Message]:
                     return found
                 inbox.feed(data)
             found.append(answer)
+        return found
+    session.require_answers(f"{message.name} was not answered")
     return found
 
 
@@ -117,6 +119,7 @@ def _connections(session: CheckSession) -> Found:
                 connection = stack.enter_context(session.another())
                 connection.call("robotmoving", (), 5.0)
             except DucoError as error:
+                session.require_answers(f"{number} connections are open")
                 return False, f"the one after {number} is not served: {error}"
     return True, f"{_CONNECTIONS} are served at once"
 
