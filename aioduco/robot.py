@@ -790,8 +790,11 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         self._supervisor.check_open("pause")
         await self._supervisor.stop_coordinator.pause()
 
-    async def resume(self) -> None:
+    async def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).
+
+        Returns:
+            Whether anything was paused, as far as the controller says it. If not, nothing changes.
 
         Raises:
             TaskError: the controller did not resume.
@@ -799,7 +802,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         Manual section 1.3.3.
         """
         self._supervisor.check_open("resume")
-        await self._supervisor.stop_coordinator.resume()
+        return await self._supervisor.stop_coordinator.resume()
 
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.

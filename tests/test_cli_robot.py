@@ -282,6 +282,10 @@ def test_who_stops_pauses_and_resumes_leaves_the_supervision_to_the_program() ->
             with pytest.raises(aioduco.TaskStopped):
                 task.wait()
         assert sim.view.program is ProgramState.STOPPED
+        again = run("resume", at(sim), "--yes")
+        assert (again.exit_code, "nothing was paused" in again.stderr) == (1, True)
+        again = run("resume", at(sim), "--yes", "--json")
+        assert (again.exit_code, json.loads(again.stdout)["program"]) == (1, "STOPPED")
 
 
 # -- moving --------------------------------------------------------------------------------------

@@ -5,22 +5,20 @@ They send no heartbeat: it would take the arm's supervision away from the progra
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.options import Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from aioduco import RecoverReport
     from aioduco.models.state import RobotStates
-    from aioduco.sync import Robot
 
 __all__ = ["bring_up", "pause", "recover", "resume", "stop"]
 
@@ -100,7 +98,14 @@ def pause(host: Host = None, port: Port = None, cell: CellFile = None, json: Jso
 
     Exit codes: as of stop.
     """
-    _done(robot_at(host, port, cell), lambda robot: robot.pause(), "paused: the arm stands", json)
+    address = robot_at(host, port, cell)
+    with observing_session(address) as robot:
+        robot.pause()
+        states = robot.state.get_robot_state()
+    if json:
+        print_json(_named(states))
+    else:
+        say(f"{address}: paused: the arm stands; {states}")
 
 
 def resume(
@@ -114,7 +119,7 @@ def resume(
 
     aioduco resume left --yes
 
-    Exit codes: 0 resumed; 1 not resumed, or no controller; 2 wrong options; 3 not confirmed.
+    Exit codes: 0 resumed; 1 nothing was paused, or no controller; 2 wrong options; 3 not confirmed.
     """
     address = robot_at(host, port, cell)
     what = f"The arm at {address} goes on with what was paused, at the speed that it had.\n{SAFE}"
@@ -123,7 +128,15 @@ def resume(
 
     # A program that leaves its robot stops what it resumed; this operator wants it to go on.
     left_moving = ClosingSteps(stop=None, standstill=None)
-    _done(address, lambda robot: robot.resume(), "resumed", json, closing_steps=left_moving)
+    with observing_session(address, closing_steps=left_moving) as robot:
+        paused = robot.resume()
+        states = robot.state.get_robot_state()
+    if json:
+        print_json(_named(states))
+    elif paused:
+        say(f"{address}: resumed; {states}")
+    if not paused:
+        fail(f"{address}: nothing was paused; {states}")
 
 
 def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
@@ -134,23 +147,6 @@ def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
         say(f"{address}: ready; {report.states}")
     if report.advice:
         say(report.advice, error=True)
-
-
-def _done(
-    address: RobotAddress,
-    work: Callable[[Robot], object],
-    said: str,
-    as_json: bool,
-    **options: Any,
-) -> None:
-    """Do the work on a robot connected with these options, and print the states after it."""
-    with observing_session(address, **options) as robot:
-        work(robot)
-        states = robot.state.get_robot_state()
-    if as_json:
-        print_json(_named(states))
-    else:
-        say(f"{address}: {said}; {states}")
 
 
 def _named(states: RobotStates) -> dict[str, object]:

@@ -28,7 +28,7 @@ from aioduco.errors import (
     TaskStopped,
     UnknownFunction,
 )
-from aioduco.models.enums import Outcome
+from aioduco.models.enums import Outcome, ProgramState, TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL, Modes
@@ -596,10 +596,15 @@ class StopCoordinator:
             await self._controlled("pause")
             await self.standstill()
 
-    async def resume(self) -> None:
-        """Resume all paused tasks."""
+    async def resume(self) -> bool:
+        """Resume all paused tasks.
+
+        Returns:
+            Whether anything was paused, as far as that is known.
+        """
         permit = self.permits.ask("resume")
         await self.permits.after_stops(permit)
+        paused = await self._paused()
         self.permits.check(permit)
         self.liveness.will_move("resume")
         # Motions of other programs are resumed, too, and are this program's from now on.
@@ -611,6 +616,17 @@ class StopCoordinator:
         if (error := cancelled or call.error or refusal("resume", call.value)) is not None:
             raise error
         await self.follower.complete("resume", call.value, _PAUSE_LIMIT, permit.stops)
+        return paused
+
+    async def _paused(self) -> bool:
+        """Whether something is paused; True also if the controller does not say."""
+        if any(task.state is TaskState.PAUSED for task in self.follower.tasks):
+            return True
+        try:
+            states: list[int] = await self._poll.call("get_robot_state", (), _ASK_LIMIT)
+        except DucoError:
+            return True
+        return len(states) < 2 or states[1] in (ProgramState.PAUSED, ProgramState.PAUSING)
 
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands."""

@@ -60,8 +60,8 @@ class TaskControl(Protocol):
         """Pause all tasks."""
         ...
 
-    async def resume(self) -> None:
-        """Resume all tasks."""
+    async def resume(self) -> bool:
+        """Resume all tasks; return whether anything was paused."""
         ...
 
     async def end(self, name: str, *, answered: Callable[[], None] | None = None) -> None:

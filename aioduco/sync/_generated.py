@@ -6444,15 +6444,18 @@ class Robot(RobotLifecycle, ManualNames):
         """
         self._call(self._made.pause())
 
-    def resume(self) -> None:
+    def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).
+
+        Returns:
+            Whether anything was paused, as far as the controller says it. If not, nothing changes.
 
         Raises:
             TaskError: the controller did not resume.
 
         Manual section 1.3.3.
         """
-        self._call(self._made.resume())
+        return self._call(self._made.resume())
 
     def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.

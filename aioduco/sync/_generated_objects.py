@@ -80,6 +80,11 @@ class Feed(Blocking):
         """When the last sample came, or, before the first, when the feed began [s]."""
         return self._made.heard_at
 
+    @property
+    def silence_limit(self) -> float:
+        """Time without a sample after which nobody knows the state any more [s]."""
+        return self._made.silence_limit
+
     def statistics(self) -> FeedStatistics:
         """Return statistics since the feed began."""
         return self._runner.call_sync(self._made.statistics)

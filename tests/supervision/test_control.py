@@ -168,8 +168,16 @@ async def test_pause_waits_for_standstill_and_resume_goes_on(
     await eventually_async(bench.moving)
     await robot.pause()
     assert not bench.moving()
-    await robot.resume()
+    assert await robot.resume() is True
     assert await task is Outcome.FINISHED
+
+
+async def test_resume_says_whether_anything_was_paused(robot: aioduco.Robot, bench: Bench) -> None:
+    assert await robot.resume() is False
+    assert len(bench.received("resume")) == 1  # it is sent in any case
+    for state in (aioduco.ProgramState.PAUSED, aioduco.ProgramState.PAUSING):
+        bench.states[1] = int(state)  # of another program
+        assert await robot.resume() is True
 
 
 async def test_abort_ends_the_motion_and_never_passes_for_blending(

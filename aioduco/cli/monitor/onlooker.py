@@ -124,7 +124,7 @@ class MonitorClient:
             work.start_soon(self._carry_out, key)
 
     async def _carry_out(self, key: Key) -> None:
-        steps: dict[Key, tuple[Callable[[], Awaitable[None]], str]] = {
+        steps: dict[Key, tuple[Callable[[], Awaitable[bool | None]], str]] = {
             Key.STOP: (self._robot.stop, "stopped: the arm stands"),
             Key.PAUSE: (self._robot.pause, "paused: the arm stands"),
             Key.RESUME: (self._robot.resume, "resumed"),
@@ -132,11 +132,11 @@ class MonitorClient:
         step, said = steps[key]
         self._change(busy=" and ".join(each.value for each in self._doing))
         try:
-            await step()
+            done = await step()
         except DucoError as error:
             line = EventLine(_clock(), f"{key.value} failed: {error}", "alarm")
         else:
-            line = EventLine(_clock(), said, "good")
+            line = EventLine(_clock(), "nothing was paused" if done is False else said, "good")
         self._doing.remove(key)
         self._events.append(line)
         busy = " and ".join(each.value for each in self._doing)

@@ -572,13 +572,13 @@ class Panel(Uncopied):
     async def _carry_out(self, name: str, step: Callable[[], Awaitable[Any]], said: str) -> bool:
         self._busy.append(name)
         try:
-            await step()
+            done = await step()
         except DucoError as error:
             self._note(f"{name.replace('_', ' ')} failed: {error}", "alarm")
             return False
         finally:
             self._busy.remove(name)
-        self._note(said, "good")
+        self._note("nothing was paused" if done is False else said, "good")
         return True
 
     async def _measure(self, robot: Robot, request: MeasureStep | WriteMeasured) -> None:

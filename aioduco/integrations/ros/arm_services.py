@@ -118,7 +118,12 @@ class ArmServices:
         """Go on with what was paused."""
         if self._goals.resume():
             return ServiceReply(True, "the goal goes on")
-        return await _answered(self._robot.resume(), "resumed")
+        return await _answered(self._resumed())
+
+    async def _resumed(self) -> str:
+        if not await self._robot.resume():
+            raise DucoError("nothing was paused")
+        return "resumed"
 
     async def set_digital_output(self, num: int, value: bool) -> ServiceReply:
         """Set an output of the cabinet, 1 to 16."""
@@ -223,8 +228,7 @@ class ArmServices:
         async def run() -> str:
             states = await self._robot.state.get_robot_state()
             if states.program is ProgramState.PAUSED:
-                await self._robot.resume()
-                return "resumed"
+                return await self._resumed()
             if not self._program:
                 raise DucoError("no program is loaded: call load_program first; nothing was sent")
             await self._robot.program.run_program(self._program).start(on_cancel="stop")

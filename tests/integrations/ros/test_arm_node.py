@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco import Pose
+from aioduco import Pose, TaskState
 from aioduco.api.state import State
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
@@ -284,11 +284,14 @@ async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(move)
-        await eventually_async(lambda: sim.moving)
+        running = TaskState.RUNNING
+        await eventually_async(lambda: [task.state for task in node.robot.tasks] == [running])
         assert (await node.services.pause()).success
         assert not sim.moving
         assert (await node.services.resume()).success
     assert replies[0].success
+    again = await node.services.resume()
+    assert (again.success, again.message) == (False, "nothing was paused")
     np.testing.assert_allclose(sim.joints, way(1.0), atol=1e-3)
 
 
