@@ -361,6 +361,10 @@ def standing() -> Iterator[Simulator]:
         ("jog z + --step 50", "(millimetres?)"),
         ("io set 5 on --tool", "number is 5"),
         ("io set-analog voltage 1 20", "value is 20.0"),
+        ("io set-analog voltage 1 -1", "value is -1.0"),
+        ("io set-analog voltage -1 1", "greater than or equal to 1"),
+        ("io set -1 on", "greater than or equal to 1"),
+        ("jog j1 -1", "is not one of"),
         ("call movej2 [0,0,0,0,0,0] v=100 a=1 --yes", "v is 100"),
     ],
 )

@@ -18,6 +18,7 @@ from aioduco.cli.io import io
 from aioduco.cli.jog import jog
 from aioduco.cli.monitor.monitor import monitor
 from aioduco.cli.move import move
+from aioduco.cli.options import WITH_NUMBERS
 from aioduco.cli.output import say
 from aioduco.cli.panel import panel
 from aioduco.cli.payload import payload
@@ -64,20 +65,17 @@ app.command(rich_help_panel=_LEAD)(stop)
 app.command(rich_help_panel=_LEAD)(pause)
 app.command(rich_help_panel=_LEAD)(resume)
 app.add_typer(move, name="move", rich_help_panel=_MOVE)
-app.command(rich_help_panel=_MOVE)(jog)
+app.command(rich_help_panel=_MOVE, context_settings=WITH_NUMBERS)(jog)
 app.command(rich_help_panel=_MOVE)(teleop)
 app.command(rich_help_panel=_MOVE)(teach)
 app.add_typer(io, name="io", rich_help_panel=_MOVE)
-# A negative number is an argument, not an option.
-app.command(rich_help_panel=_MOVE, context_settings={"ignore_unknown_options": True})(call)
+app.command(rich_help_panel=_MOVE, context_settings=WITH_NUMBERS)(call)
 app.command(rich_help_panel=_RECORD)(record)
 app.command(rich_help_panel=_RECORD)(plot)
 app.command(rich_help_panel=_RECORD)(play)
 app.command(rich_help_panel=_TRY)(demo)
 app.command(rich_help_panel=_TRY)(sim)
-app.command("sim-do", rich_help_panel=_TRY, context_settings={"ignore_unknown_options": True})(
-    sim_do
-)
+app.command("sim-do", rich_help_panel=_TRY, context_settings=WITH_NUMBERS)(sim_do)
 app.command(rich_help_panel=_TRY)(preflight)
 app.add_typer(fleet, name="fleet", rich_help_panel=_FLEET)
 app.command(rich_help_panel=_CONNECT)(ros1)

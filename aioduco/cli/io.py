@@ -9,7 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
-from aioduco.cli.options import Yes
+from aioduco.cli.options import WITH_NUMBERS, Yes
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import observing_session
@@ -84,7 +84,7 @@ def read(
         say(f"{name.replace('_', ' '):13} {'  '.join(f'{v:.2f}' for v in values)} {unit}")
 
 
-@io.command("set")
+@io.command("set", context_settings=WITH_NUMBERS)
 def set_output(
     number: Annotated[int, typer.Argument(min=1, max=16, help="Number of the output.")],
     level: Annotated[Level, typer.Argument(help="on or off.")],
@@ -120,7 +120,7 @@ def set_output(
     say(f"{which} is {level.value}")
 
 
-@io.command("set-analog")
+@io.command("set-analog", context_settings=WITH_NUMBERS)
 def set_analog(
     quantity: Annotated[OutputQuantity, typer.Argument(help="voltage [V] or current [mA].")],
     number: Annotated[int, typer.Argument(min=1, max=4, help="Number of the channel.")],

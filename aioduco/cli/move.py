@@ -10,7 +10,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import ended_by_errors, fail
-from aioduco.cli.options import Json, Yes, refuse_unused
+from aioduco.cli.options import WITH_NUMBERS, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -31,8 +31,7 @@ move: typer.Typer = typer.Typer(
 )
 
 
-# A negative number is an argument, not an option.
-@move.command(context_settings={"ignore_unknown_options": True})
+@move.command(context_settings=WITH_NUMBERS)
 def joints(
     angles: Annotated[Six, typer.Argument(metavar="J1 J2 J3 J4 J5 J6", help="Angles [rad].")],
     deg: Annotated[bool, typer.Option("--deg", help="The angles are in degrees.")] = False,
@@ -83,7 +82,7 @@ The joints turn at up to {math.degrees(speed):.0f} °/s. Joint {turns.index(far)
     carry_out(address, lambda robot: robot.motion.movej2(target, v=speed, a=acceleration), json)
 
 
-@move.command(context_settings={"ignore_unknown_options": True})
+@move.command(context_settings=WITH_NUMBERS)
 def pose(
     context: typer.Context,
     numbers: Annotated[

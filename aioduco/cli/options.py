@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
 import typer
 
 __all__ = [
+    "WITH_NUMBERS",
     "Duration",
     "Guide",
     "Json",
@@ -21,6 +22,9 @@ __all__ = [
     "require_readable",
     "require_writable",
 ]
+
+#: settings of a command with numbers among its arguments: a negative one is no option
+WITH_NUMBERS: Final = {"ignore_unknown_options": True}
 
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
