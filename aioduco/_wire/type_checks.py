@@ -81,8 +81,9 @@ def _whole(bits: int) -> Check:
 def _double(value: Any) -> None:
     if type(value) is float and math.isfinite(value):
         return
+    number = value.item() if _is_numpy(value, "ndarray") and value.ndim == 0 else value
     try:
-        fits = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+        fits = not isinstance(number, bool) and isinstance(number, Real) and math.isfinite(number)
     except OverflowError:  # a whole number too large for a double
         fits = False
     if not fits:

@@ -10,11 +10,10 @@ or an unusual one, the comment explains which range is checked instead, and why.
 
 from __future__ import annotations
 
-import numbers
 import sys
 import warnings
 from math import inf, pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError, UnitWarning
 from aioduco.models import jog, realtime
@@ -35,6 +34,7 @@ from aioduco.models.rules import (
     Signed,
     Text,
     Vector,
+    is_whole,
 )
 from aioduco.models.rules.lists import ordered
 from aioduco.models.rules.scalars import FARTHEST, LONGEST, LONGEST_ARM
@@ -356,10 +356,6 @@ def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
     return hertz, percent
 
 
-#: also a whole number of numpy
-_WHOLE: Any = numbers.Integral
-
-
 def percent_of_speed(name: str, value: Real) -> float:
     """Check a speed in percent; warn if it looks like rad/s: 1.0 would be 1 %.
 
@@ -369,7 +365,7 @@ def percent_of_speed(name: str, value: Real) -> float:
         ParameterError: it is out of range.
     """
     percent = PERCENT(name, value)
-    if not isinstance(value, _WHOLE) and percent <= JOINT_SPEED.high:
+    if not is_whole(value) and percent <= JOINT_SPEED.high:
         warnings.warn(
             f"{name}={value!r} is {percent:g} % of the arm's speed here, not rad/s: movej2 and "
             f"movej_pose2 take rad/s. Percent as a whole number ({name}={max(1, round(percent))}) "

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections import deque
 from typing import NamedTuple
 
 from aioduco.errors import ParameterError
+from aioduco.models.rules import is_number
 
 #: longest delay that the schedule catches up with; it drops a longer one [s of real time]
 _SLACK = 0.1
@@ -92,9 +92,7 @@ def checked_speed(speed: float) -> float:
     Raises:
         ParameterError: The speed is no number above zero.
     """
-    given: object = speed
-    number = isinstance(given, numbers.Real) and not isinstance(given, bool)
-    if not number or (not 0.0 < speed < _FASTEST and speed != math.inf):
+    if not is_number(speed) or (not 0.0 < speed < _FASTEST and speed != math.inf):
         raise ParameterError("speed", speed, "a number above 0, or inf for as fast as possible")
     return float(speed)
 

@@ -233,7 +233,7 @@ class Stream(Uncopied):
         if not self._feeding.chunks or interval is None:
             raise ParameterError("actions", "a chunk", "sent to a stream opened with chunks=True")
         if at is not None:
-            _AT("at", at)
+            at = _AT("at", at)
             if abs(at - now) > _FARTHEST:
                 raise ParameterError(
                     "at", at, f"a time of time.monotonic(), {now:.3f} now, within {_FARTHEST:g} s"

@@ -72,7 +72,8 @@ class ClosingSteps:
     def __post_init__(self) -> None:
         for step in fields(self):
             if (seconds := getattr(self, step.name)) is not None:
-                TIMEOUT(f"closing_steps.{step.name}", seconds)
+                seconds = TIMEOUT(f"closing_steps.{step.name}", seconds)
+                object.__setattr__(self, step.name, seconds)
 
 
 def _within(rule: Callable[[str, Any], object], *, off: bool = False) -> dict[str, Any]:
@@ -109,7 +110,7 @@ class RobotSettings:
         for setting in fields(self):
             value, rule = getattr(self, setting.name), setting.metadata.get("rule")
             if rule is not None and not (value is None and setting.metadata["off"]):
-                rule(setting.name, value)
+                object.__setattr__(self, setting.name, rule(setting.name, value))
         if self.closing_steps is not None and not isinstance(self.closing_steps, ClosingSteps):
             raise ParameterError("closing_steps", self.closing_steps, "ClosingSteps, or None")
         if self.guard is not None:

@@ -24,14 +24,24 @@ from aioduco import (
     descriptions,
     kinematics,
 )
+from aioduco.api.streams.arguments import per_group
+from aioduco.devices.cameras.board import BoardSize
 from aioduco.envelope import JointMargin, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.models import ranges
+from aioduco.models.rules import Choice
 from aioduco.planning import Region
 from aioduco.sim import scene
 from aioduco.sim.cabinet import SystemValues
+from aioduco.sim.clock import checked_speed
+from aioduco.sim.controller.signal_rules import SignalRule
 from aioduco.sim.view.camera import Camera
 from aioduco.streaming.sampling import instants, sampled
 from aioduco.streaming.shared.space import JOINT_SPACE
+
+
+def settings(**given: Any) -> Any:
+    return aioduco.connect("192.0.2.1", **given)._supervisor.settings
+
 
 SCALARS: list[Any] = [
     *(np.float32(0.25), np.float16(0.25), np.float64(0.25), np.longdouble(0.25), np.array(0.25)),
@@ -57,6 +67,9 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
     "Tolerances": lambda x: Tolerances(path=x).path,
     "per joint": lambda x: Tolerances(goal=(x,) * 6).goal[0],  # type: ignore[index]
     "WorkerOptions": lambda x: aioduco.WorkerOptions(timeout=x).timeout,
+    "max_step": lambda x: per_group("max_step", x, 6)[0],
+    "SignalRule": lambda x: SignalRule(1, 1, after=x).after,
+    "call_timeout": lambda x: settings(call_timeout=x).call_timeout,
 }
 
 
@@ -78,6 +91,41 @@ def test_what_is_no_finite_number_is_refused(name: str) -> None:
     ):
         with pytest.raises(ParameterError):
             TAKERS[name](value)
+
+
+WHOLES: list[Any] = [3, np.int64(3), np.uint8(3), np.array(3)]
+#: by name, what takes one whole number
+WHOLE_TAKERS: dict[str, Callable[[Any], Any]] = {
+    "Integer": lambda n: ranges.STANDARD_IO("num", n),
+    "Choice": lambda n: Choice({3: "three"}, source="here")("n", n),
+    "SignalRule": lambda n: SignalRule(n, 1).output,
+    "BoardSize": lambda n: BoardSize(n, 4, square=0.02).columns,
+    "pool_size": lambda n: settings(pool_size=n).pool_size,
+}
+
+
+@pytest.mark.parametrize("name", WHOLE_TAKERS)
+def test_every_kind_of_whole_number_is_taken_and_kept_as_an_int(name: str) -> None:
+    for value in WHOLES:
+        kept = WHOLE_TAKERS[name](value)
+        assert (type(kept), kept) == (int, 3)
+
+
+@pytest.mark.parametrize("name", WHOLE_TAKERS)
+def test_what_is_no_whole_number_is_refused(name: str) -> None:
+    for value in (3.0, np.float64(3.0), np.array(3.0), np.array([3]), True, np.True_, None):
+        with pytest.raises(ParameterError):
+            WHOLE_TAKERS[name](value)
+
+
+@pytest.mark.parametrize("speed", [2, np.float32(2.0), np.array(2.0), Fraction(2), math.inf])
+def test_every_kind_of_number_is_a_speed_of_time(speed: Any) -> None:
+    assert checked_speed(speed) == float(speed)
+
+
+def test_percent_as_a_whole_number_of_numpy_does_not_warn() -> None:
+    for percent in WHOLES:
+        assert ranges.percent_of_speed("v", percent) == 3.0
 
 
 def test_system_values_of_numpy_are_kept_as_python_has_them() -> None:

@@ -27,8 +27,11 @@ _buffer: Any = TMemoryBuffer
 #: by type of the wire what fits, the ends of its range among it, and what does not
 BITS = {TType.BYTE: 8, TType.I16: 16, TType.I32: 32, TType.I64: 64}
 FITS: dict[int, list[Any]] = {
-    **{kind: [-(2 ** (n - 1)), 2 ** (n - 1) - 1, np.int64(7)] for kind, n in BITS.items()},
-    TType.DOUBLE: [-1.5, 1e308, 3, np.float32(0.5), np.float64(2.5), np.int32(4)],
+    **{
+        kind: [-(2 ** (n - 1)), 2 ** (n - 1) - 1, np.int64(7), np.array(7)]
+        for kind, n in BITS.items()
+    },
+    TType.DOUBLE: [-1.5, 1e308, 3, np.float32(0.5), np.float64(2.5), np.int32(4), np.array(0.5)],
     TType.BOOL: [True, False, 0, 1, np.True_],
     TType.STRING: ["", "x" * 40, "抓手"],
 }

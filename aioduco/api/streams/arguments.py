@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco.api.arguments import gains
 from aioduco.errors import ParameterError
-from aioduco.models.rules import Number
+from aioduco.models.rules import Number, is_number
 from aioduco.streaming.shared.space import JERK, Limits
 
 if TYPE_CHECKING:
@@ -71,12 +71,12 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
     Raises:
         ParameterError: the value has another shape, or is not above zero.
     """
-    one: Any = value
-    if isinstance(value, (list, tuple, np.ndarray)):
-        if np.shape(value) != (groups,):
-            raise ParameterError(name, value, f"one number, or {groups}")
-        return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(value))
-    return (_LIMIT(name, one),) * groups
+    if is_number(value) or not isinstance(value, (list, tuple, np.ndarray)):
+        one: Any = value
+        return (_LIMIT(name, one),) * groups
+    if np.shape(value) != (groups,):
+        raise ParameterError(name, value, f"one number, or {groups}")
+    return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(value))
 
 
 def motion_limits(

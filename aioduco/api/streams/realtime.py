@@ -126,7 +126,7 @@ class RealtimeStreams(StreamMaker):
         for name, given in (("max_step", max_step), ("reach", reach)):
             if speeds and given is not None:
                 raise ParameterError(name, given, "left out: it is for positions alone")
-        _DEPTH("depth", depth)
+        depth = _DEPTH("depth", depth)
         if frame is not None and chosen is not RealtimeMode.TWIST:
             raise ParameterError("frame", frame, 'left out: it is for mode="twist" alone')
         if not CYCLE <= ranges.TIMEOUT("period", period) <= depth * CYCLE / 2:

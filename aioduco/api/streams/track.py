@@ -156,8 +156,7 @@ class TrackStreams(StreamMaker):
         Manual section 1.3.12.
         """
         one_of("space", space, ("joints", "pose"))
-        for name, count in (("low", low), ("high", high)):
-            _COUNT(name, count)
+        low, high = _COUNT("low", low), _COUNT("high", high)
         if low >= high:
             raise ParameterError("low", low, f"fewer than high, {high} points")
         extra = _EXTRA if ranges.FLAG("operations", operations) else 0

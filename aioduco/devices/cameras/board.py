@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError
-from aioduco.models.rules import Number, stored
+from aioduco.models.rules import Number, is_whole, stored
 from aioduco.models.rules.scalars import LONGEST_ARM
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class BoardSize:
     def __post_init__(self) -> None:
         for name in ("columns", "rows"):
             value = getattr(self, name)
-            if not isinstance(value, int | np.integer) or value < _LEAST_CORNERS:
+            if not is_whole(value) or value < _LEAST_CORNERS:
                 raise ParameterError(name, value, f"a whole number from {_LEAST_CORNERS}")
             object.__setattr__(self, name, int(value))
         if (self.columns + self.rows) % 2 == 0:

@@ -14,6 +14,7 @@ from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
 from aioduco.integrations.gym.tasks import task_of
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.rules import is_whole
 from aioduco.models.words import one_of
 from aioduco.sim.simulator import READY
 from aioduco.sim.view.camera import Camera, PictureMark
@@ -273,6 +274,6 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
 def _checked_size(size: object) -> tuple[int, int]:
     """Height and width of pictures, if they are that."""
     numbers = tuple(size) if isinstance(size, (tuple, list, np.ndarray)) else ()
-    if len(numbers) != 2 or not all(isinstance(n, (int, np.integer)) and n > 0 for n in numbers):
+    if len(numbers) != 2 or not all(is_whole(n) and n > 0 for n in numbers):
         raise ParameterError("size", size, "height and width, two whole numbers above 0 [pixels]")
     return int(numbers[0]), int(numbers[1])

@@ -38,6 +38,7 @@ from aioduco.models.rules.scalars import (
     Text,
     Whole,
     condition_holds,
+    is_number,
     is_whole,
     stored,
 )
@@ -67,6 +68,7 @@ __all__ = [
     "Whole",
     "WholesLike",
     "condition_holds",
+    "is_number",
     "is_whole",
     "stored",
 ]

@@ -147,7 +147,7 @@ class Number(Rule):
 
     def _other(self, name: str, value: object) -> float:
         number: Any = _plain(value)
-        if isinstance(number, bool) or not isinstance(number, _REAL):
+        if not is_number(number):
             raise ParameterError(name, value, self.expected)
         if self._low <= number <= self._high:
             return float(number)
@@ -165,9 +165,15 @@ class Number(Rule):
         raise ParameterError(name, value, self.expected + hint)
 
 
+def is_number(value: object) -> bool:
+    """Whether it is a real number, also one of numpy; True and False are none."""
+    number = _plain(value)
+    return isinstance(number, _REAL) and not isinstance(number, bool)
+
+
 def is_whole(value: object) -> bool:
     """Whether it is a whole number, also one of numpy; True and False are none."""
-    return isinstance(value, _WHOLE) and not isinstance(value, bool)
+    return is_number(value) and isinstance(_plain(value), _WHOLE)
 
 
 class Integer(Rule):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import FLAG, WAIT
-from aioduco.models.rules import is_whole
+from aioduco.models.rules import is_whole, stored
 
 if TYPE_CHECKING:
     from aioduco.sim.cabinet.grippers import ValveGripper
@@ -42,7 +42,9 @@ class SignalRule:
             tool, num = place(signal)
             if not is_whole(num) or not 1 <= num <= (2 if tool else 16):
                 raise ParameterError(name, signal, '1 to 16, or "tool 1" or "tool 2"')
-        WAIT("after", self.after)
+            if not isinstance(signal, str):
+                object.__setattr__(self, name, int(num))
+        stored(self, after=WAIT)
         FLAG("inverted", self.inverted)
 
 
