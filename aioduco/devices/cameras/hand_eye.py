@@ -16,7 +16,7 @@ import numpy as np
 
 from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, nearest_rotation, rigid_frames
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -199,9 +199,7 @@ def _errors(moved: Matrix, seen: Matrix, camera: Matrix, board: Matrix) -> Matri
 
 
 def _small(step: Matrix) -> Matrix:
-    found = np.eye(4)
-    found[:3, :3], found[:3, 3] = matrix_from_rotvec(step[:3]), step[3:]
-    return found
+    return transform(matrix_from_rotvec(step[:3]), step[3:])
 
 
 def _crossing(vectors: Matrix) -> Matrix:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from aioduco.devices.grippers.dh import DhGripper
 from aioduco.devices.grippers.digital import DigitalGripper
-from aioduco.devices.grippers.gripper import Gripper, GripperState, PolledGripper
+from aioduco.devices.grippers.gripper import GripperState, PolledGripper
 from aioduco.devices.grippers.modbus_gripper import ModbusGripper
 from aioduco.devices.grippers.robotiq import Robotiq
 from aioduco.devices.grippers.vacuum import VacuumGripper
@@ -26,7 +26,6 @@ __all__ = [
     "GRIPPERS",
     "DhGripper",
     "DigitalGripper",
-    "Gripper",
     "GripperModel",
     "GripperState",
     "ModbusGripper",

@@ -11,9 +11,7 @@ from aioduco.devices.grippers.modbus_gripper import ModbusGripper
 from aioduco.errors import GripperNotActivated, ModbusGarbled
 
 if TYPE_CHECKING:
-    from aioduco.devices.bus import ModbusRtu
     from aioduco.devices.grippers.dh_registers import DhState
-    from aioduco.models.gripper_models import GripperModel
 
 __all__ = ["DhGripper"]
 
@@ -49,18 +47,8 @@ class DhGripper(ModbusGripper):
     make: ClassVar[str] = "dh_"
     usual_unit: ClassVar[int] = 1
 
-    def __init__(
-        self,
-        modbus: ModbusRtu,
-        model: str | GripperModel | None = None,
-        *,
-        poll: float = 0.05,
-        timeout: float = 10.0,
-        max_age: float = 1.0,
-    ) -> None:
-        super().__init__(modbus, model, poll=poll, timeout=timeout, max_age=max_age)
-        self._seen_moving = True
-        self._sent_at = 0.0
+    _seen_moving = True
+    _sent_at = 0.0
 
     async def status(self) -> DhState:
         """Read the gripper's raw state.

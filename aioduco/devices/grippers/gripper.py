@@ -1,4 +1,4 @@
-"""The common parts of all grippers: interface, state, and a base class for drivers.
+"""The common parts of all grippers: their state, and a base class for drivers.
 
 Guarantees:
 - `state` takes no time: it is the state that was read last, with its age. A separate task polls
@@ -16,7 +16,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
@@ -37,12 +37,11 @@ from aioduco.supervision.concurrency import BackgroundTasks, Silence, every
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from contextlib import AbstractAsyncContextManager
     from typing import ClassVar, Self
 
     from aioduco.models.gripper_models import GripperModel
 
-__all__ = ["Gripper", "GripperState", "PolledGripper"]
+__all__ = ["GripperState", "PolledGripper"]
 
 _log = BackgroundLogger(__name__)
 
@@ -77,59 +76,6 @@ class GripperState(NamedTuple):
     def age(self) -> float:
         """Time since then [s]."""
         return time.monotonic() - self.read_at
-
-
-class Gripper(Protocol):
-    """Interface of every gripper; lengths in m, speeds in m/s, forces in N."""
-
-    @property
-    def model(self) -> GripperModel:
-        """Its stroke, forces and speeds."""
-        ...
-
-    @property
-    def state(self) -> GripperState:
-        """The state that was read last; this takes no time."""
-        ...
-
-    async def read(self) -> GripperState:
-        """Read the state now."""
-        ...
-
-    async def activate(self) -> None:
-        """Make it ready, if it needs that: its fingers may move through their whole stroke."""
-        ...
-
-    async def move(
-        self, width: float, *, speed: float | None = None, force: float | None = None
-    ) -> GripperState:
-        """Move the fingers, and return when they stand: at the width, or at what they hold."""
-        ...
-
-    async def open(self, *, speed: float | None = None, force: float | None = None) -> GripperState:
-        """Open as far as it goes."""
-        ...
-
-    async def close(
-        self, *, speed: float | None = None, force: float | None = None
-    ) -> GripperState:
-        """Close until it holds something, or as far as it goes."""
-        ...
-
-    async def halt(self) -> None:
-        """Stop the fingers where they are."""
-        ...
-
-    def check_held(self) -> None:
-        """Raise `ObjectLost` or `HoldUnknown` unless the gripped object is still held.
-
-        It judges the last known state, and returns at once: it is no coroutine function.
-        """
-        ...
-
-    def carrying(self) -> AbstractAsyncContextManager[None]:
-        """Cancel the await in the block, and raise, when the part is lost, or that is not known."""
-        ...
 
 
 class PolledGripper(Uncopied, ABC):
