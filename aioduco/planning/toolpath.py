@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.sim.planner.curves import Orientation, StraightLine, arc_through
+from aioduco.sim.planner.path import PlanError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
+    from aioduco.sim.planner.curves import Curve
 
     Points = NDArray[np.float64]
 
@@ -20,8 +22,6 @@ __all__ = ["ToolPath", "followed", "poses_along"]
 
 _STEP, _TURN = 0.004, 0.02  # between two poses [m, rad]
 _LEVER = 0.2  # length that a turn counts as, for a tool that turns more than it moves [m/rad]
-_POINT = 1e-6  # points that are nearer to each other are the same [m]
-_STRAIGHT = 1e-6  # sine of the angle below which three points are on a line
 _JUMP = 0.2  # largest turn of a joint between two poses on one branch [rad]
 
 
@@ -50,40 +50,23 @@ def poses_along(start: Points, via: Points | None, end: Points) -> ToolPath:
     Raises:
         ParameterError: the three points are on a line.
     """
-    turn = rotvec_from_matrix(end[:3, :3] @ start[:3, :3].T)
-    angle = float(np.linalg.norm(turn))
-    origin, way = start[:3, 3], end[:3, 3] - start[:3, 3]
-    arc = None if via is None else _arc(origin, via[:3, 3], end[:3, 3])
-    moved = float(np.linalg.norm(way)) if arc is None else float(arc[2] * np.linalg.norm(arc[1]))
-    length = max(moved, _LEVER * angle)
-    count = max(int(np.ceil(max(moved / _STEP, angle / _TURN))), 8)
-    poses = np.tile(np.eye(4), (count + 1, 1, 1))
-    shares = np.linspace(0.0, 1.0, count + 1)
-    poses[:, :3, :3] = matrix_from_rotvec(shares[:, None] * turn) @ start[:3, :3]
-    if arc is None:
-        poses[:, :3, 3] = origin + shares[:, None] * way
+    curve: Curve
+    if via is None:
+        curve = StraightLine.between(start, end)
+        moved = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
     else:
-        centre, spoke, sweep, across = arc
-        angles = shares[:, None] * sweep
-        poses[:, :3, 3] = centre + np.cos(angles) * spoke + np.sin(angles) * across
-    return ToolPath(length, poses)
-
-
-def _arc(one: Points, two: Points, three: Points) -> tuple[Points, Points, float, Points]:
-    """Centre, first radius vector, angle, and the radius vector a quarter further, of an arc."""
-    a, b = two - one, three - one
-    normal = np.cross(a, b)
-    size = float(normal @ normal)
-    shortest = min(float(np.linalg.norm(side)) for side in (a, b, three - two))
-    # By the angle, as the controller judges it: a small arc is one, too.
-    if shortest < _POINT or size < (_STRAIGHT * np.linalg.norm(a) * np.linalg.norm(b)) ** 2:
-        raise ParameterError("via", two.tolist(), "off the line from the start to the end [m]")
-    centre = one + np.cross((a @ a) * b - (b @ b) * a, normal) / (2.0 * size)
-    spoke = one - centre
-    across = np.cross(normal / np.sqrt(size), spoke)
-    last = three - centre
-    sweep = float(np.arctan2(last @ across, last @ spoke)) % (2.0 * np.pi)
-    return centre, spoke, sweep, across
+        try:
+            curve = arc_through(start, via, end, Orientation.TO_TARGET)
+        except PlanError:
+            raise ParameterError(
+                "via", via[:3, 3].tolist(), "off the line from the start to the end [m]"
+            ) from None
+        moved = curve.length
+    count = max(int(np.ceil(max(moved / _STEP, curve.turning / _TURN))), 8)
+    poses = np.tile(start, (count + 1, 1, 1))
+    if curve.length:
+        poses = curve.poses(np.linspace(0.0, curve.length, count + 1))
+    return ToolPath(max(moved, _LEVER * curve.turning), poses)
 
 
 def followed(arm: Arm, poses: Points, back: Points, start: Points) -> tuple[Points, str]:
