@@ -132,17 +132,16 @@ class PathSection(HandlerSection):
         target, tip = self._target("p", call.p, call)
         reference, radius = near(call.q_near), blend(call.r)
 
-        def inverse(start: Array) -> Segment:
+        def planned(start: Array) -> Segment:
             try:
-                end = self._arm.ikine(target, start if reference is None else reference)
-            except Unreachable as exc:
-                error = PlanError("unreachable", str(exc))
+                end = self._inverse(target, start if reference is None else reference)
+            except PlanError as error:
                 way = StraightLine.between(self._arm.fkine(start), target)
                 error.flange = flange_along(way, np.eye(4))
-                raise error from exc
+                raise
             return joint_move(self._arm, start, end, *pace, radius, tool=tip)
 
-        return inverse
+        return planned
 
     def _to_line(self, call: MotionCall, pace: tuple[float, float]) -> Plan:
         """Plan a motion to a pose of the tool; the tip moves along a straight line."""
@@ -192,6 +191,17 @@ class PathSection(HandlerSection):
             return segment
 
         return verified
+
+    def _inverse(self, flange: Array, reference: Array) -> Array:
+        """Find joints for a pose of the flange, near to others [rad].
+
+        Raises:
+            PlanError: the pose is out of reach.
+        """
+        try:
+            return self._arm.ikine(flange, reference)
+        except Unreachable as exc:
+            raise PlanError("unreachable", str(exc)) from exc
 
     def _target(self, name: str, p: Sequence[float], call: MotionCall) -> tuple[Array, Array]:
         """Pose of the flange in the base frame, and of the tool's tip in the flange's."""

@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from aioduco.errors import Unreachable
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import HandlerSection, arguments_of, as_on_the_wire
+from aioduco.sim.handlers.base import arguments_of, as_on_the_wire
 from aioduco.sim.handlers.motion_call import MotionCall
-from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED, TOO_FAST
-from aioduco.sim.planner.path import PlanError
+from aioduco.sim.handlers.paths import (
+    JOINT_ACCELERATION,
+    JOINT_SPEED,
+    TOO_FAST,
+    PathSection,
+    near,
+)
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
 if TYPE_CHECKING:
@@ -46,7 +50,7 @@ def servo(target: Callable[[ServoHandlers, MotionCall], Target]) -> Callable[...
     return as_on_the_wire(target, answer)
 
 
-class ServoHandlers(HandlerSection):
+class ServoHandlers(PathSection):
     """servoj, servoj_pose, servo_tcp, servol."""
 
     @servo
@@ -133,13 +137,6 @@ class ServoHandlers(HandlerSection):
         return arguments.number(name, value, low, high, "")
 
     def _at_pose(self, call: MotionCall) -> Target:
-        used, base = self._frames.tool(call.tool), self._frames.wobj(call.wobj)
-        flange = base.matrix @ arguments.pose("pose_list", call.pose_list).matrix @ used.inverse
-        near = np.array(arguments.joints("q_near", call.q_near)) if call.q_near else None
-        return lambda last: self._inverse(flange, last if near is None else near)
-
-    def _inverse(self, flange: Array, near: Array) -> Array:
-        try:
-            return self._arm.ikine(flange, near)
-        except Unreachable as exc:
-            raise PlanError("unreachable", str(exc)) from exc
+        flange, _ = self._target("pose_list", call.pose_list, call)
+        reference = near(call.q_near)
+        return lambda last: self._inverse(flange, last if reference is None else reference)
