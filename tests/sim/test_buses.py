@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.cabinet.modbus import Gripper, ModbusSlave, RtuSlave, crc16
+from aioduco.sim.cabinet.modbus import ModbusSlave, RtuSlave, ScriptedGripper, crc16
 from aioduco.sim.cabinet.ports import CanPort, SerialPort
 from aioduco.sim.simulator import Simulator
 
@@ -175,7 +175,7 @@ def test_a_slave_has_an_answer_to_everything(body: bytes, function: int) -> None
 
 
 def test_a_gripper_at_the_tool(sim: Simulator, program: Program) -> None:
-    gripper = Gripper(object_at=400)
+    gripper = ScriptedGripper(object_at=400)
     sim.cabinet.tool_serial.peer = gripper
 
     def ask(*body: int) -> bytes:
@@ -188,7 +188,7 @@ def test_a_gripper_at_the_tool(sim: Simulator, program: Program) -> None:
     ask(1, 6, 1, 3, 0, 0)
     assert ask(1, 3, 2, 0, 0, 3) == rtu(bytes([1, 3, 6, 0, 1, 0, 2, 1, 0x90]))
     ask(1, 6, 1, 3, 3, 0xE8)
-    assert gripper.registers[Gripper.ACTUAL] == 1000
+    assert gripper.registers[ScriptedGripper.ACTUAL] == 1000
     assert ask(1, 6, 2, 2, 0, 1) == rtu(bytes([1, 0x86, 2]))
 
 

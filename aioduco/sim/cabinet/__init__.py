@@ -11,26 +11,20 @@ from typing import TYPE_CHECKING
 
 from aioduco._process.copying import Uncopied
 from aioduco.sim.cabinet.axis_schemes import Axis
-from aioduco.sim.cabinet.modbus import (
-    Gripper,
-    ModbusSignals,
-    ModbusSlave,
-    RtuSlave,
-    ScriptedGripper,
-)
+from aioduco.sim.cabinet.modbus import ModbusSignals, ModbusSlave, RtuSlave, ScriptedGripper
 from aioduco.sim.cabinet.ports import CanPort, SerialPort
 from aioduco.sim.cabinet.project import Project
-from aioduco.sim.cabinet.tools import PointLoad
+from aioduco.sim.cabinet.tools import NO_LOAD
 from aioduco.sim.cabinet.values import SystemValues
 
 if TYPE_CHECKING:
+    from aioduco.models.load import Load
     from aioduco.sim.planner.guiding import Giving
 
 __all__ = [
     "Axis",
     "Cabinet",
     "CanPort",
-    "Gripper",
     "ModbusSlave",
     "Project",
     "RtuSlave",
@@ -79,7 +73,7 @@ class Cabinet(Uncopied):
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
     hand_teaching: Giving | None = None
-    held: PointLoad = field(default_factory=PointLoad)
+    held: Load = NO_LOAD
     tooled: bool = False
     force_sensor: bool = True
     lock: threading.Lock = field(default_factory=threading.Lock)

@@ -8,7 +8,6 @@ from enum import IntEnum
 from typing import TypeVar
 
 __all__ = [
-    "Gripper",
     "ModbusKind",
     "ModbusSignal",
     "ModbusSignals",
@@ -175,10 +174,6 @@ class ScriptedGripper(RtuSlave):
             holds = stop is not None and goal < stop
             self.registers[self.ACTUAL] = stop if stop is not None and holds else goal
             self.registers[self.GRIPPING] = 2 if holds else 1
-
-
-#: former name, for programs that were written before there were other grippers
-Gripper = ScriptedGripper
 
 
 class ModbusKind(IntEnum):

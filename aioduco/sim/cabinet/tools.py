@@ -1,30 +1,31 @@
-"""Tools and work objects by name, and loads (manual 1.3.7, set_tool_data, set_load_data)."""
+"""Tools and work objects by name (manual 1.3.7, set_tool_data, set_wobj)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from aioduco.models.load import Load
 from aioduco.models.pose import Pose
 from aioduco.sim.refusal import Rejected, illegal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from aioduco.models.rotation import Array
-
 
 __all__ = [
     "DEFAULT",
     "MAX_NAME",
+    "NO_LOAD",
     "FrameTable",
-    "PointLoad",
     "Tool",
     "WorkObject",
 ]
 
 DEFAULT = "default"
 MAX_NAME = 32
+NO_LOAD = Load(0.0)
 _ORIGIN = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -37,26 +38,19 @@ class Tool:
         offset: its tip in the flange's frame.
         matrix: the same as a matrix. Shape (4, 4).
         inverse: the flange in the tip's frame. Shape (4, 4).
-        payload: mass [kg] and centre of gravity [m].
+        payload: its load [kg, m], with the centre in the flange's frame.
     """
 
     name: str
     offset: Pose
     matrix: Array
     inverse: Array
-    payload: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    payload: Load = NO_LOAD
 
     @classmethod
-    def at(
-        cls,
-        offset: Pose,
-        name: str = "",
-        payload: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
-    ) -> Tool:
+    def at(cls, offset: Pose, name: str = "", payload: Load = NO_LOAD) -> Tool:
         """Make a tool with its tip at `offset`."""
-        matrix = _frozen(offset.matrix)
-        inverse = _frozen(offset.inverse().matrix)
-        return cls(name, offset, matrix, inverse, tuple(payload))
+        return cls(name, offset, _frozen(offset.matrix), _frozen(offset.inverse().matrix), payload)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,23 +142,3 @@ def _unknown(message: str, known: Iterable[str]) -> Rejected:
 def _frozen(matrix: Array) -> Array:
     matrix.flags.writeable = False
     return matrix
-
-
-class PointLoad(NamedTuple):
-    """A point mass.
-
-    Attributes:
-        mass: kg.
-        centre: in the flange's frame [m].
-    """
-
-    mass: float = 0.0
-    centre: tuple[float, ...] = (0.0, 0.0, 0.0)
-
-    def combined_with(self, other: PointLoad) -> PointLoad:
-        """Combine two loads into one."""
-        mass = self.mass + other.mass
-        if mass == 0.0:
-            return PointLoad()
-        pairs = zip(self.centre, other.centre, strict=True)
-        return PointLoad(mass, tuple((self.mass * a + other.mass * b) / mass for a, b in pairs))

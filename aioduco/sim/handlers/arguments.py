@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.bounds import least, most, shown
+from aioduco.models.load import Load
 from aioduco.models.pose import Pose
 from aioduco.sim.refusal import illegal, mismatch
 
@@ -75,11 +76,11 @@ def pose(name: str, values: Sequence[float]) -> Pose:
     return Pose(*place, *(number(name, each, -_TURNS, _TURNS, "rad") for each in given[3:]))
 
 
-def load(name: str, values: Sequence[float]) -> tuple[float, ...]:
+def load(name: str, values: Sequence[float]) -> Load:
     """Check a load: mass up to the largest arm's payload [kg], and centre of gravity [m]."""
     mass, *centre = numbers(name, values, 4)
     number(name, mass, 0.0, _HEAVIEST, "kg")
-    return mass, *(number(name, one, -_ARM, _ARM, "m") for one in centre)
+    return Load(mass, *(number(name, one, -_ARM, _ARM, "m") for one in centre))
 
 
 def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:

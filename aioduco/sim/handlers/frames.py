@@ -8,7 +8,7 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool, WorkObject
+from aioduco.sim.cabinet.tools import MAX_NAME, Tool, WorkObject
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
 from aioduco.sim.handlers.base import HandlerSection, task
@@ -115,10 +115,8 @@ class FrameHandlers(HandlerSection):
     @task()
     def set_load_data(self, controller: Controller, value: Sequence[float]) -> None:
         """抓取负载 [kg, m], centre of gravity in the tool's frame; the physics mount it, too."""
-        mass, *centre = load("value", value)
-        tool = controller.frames.tool().matrix
-        at = tool[:3, :3] @ centre + tool[:3, 3]
-        self._cabinet.held = PointLoad(mass, tuple(at.tolist()))
+        held = load("value", value)
+        self._cabinet.held = held.in_flange(controller.frames.tool().offset)
         self._carry(controller)
 
     def get_tcp_force(self) -> list[float]:
@@ -144,8 +142,8 @@ class FrameHandlers(HandlerSection):
         The physics mount both. A tool that the simulator was given is not mounted again: the
         model of the arm has it already, with its own mass.
         """
-        mass, *centre = controller.frames.tool().payload
         held = self._cabinet.held
-        both = PointLoad(mass, tuple(centre)).combined_with(held)
-        controller.force.carry(both.mass, both.centre)
-        self._runtime.load(*(held if self._cabinet.tooled else both))
+        both = controller.frames.tool().payload.with_load(held)
+        controller.force.carry(both.mass, both[1:])
+        mass, *centre = held if self._cabinet.tooled else both
+        self._runtime.load(mass, centre)
