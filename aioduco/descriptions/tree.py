@@ -17,6 +17,7 @@ from aioduco.kinematics.looks import looks
 from aioduco.kinematics.mounting import base_in_world
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
+from aioduco.models.rotation import transform
 from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
@@ -248,9 +249,7 @@ class JointDescription(NamedTuple):
     @property
     def matrix(self) -> Array:
         """The child's frame in the parent's, at joint angle zero. Shape (4, 4)."""
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = self.rotation, self.position
-        return matrix
+        return transform(self.rotation, self.position)
 
 
 class ArmTree(NamedTuple):

@@ -19,6 +19,7 @@ from aioduco.models.rotation import (
     rotvec_from_matrix,
     rpy_from_matrix,
     slerp,
+    transform,
     turn_between,
 )
 from aioduco.models.words import one_of
@@ -179,10 +180,7 @@ class Pose(_Six):
     @property
     def matrix(self) -> Array:
         """The homogeneous matrix (齐次变换矩阵). Shape (4, 4)."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = self.rotation
-        matrix[:3, 3] = self.x, self.y, self.z
-        return matrix
+        return transform(self.rotation, np.array((self.x, self.y, self.z)))
 
     @property
     def rotvec(self) -> Array:

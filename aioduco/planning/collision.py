@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.models.rotation import quaternion_from_matrix
+from aioduco.models.rotation import quaternion_from_matrix, transform
 from aioduco.planning.clearance import FURTHEST, Clearance
 from aioduco.sim.physics.model import assemble, mjcf, part
 
@@ -256,11 +256,8 @@ class CollisionChecker:
         mujoco.mj_kinematics(self._model, self._data)
         body = self._data.body(f"scene/{name}")
         flange = self._data.site("flange")
-        found = np.eye(4)
         turn = flange.xmat.reshape(3, 3).T
-        found[:3, :3] = turn @ body.xmat.reshape(3, 3)
-        found[:3, 3] = turn @ (body.xpos - flange.xpos)
-        return found
+        return transform(turn @ body.xmat.reshape(3, 3), turn @ (body.xpos - flange.xpos))
 
     def _nearest(self) -> float:
         return float(self._data.contact.dist.min())

@@ -18,7 +18,7 @@ from aioduco.errors import (
 from aioduco.kinematics.single import nearest_turns
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.rotation import matrix_from_rpy
+from aioduco.models.rotation import matrix_from_rpy, transform
 from aioduco.planning.clearance import TOUCHING
 from aioduco.planning.curve import is_free, joint_curve, rounded
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
@@ -285,11 +285,9 @@ def _poses(goal: Pose | Region) -> list[Points]:
     random = np.random.default_rng(0)
     poses: list[Points] = []
     for _ in range(_SAMPLES):
-        offset = np.eye(4)
         # The middle first, then random poses.
         share = random.uniform(-1.0, 1.0, 6) if poses else np.zeros(6)
-        offset[:3, 3] = 0.5 * share[:3] * goal.size
-        offset[:3, :3] = matrix_from_rpy(share[3:] * goal.turn)
+        offset = transform(matrix_from_rpy(share[3:] * goal.turn), 0.5 * share[:3] * goal.size)
         poses.append(goal.at.matrix @ offset)
     return poses
 

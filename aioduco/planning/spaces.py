@@ -12,7 +12,7 @@ import numpy as np
 
 from aioduco.errors import GoalOutOfReach
 from aioduco.kinematics.single import nearest_turns, solutions
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -148,9 +148,8 @@ class UprightPathSpace:
         return found
 
     def _solve(self, point: Points | Sequence[float]) -> list[float] | None:
-        pose = np.eye(4)
-        pose[:3, :3] = matrix_from_rotvec(self._up * (point[3] / self._radius)) @ self._turn
-        pose[:3, 3] = point[:3]
+        turn = matrix_from_rotvec(self._up * (point[3] / self._radius)) @ self._turn
+        pose = transform(turn, np.asarray(point[:3]))
         arm = self._arm
         for q in solutions(arm.geometry, (pose @ self._back).tolist()):
             if self._branch_of(q) == self._branch:

@@ -14,6 +14,7 @@ from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
 from aioduco.integrations.gym.tasks import task_of
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.rotation import transform
 from aioduco.models.rules import is_whole
 from aioduco.models.words import one_of
 from aioduco.sim.simulator import READY
@@ -216,9 +217,7 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         self._tip = tip
 
     def _joints(self, tip: Vector, near: Vector, most: float | None) -> Vector:
-        flange = np.eye(4)
-        flange[:3, :3] = self._upright
-        flange[:3, 3] = tip - self._task.tip * self._upright[:, 2]
+        flange = transform(self._upright, tip - self._task.tip * self._upright[:, 2])
         return self._arm.ikine(flange, near, max_jump=most)
 
     def _observation(self, reading: TaskReading) -> dict[str, Any]:
