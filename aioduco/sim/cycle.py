@@ -58,7 +58,8 @@ class PlantReading(NamedTuple):
         torque: joint torques [N m]. Shape (6,).
         wrench: force and torque on the flange, in its frame [N, N m]. Shape (6,).
         target_torque: torques that the motion of the set-point needs [N m]. Shape (6,).
-        external_torque: torques that the motion needed beyond those of the drives [N m]. (6,)
+        external_torque: torques that the motion needed beyond those of the drives [N m]: of
+            external forces, and of errors of the load in the servos' model. Shape (6,).
     """
 
     positions: Array

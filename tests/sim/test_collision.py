@@ -95,9 +95,9 @@ def test_ordinary_motions_are_no_collision_at_the_most_sensitive_level(model: st
     most = 0.0
     while mover.moving:
         world.step(mover.tick().setpoint)
-        most = max(most, float((np.abs(world.external_torque) / effort).max()))
+        most = max(most, float((np.abs(world.reading().external_torque) / effort).max()))
     assert most < 0.1 * LEVELS[5]
-    assert np.abs(world.torque).max() > 1.0
+    assert np.abs(world.reading().torque).max() > 1.0
 
 
 def test_a_push_is_observed_as_the_torques_it_makes() -> None:
@@ -107,9 +107,11 @@ def test_a_push_is_observed_as_the_torques_it_makes() -> None:
     for _ in range(1000):
         world.step(JointSetPoint.at_rest(HOME))
     made = FIVE.jacobian(world.q).T @ push
-    np.testing.assert_allclose(world.external_torque, made, atol=0.1)
+    np.testing.assert_allclose(world.reading().external_torque, made, atol=0.1)
     # At rest the target is the weight, and the drives give what is left.
-    np.testing.assert_allclose(world.target_torque - made, world.torque, atol=0.1)
+    np.testing.assert_allclose(
+        world.reading().target_torque - made, world.reading().torque, atol=0.1
+    )
 
 
 def test_a_load_that_was_not_told_is_a_torque_from_outside() -> None:
@@ -118,13 +120,15 @@ def test_a_load_that_was_not_told_is_a_torque_from_outside() -> None:
     for _ in range(1000):
         world.step(JointSetPoint.at_rest(HOME))
     weight = np.array([0.0, 0.0, -2.0 * 9.81, 0.0, 0.0, 0.0])
-    np.testing.assert_allclose(world.external_torque, FIVE.jacobian(HOME).T @ weight, atol=0.1)
+    np.testing.assert_allclose(
+        world.reading().external_torque, FIVE.jacobian(HOME).T @ weight, atol=0.1
+    )
     sagged = np.abs(world.q - HOME).max()
     assert 1e-4 < sagged < 0.02
     world.set_modelled_load(2.0)
     for _ in range(1000):
         world.step(JointSetPoint.at_rest(HOME))
-    np.testing.assert_allclose(world.external_torque, np.zeros(6), atol=0.01)
+    np.testing.assert_allclose(world.reading().external_torque, np.zeros(6), atol=0.01)
     assert np.abs(world.q - HOME).max() < 1e-5
 
 

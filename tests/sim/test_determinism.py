@@ -36,7 +36,8 @@ class Traced(World):
 
     def step(self, setpoint: JointSetPoint) -> None:
         super().step(setpoint)
-        parts = (setpoint.q, setpoint.qd, self.q, self.qd, self.qdd, self.torque, self.wrench)
+        now = self.reading()
+        parts = (setpoint.q, setpoint.qd, now.q, now.qd, now.qdd, now.torque, now.wrench)
         self.steps.append(b"".join(part.tobytes() for part in parts))
 
 

@@ -105,10 +105,10 @@ def test_a_part_is_dropped_once_it_was_held_for_a_time(cell: Cell) -> None:
     cell.hand.drop(0.5)
     cell.hand.command((0.0,), 0.1, 60.0)
     assert cell.run(2.0, lambda: cell.hand.reading.caught == 1)
-    begin = cell.world.time
+    begin = cell.world.data.time
     pads = cell.hand.pads
     assert cell.run(2.0, lambda: bool((cell.world.model.geom_friction[pads, 0] < 0.1).all()))
-    assert cell.world.time - begin == pytest.approx(0.5, abs=0.01)
+    assert cell.world.data.time - begin == pytest.approx(0.5, abs=0.01)
 
 
 @pytest.mark.slow

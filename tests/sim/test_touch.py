@@ -77,7 +77,7 @@ def test_an_arm_that_is_blocked_pushes_and_does_not_fly_apart(any_arm: Arm, into
     assert np.abs(world.q - goal).max() > 0.05
     assert fastest < 3.0 * v
     assert np.abs(world.qd).max() < 0.05
-    assert (np.abs(world.torque) <= np.array(any_arm.effort) * (1 + 1e-9)).all()
+    assert (np.abs(world.reading().torque) <= np.array(any_arm.effort) * (1 + 1e-9)).all()
     world.brake(True)
     for _ in range(500):
         world.step(JointSetPoint.at_rest(world.q))

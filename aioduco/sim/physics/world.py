@@ -287,11 +287,6 @@ class World:
         self._applied[:] = 0.0
 
     @property
-    def braked(self) -> bool:
-        """Whether the brakes hold and the drives have no power."""
-        return self._braked
-
-    @property
     def still(self) -> bool:
         """Whether the gripper and all loose things in the scene are at rest."""
         if self.hand is not None and not self.hand.still:
@@ -322,11 +317,6 @@ class World:
         rubbed: Array = dry * np.clip(speeds / _CREEP, -1.0, 1.0) + viscous * speeds
         return rubbed
 
-    @property
-    def time(self) -> float:
-        """Simulated time since the last reset [s]."""
-        return float(self.data.time)
-
     def drawn(self) -> Any:
         """Compile the model for pictures, with the looks of the arm."""
         return dressed(self._spec, self.arm)
@@ -345,30 +335,6 @@ class World:
     def qd(self) -> Array:
         """Joint speeds [rad/s]. Shape (6,)."""
         return self._qd.copy()
-
-    @property
-    def qdd(self) -> Array:
-        """Joint accelerations [rad/s²]. Shape (6,)."""
-        return self._qdd.copy()
-
-    @property
-    def torque(self) -> Array:
-        """Torques of the drives in the last step [N m]. Shape (6,)."""
-        return self._torque
-
-    @property
-    def target_torque(self) -> Array:
-        """Torques that the set-point needs by the servos' model [N m]. Shape (6,)."""
-        return self._target
-
-    @property
-    def external_torque(self) -> Array:
-        """Torques that the arm's motion in the last step needed beyond its drives' torques [N m].
-
-        They come from external forces on the arm, and from errors of the load in the servos'
-        model. Shape (6,).
-        """
-        return self._external
 
     @property
     def wrench(self) -> Array:

@@ -102,4 +102,4 @@ def test_weights_are_those_of_the_physics() -> None:
         world = World(model, q=q)
         for _ in range(400):
             world.step(JointSetPoint.at_rest(q))
-        assert world.torque == pytest.approx(link_torques(model, q[None])[0], abs=1e-4)
+        assert world.reading().torque == pytest.approx(link_torques(model, q[None])[0], abs=1e-4)
