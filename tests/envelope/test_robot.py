@@ -422,18 +422,12 @@ async def test_a_jog_is_stopped_before_the_wall(robot: aioduco.Robot, seen: Seen
     assert 0 <= least(FLAT, seen.q) < 0.09
 
 
-@pytest.mark.slow
-async def test_a_stream_of_speeds_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
-    """By its worker; or by the watch of the state, whose time is held, if the worker is late."""
-    robot.envelope = Envelope("gcr5_910", wall())
-    stream = robot.speed.joints(a=5.0, dead_man=5.0, hold=5.0, latest=False, options=THREAD)
-    with pytest.raises((StreamLeavesEnvelope, aioduco.StreamStopped)):
-        await lead(stream, [[0.5, 0, 0, 0, 0, 0]] * 10_000)
-    assert least(FLAT, seen.q) >= 0
-
-
-async def test_a_force_stops_the_arm(robot: aioduco.Robot, sim: Simulator) -> None:
+@pytest.mark.parametrize("wanted", [True, False])
+async def test_a_force_stops_the_arm_whether_or_not_the_program_wants_forces(
+    robot: aioduco.Robot, sim: Simulator, wanted: bool
+) -> None:
     robot.envelope = Envelope("gcr5_910", ToolForce(40.0, name="push"))
+    robot.feed.forces = wanted
     move = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
     sim.push([0, 0, 60.0, 0, 0, 0])
     try:
@@ -444,20 +438,6 @@ async def test_a_force_stops_the_arm(robot: aioduco.Robot, sim: Simulator) -> No
     cause = stopped.value.__cause__
     assert isinstance(cause, EnvelopeViolated)
     assert (cause.limit, cause.body) == ("push", "tool")
-
-
-async def test_a_program_that_wants_no_forces_does_not_take_them_from_the_limit(
-    robot: aioduco.Robot, sim: Simulator
-) -> None:
-    robot.envelope = Envelope("gcr5_910", ToolForce(40.0, name="push"))
-    robot.feed.forces = False
-    move = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
-    sim.push([0, 0, 60.0, 0, 0, 0])
-    try:
-        with pytest.raises(TaskStopped, match="'push'"):
-            await move
-    finally:
-        sim.push([0.0] * 6)
     robot.envelope = None
     assert not robot.feed.force_readers
 

@@ -14,6 +14,7 @@ from thriftpy2.transport import TTransportException
 from aioduco._wire.rpc import Op, RpcClient
 from aioduco.errors import ConnectionLost, ControllerError
 from aioduco.kinematics import Arm, arm, models
+from aioduco.models.enums import TaskState
 from aioduco.sim.simulator import CYCLE, Simulator
 
 from .cycles import Cycles
@@ -77,6 +78,13 @@ class Program(RpcClient):
     def line(self, pose: list[float], *, v: float = 0.2, r: float = 0.0, block: bool = True) -> int:
         """movel, likewise."""
         return self.movel(pose, v, 1.0, r, [], "", "", block, Op(), False)
+
+    def ended(self, id_: int) -> TaskState:
+        """Wait until a task has ended; how it did."""
+        assert id_ >= 1000
+        while not (state := TaskState(self.get_noneblock_taskstate(id_))).ended:
+            pass
+        return state
 
     def bring_up(self) -> None:
         assert self.power_on(True) == 4

@@ -132,12 +132,6 @@ def test_motions_run_one_after_the_other(ready: Bench) -> None:
     assert ready.state == [6, 0, 5, 1]
 
 
-def test_a_motion_that_blends_into_the_next_is_interrupted(ready: Bench) -> None:
-    first = ready.controller.move("movel", leg(1.0, blends=True))
-    second = ready.controller.move("movel", leg(2.0, blends=True))
-    assert (ready.ended(first), ready.ended(second)) == (5, 4)
-
-
 def test_who_waits_for_a_motion_that_may_blend_is_answered_in_time(ready: Bench) -> None:
     """Not at its end: only then the motion comes with which it blends."""
     controller = ready.controller
@@ -344,14 +338,6 @@ def test_pause_keeps_the_motions_and_resume_ends_them(ready: Bench) -> None:
     assert ready.ended(ready.controller.resume()) == 4
     assert state(ready, first) is TaskState.RUNNING
     assert (ready.ended(first), ready.ended(second)) == (4, 4)
-
-
-def test_a_stop_ends_a_pause(ready: Bench) -> None:
-    id_ = ready.begun(100)
-    assert ready.ended(ready.controller.pause()) == 4
-    assert ready.ended(ready.controller.stop()) == 4
-    assert state(ready, id_) is TaskState.STOPPED
-    assert ready.state == [6, 0, 5, 1]
 
 
 def test_resuming_before_the_arm_stands_interrupts_the_pause(ready: Bench) -> None:

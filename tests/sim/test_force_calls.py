@@ -115,14 +115,7 @@ def robot(program: Program) -> Iterator[Program]:
         ("fc_guard_deact", ()),
         ("fc_force_set_value", (ON, SIX)),
     ):
-        assert ended(program, getattr(program, function)(*args)) == FINE
-
-
-def ended(robot: Program, id_: int) -> int:
-    assert id_ >= 1000
-    while (state := robot.get_noneblock_taskstate(id_)) in (0, 1, 2):
-        pass
-    return state
+        assert program.ended(getattr(program, function)(*args)) == FINE
 
 
 @pytest.mark.parametrize(
@@ -134,11 +127,11 @@ def test_what_a_call_ends_as(
     robot: Program, name: str, usual: dict[str, Any], change: dict[str, Any], state: TaskState
 ) -> None:
     arguments = {**usual, **change}
-    assert ended(robot, robot.connection.call(name, tuple(arguments.values()))) == state
+    assert robot.ended(robot.connection.call(name, tuple(arguments.values()))) == state
 
 
 def test_what_was_wrong_changes_nothing(robot: Program) -> None:
-    assert ended(robot, robot.fc_wait_logic([0, 0, 1])) == FINE
+    assert robot.ended(robot.fc_wait_logic([0, 0, 1])) == FINE
     for bad in ({"value": 7}, {"damp": [0.0] * 6}):
         arguments = {**CONFIG, **bad}
         robot.connection.call("fc_config", tuple(arguments.values()))
@@ -149,13 +142,13 @@ def test_what_was_wrong_changes_nothing(robot: Program) -> None:
 def test_force_control_needs_an_enabled_arm_and_a_sensor(sim: Simulator, robot: Program) -> None:
     assert robot.fc_move(True) == ILLEGAL  # it is off
     assert robot.disable(True) == FINE
-    assert ended(robot, robot.fc_start()) == ILLEGAL
+    assert robot.ended(robot.fc_start()) == ILLEGAL
     assert robot.enable(True) == FINE
     sim.cabinet.force_sensor = False
     try:
-        assert ended(robot, robot.fc_start()) == TaskState.ERROR
+        assert robot.ended(robot.fc_start()) == TaskState.ERROR
         assert "no force sensor" in robot.get_last_error()[-1]
-        assert ended(robot, robot.fc_force_set_value(ON, SIX)) == TaskState.ERROR
+        assert robot.ended(robot.fc_force_set_value(ON, SIX)) == TaskState.ERROR
         assert robot.fc_get_ft() == []
     finally:
         sim.cabinet.force_sensor = True
@@ -164,7 +157,7 @@ def test_force_control_needs_an_enabled_arm_and_a_sensor(sim: Simulator, robot: 
 
 def test_a_reading_is_set(robot: Program) -> None:
     values = [1.0, -2.0, 3.0, 0.1, -0.2, 0.3]
-    assert ended(robot, robot.fc_force_set_value([True] * 3 + [False] * 3, values)) == FINE
+    assert robot.ended(robot.fc_force_set_value([True] * 3 + [False] * 3, values)) == FINE
     assert robot.fc_get_ft() == pytest.approx([1.0, -2.0, 3.0, 0.0, 0.0, 0.0], abs=1e-3)
-    assert ended(robot, robot.fc_force_set_value(ON, SIX)) == FINE
+    assert robot.ended(robot.fc_force_set_value(ON, SIX)) == FINE
     assert robot.fc_get_ft() == pytest.approx(SIX, abs=1e-3)

@@ -27,6 +27,8 @@ INPUTS = [
     ("get_tool_analog_voltage_in", "tool_voltage_in", 2, 3.5, 0.0),
     ("get_function_reg_in", "function_reg_in", 16, True, False),
     ("get_function_reg_out", "function_reg_out", 16, True, False),
+    ("get_standard_digital_in", "standard_in", 16, True, False),
+    ("get_tool_digital_in", "tool_in", 2, True, False),
     ("get_config_digital_in", "config_in", 8, True, False),
     ("get_function_digital_in", "function_in", 8, True, False),
     ("get_function_digital_out", "function_out", 8, True, False),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import struct
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
 import psutil
@@ -18,6 +18,7 @@ from thriftpy2.thrift import TApplicationException
 from aioduco._wire import rpc
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.server import Server
+from aioduco.testing import eventually
 
 from .raw import RawClient
 
@@ -79,16 +80,6 @@ def server(echo: Echo) -> Iterator[Server]:
     with Server(echo) as server:
         yield server
         echo.released.set()
-
-
-def eventually(holds: Callable[[], bool], seconds: float = 10.0) -> None:
-    """Wait for what another thread is about to do."""
-    tries = threading.Event()
-    for _ in range(int(seconds * 200)):
-        if holds():
-            return
-        tries.wait(0.005)
-    raise AssertionError("it did not come to hold")
 
 
 def test_a_call_is_answered(server: Server, echo: Echo) -> None:

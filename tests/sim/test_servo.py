@@ -25,15 +25,10 @@ def servoj(robot: Program, joints: Any, v: float = 1.0, a: float = 5.0, *gains: 
     return robot.servoj(joints, v, a, False, *(gains or GAINS))
 
 
-def ended(sim: Simulator, robot: Program, id_: int) -> TaskState:
-    sim.wait_until(lambda: TaskState(robot.get_noneblock_taskstate(id_)).ended, 60.0)
-    return TaskState(robot.get_noneblock_taskstate(id_))
-
-
 def test_it_goes_to_joints_and_ends_there(sim: Simulator, robot: Program) -> None:
     id_ = servoj(robot, turned(0.5))
     assert id_ >= 1000
-    assert ended(sim, robot, id_) == TaskState.FINISHED
+    assert robot.ended(id_) == TaskState.FINISHED
     sim.wait_until(lambda: not sim.moving)
     assert sim.joints.almost_equal(Joints.of(turned(0.5)), 1e-3)
     assert robot.get_robot_state() == [6, 0, 5, 1]
@@ -43,7 +38,7 @@ def test_the_latest_target_counts(sim: Simulator, robot: Program) -> None:
     first = servoj(robot, turned(2.0), 0.01)
     second = servoj(robot, turned(-0.2), 1.0)
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
-    assert ended(sim, robot, second) == TaskState.FINISHED
+    assert robot.ended(second) == TaskState.FINISHED
     sim.wait_until(lambda: not sim.moving)
     assert sim.joints.almost_equal(Joints.of(turned(-0.2)), 1e-3)
 
@@ -55,7 +50,7 @@ def test_another_type_waits_until_the_running_one_has_ended(sim: Simulator, robo
         first = servoj(robot, turned(0.5))
         dropped = robot.servo_tcp([0, 0, 0.3, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
         second = robot.servo_tcp([0, 0, 0.02, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
-    assert ended(sim, robot, second) == TaskState.FINISHED
+    assert robot.ended(second) == TaskState.FINISHED
     assert robot.get_noneblock_taskstate(first) == TaskState.FINISHED
     assert robot.get_noneblock_taskstate(dropped) == TaskState.INTERRUPT
     sim.wait_until(lambda: not sim.moving)
@@ -69,7 +64,7 @@ def test_motions_wait_for_it_and_it_waits_for_them(sim: Simulator, robot: Progra
     moved = robot.to(*turned(0.2), block=False)
     servo = servoj(robot, turned(0.4))
     behind = robot.to(*turned(0.1), block=False)
-    states = [ended(sim, robot, id_) for id_ in (moved, servo, behind)]
+    states = [robot.ended(id_) for id_ in (moved, servo, behind)]
     assert states == [TaskState.FINISHED] * 3
     sim.wait_until(lambda: not sim.moving)
     assert sim.joints.almost_equal(Joints.of(turned(0.1)), 1e-3)
@@ -93,7 +88,7 @@ def test_servo_tcp_goes_on_from_its_target(sim: Simulator, robot: Program) -> No
     start = Pose.of(robot.get_tcp_pose())
     step = [0.0, 0.0, 0.01, 0.0, 0.0, 0.0]
     ids = [robot.servo_tcp(step, 1.0, 5.0, "", False, *GAINS) for _ in range(5)]
-    assert ended(sim, robot, ids[-1]) == TaskState.FINISHED
+    assert robot.ended(ids[-1]) == TaskState.FINISHED
     sim.wait_until(lambda: not sim.moving)
     way = Pose.of(robot.get_tcp_pose()).distance(start)[0]
     # The simulation runs while the calls come: some may have ended before the next one came.
@@ -117,7 +112,7 @@ def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
     assert robot.get_noneblock_taskstate(id_) == TaskState.PAUSED
     assert robot.get_robot_state() == [6, 3, 5, 1]
     assert robot.resume(True) == TaskState.FINISHED
-    assert ended(sim, robot, id_) == TaskState.FINISHED
+    assert robot.ended(id_) == TaskState.FINISHED
 
 
 @pytest.mark.slow
@@ -128,9 +123,9 @@ def test_too_large_a_step_at_too_large_an_acceleration_is_a_position_deviation(
     assert robot.set_load_data([5.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
     assert robot.to(*stretched) == TaskState.FINISHED
     gentle = servoj(robot, (1.0, *stretched[1:]), 2.0, 2.0)
-    assert ended(sim, robot, gentle) == TaskState.FINISHED
+    assert robot.ended(gentle) == TaskState.FINISHED
     id_ = servoj(robot, (-2.0, *stretched[1:]), 3.9, math.inf, 1000.0, 60.0, 1.0, 0.0)
-    assert ended(sim, robot, id_) == TaskState.ERROR
+    assert robot.ended(id_) == TaskState.ERROR
     assert any("position deviation" in text for text in robot.get_last_error())
     assert robot.get_robot_state()[2] != 5
 
@@ -194,9 +189,9 @@ def test_gains_that_are_left_out_are_the_vendors(sim: Simulator, robot: Program)
 @pytest.mark.slow
 def test_the_global_speed_does_not_scale_it(sim: Simulator, robot: Program) -> None:
     begin = sim.time
-    assert ended(sim, robot, servoj(robot, turned(0.5))) == TaskState.FINISHED
+    assert robot.ended(servoj(robot, turned(0.5))) == TaskState.FINISHED
     fast = sim.time - begin
     assert robot.speed(10.0) == TaskState.FINISHED
     begin = sim.time
-    assert ended(sim, robot, servoj(robot, turned(0.0))) == TaskState.FINISHED
+    assert robot.ended(servoj(robot, turned(0.0))) == TaskState.FINISHED
     assert sim.time - begin < 3.0 * fast

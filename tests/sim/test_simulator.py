@@ -349,21 +349,6 @@ def test_the_emergency_stop_ends_a_blocking_move_and_the_arm_stands(
     assert robot.to(*READY) == TaskState.FINISHED
 
 
-def test_a_collision_is_told_and_reset(sim: Simulator, robot: Program) -> None:
-    robot.to(2.0, *READY[1:], v=1.0, block=False)
-    sim.wait_until(lambda: sim.joints[0] > 0.05)
-    sim.collide(4)
-    sim.wait_until(lambda: sim.view.standing)
-    status = robot.getRobotStatus()
-    assert (status.collision, status.collisionAxis) == (True, 4)
-    assert robot.get_last_error() == ["Joint 4 检测到碰撞"]
-    assert robot.get_robot_state() == [6, 0, 7, 1]
-    assert robot.collision_detection_reset() == TaskState.FINISHED
-    assert not robot.getRobotStatus().collision
-    with pytest.raises(ValueError, match="1 to 6"):
-        sim.collide(7)
-
-
 @pytest.mark.slow
 def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Connect) -> None:
     with Simulator() as sim:
@@ -524,6 +509,7 @@ def test_wrong_options_are_named(options: dict[str, object], said: str) -> None:
         ("drag", ([1.0] * 6, ["1"] * 6), "viscous[0] is '1'"),
         ("collide", (None,), "joint is None"),
         ("collide", (2.7,), "joint is 2.7"),
+        ("collide", (7,), "1 to 6"),
         ("switch_mode", ("auto",), "mode is 'auto'"),
         ("set_digital_input", (3, "off"), "value is 'off'"),
         ("set_tool_digital_input", (1, 2), "value is 2"),

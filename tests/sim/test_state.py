@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from kinematics.bias import bias_acceleration
 
 import aioduco
-from aioduco._wire.rpc import IOStatus, Op, RobotStatus
+from aioduco._wire.rpc import Op, RobotStatus
 from aioduco.kinematics import arm, models
 from aioduco.kinematics.forward import fkine, jacobian
 from aioduco.models.enums import TaskState
@@ -256,26 +256,6 @@ def test_outputs_are_read_back_at_once(sim: Simulator, robot: Program) -> None:
     assert status.toolIOOut == [True] * 2
 
 
-def test_inputs_are_what_the_world_puts_on_them(sim: Simulator, robot: Program) -> None:
-    sim.set_digital_input(3, True)
-    sim.set_tool_digital_input(2, True)
-    assert [robot.get_standard_digital_in(num) for num in (2, 3, 4)] == [False, True, False]
-    assert [robot.get_tool_digital_in(num) for num in (1, 2)] == [False, True]
-    status = robot.getRobotIOStatus()
-    assert status.digitalInputs == [num == 3 for num in range(1, 17)]
-    assert not any(
-        read(num)
-        for read in (
-            robot.get_function_digital_in,
-            robot.get_function_digital_out,
-            robot.get_config_digital_in,
-        )
-        for num in range(1, 9)
-    )
-    sim.set_digital_input(3, False)
-    assert not robot.get_standard_digital_in(3)
-
-
 @pytest.mark.parametrize("num", [0, 17, -1, 32767, -32768])
 def test_signals_that_do_not_exist_read_false_and_are_not_set(robot: Program, num: int) -> None:
     assert robot.set_standard_digital_out(num, True, True) == OUT_OF_RANGE
@@ -284,30 +264,6 @@ def test_signals_that_do_not_exist_read_false_and_are_not_set(robot: Program, nu
     assert not robot.get_standard_digital_in(num)
     assert not robot.get_tool_digital_in(num)
     assert robot.getRobotIOStatus().digitalOutputs == [False] * 16
-
-
-def test_the_status_of_signals_has_the_lengths_of_the_manual(robot: Program) -> None:
-    lengths = {name: len(values) for name, values in asdict(robot.getRobotIOStatus()).items()}
-    assert sorted(lengths) == sorted(field.name for field in fields(IOStatus))
-    assert lengths == {
-        "analogCurrentOutputs": 4,
-        "analogVoltageOutputs": 4,
-        "analogCurrentInputs": 4,
-        "analogVoltageInputs": 4,
-        "digitalInputs": 16,
-        "digitalOutputs": 16,
-        "toolIOIn": 2,
-        "toolIOOut": 2,
-        "toolButton": 2,
-        "funRegisterInputs": 16,
-        "funRegisterOutputs": 16,
-        "boolRegisterInputs": 64,
-        "boolRegisterOutputs": 64,
-        "wordRegisterInputs": 32,
-        "wordRegisterOutputs": 32,
-        "floatRegisterInputs": 32,
-        "floatRegisterOutputs": 32,
-    }
 
 
 def test_a_bank_is_numbered_from_one() -> None:

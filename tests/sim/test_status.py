@@ -124,6 +124,11 @@ def test_a_loaded_arm_becomes_warm(cell: Simulator, program: Program) -> None:
 Act: TypeAlias = Callable[[Simulator, Program, int, Any], object]
 
 
+def put(name: str) -> Act:
+    """The world sets a signal, by a method of the simulator."""
+    return lambda sim, _, num, value: getattr(sim, name)(num, value)
+
+
 def bank(name: str) -> Act:
     """The world sets a signal."""
     return lambda sim, _, num, value: getattr(sim.signals, name).__setitem__(num, value)
@@ -134,26 +139,27 @@ def call(name: str, *rest: bool) -> Act:
     return lambda _, program, num, value: getattr(program, name)(num, value, *rest)
 
 
-#: field, how one signal of it comes to be, its number, its value; the function that reads the
-#: same, if there is one
-SIGNALS: list[tuple[str, Act, int, Any, str]] = [
-    ("analogCurrentOutputs", call("set_standard_analog_current_out", True), 2, 12.0, ""),
-    ("analogVoltageOutputs", call("set_standard_analog_voltage_out", True), 3, 7.5, ""),
-    ("analogCurrentInputs", bank("current_in"), 4, 20.0, "get_standard_analog_current_in"),
-    ("analogVoltageInputs", bank("voltage_in"), 1, 9.5, "get_standard_analog_voltage_in"),
-    ("digitalInputs", bank("standard_in"), 16, True, "get_standard_digital_in"),
-    ("digitalOutputs", call("set_standard_digital_out", True), 5, True, "get_standard_digital_out"),
-    ("toolIOIn", bank("tool_in"), 2, True, "get_tool_digital_in"),
-    ("toolIOOut", call("set_tool_digital_out", True), 1, True, "get_tool_digital_out"),
-    ("toolButton", bank("tool_buttons"), 1, True, ""),
-    ("funRegisterInputs", bank("function_reg_in"), 16, True, "get_function_reg_in"),
-    ("funRegisterOutputs", bank("function_reg_out"), 3, True, "get_function_reg_out"),
-    ("boolRegisterInputs", bank("bool_in"), 64, True, ""),
-    ("boolRegisterOutputs", call("write_bool_reg"), 63, True, "read_bool_reg"),
-    ("wordRegisterInputs", bank("word_in"), 32, 65535, ""),
-    ("wordRegisterOutputs", call("write_word_reg"), 31, 77, "read_word_reg"),
-    ("floatRegisterInputs", bank("float_in"), 9, 0.5, ""),
-    ("floatRegisterOutputs", call("write_float_reg"), 8, 2.5, "read_float_reg"),
+SET_OUTPUT = call("set_standard_digital_out", True)
+#: field, how many signals it has, how one of them comes to be, its number, its value; the function
+#: that reads the same, if there is one
+SIGNALS: list[tuple[str, int, Act, int, Any, str]] = [
+    ("analogCurrentOutputs", 4, call("set_standard_analog_current_out", True), 2, 12.0, ""),
+    ("analogVoltageOutputs", 4, call("set_standard_analog_voltage_out", True), 3, 7.5, ""),
+    ("analogCurrentInputs", 4, bank("current_in"), 4, 20.0, "get_standard_analog_current_in"),
+    ("analogVoltageInputs", 4, bank("voltage_in"), 1, 9.5, "get_standard_analog_voltage_in"),
+    ("digitalInputs", 16, put("set_digital_input"), 16, True, "get_standard_digital_in"),
+    ("digitalOutputs", 16, SET_OUTPUT, 5, True, "get_standard_digital_out"),
+    ("toolIOIn", 2, put("set_tool_digital_input"), 2, True, "get_tool_digital_in"),
+    ("toolIOOut", 2, call("set_tool_digital_out", True), 1, True, "get_tool_digital_out"),
+    ("toolButton", 2, bank("tool_buttons"), 1, True, ""),
+    ("funRegisterInputs", 16, bank("function_reg_in"), 16, True, "get_function_reg_in"),
+    ("funRegisterOutputs", 16, bank("function_reg_out"), 3, True, "get_function_reg_out"),
+    ("boolRegisterInputs", 64, bank("bool_in"), 64, True, ""),
+    ("boolRegisterOutputs", 64, call("write_bool_reg"), 63, True, "read_bool_reg"),
+    ("wordRegisterInputs", 32, bank("word_in"), 32, 65535, ""),
+    ("wordRegisterOutputs", 32, call("write_word_reg"), 31, 77, "read_word_reg"),
+    ("floatRegisterInputs", 32, bank("float_in"), 9, 0.5, ""),
+    ("floatRegisterOutputs", 32, call("write_float_reg"), 8, 2.5, "read_float_reg"),
 ]
 
 
@@ -161,11 +167,12 @@ SIGNALS: list[tuple[str, Act, int, Any, str]] = [
 def test_each_field_of_the_signals_status_is_live(
     cell: Simulator, connect: Connect, row: tuple[Any, ...]
 ) -> None:
-    field, act, num, value, reader = row
+    field, size, act, num, value, reader = row
     program = connect(cell)
     before = asdict(program.getRobotIOStatus())
     act(cell, program, num, value)
     now = asdict(program.getRobotIOStatus())
+    assert len(now[field]) == size
     told = -1 if value == 65535 else value  # words are signed in the status
     assert now[field][num - 1] == told != before[field][num - 1]
     before[field][num - 1] = told
