@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["MotionTriggers", "PathTrigger", "Triggers", "motion_triggers", "point_trigger"]
 
 _TIME, _DISTANCE = 1, 2
+#: fields of each of the three triggers of an Op; their names end with the trigger's number
+_FIELDS = ("time_or_dist", "trig_time", "trig_dist", "trig_io", "trig_value", "trig_event")
 #: kinds that public programs send although no manual names them
 _UNNAMED = (3, 4)
 #: offset of the numbers of bool registers; targets above 127 do not fit into the wire's byte
@@ -246,22 +248,13 @@ def motion_triggers(
     Raises:
         Rejected: the kind of a trigger is unknown, or its target does not exist.
     """
-    target = partial(_target, signals=signals, forgiving=forgiving)
-    start = _trigger(
-        op.time_or_dist_1, op.trig_time_1, op.trig_dist_1,
-        target(op.time_or_dist_1, op.trig_io_1, op.trig_value_1, op.trig_event_1),
-        distance,
-    )  # fmt: skip
-    end = _trigger(
-        op.time_or_dist_2, op.trig_time_2, op.trig_dist_2,
-        target(op.time_or_dist_2, op.trig_io_2, op.trig_value_2, op.trig_event_2),
-        distance,
-    )  # fmt: skip
-    halt = _trigger(
-        op.time_or_dist_3, op.trig_time_3, op.trig_dist_3,
-        target(op.time_or_dist_3, op.trig_io_3, op.trig_value_3, op.trig_event_3),
-        distance=False,
-    )  # fmt: skip
+    made = []
+    for number in (1, 2, 3):
+        fields = (getattr(op, f"{name}_{number}") for name in _FIELDS)
+        kind, time, metres, index, value, event = fields
+        fire = _target(kind, index, value, event, signals, forgiving)
+        made.append(_trigger(kind, time, metres, fire, distance and number < 3))
+    start, end, halt = made
     return MotionTriggers(tip, start, end, halt) if start or end or halt else None
 
 
@@ -294,7 +287,7 @@ def _trigger(
 
 
 def _target(
-    kind: int, index: int, value: bool, event: str, *, signals: Signals, forgiving: Forgiving
+    kind: int, index: int, value: bool, event: str, signals: Signals, forgiving: Forgiving
 ) -> Callable[[], None] | None:
     if kind == 0:
         return None

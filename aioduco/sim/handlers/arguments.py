@@ -66,6 +66,15 @@ def numbers(name: str, values: Sequence[float], length: int) -> tuple[float, ...
     return tuple(values)
 
 
+def six(
+    name: str, values: Sequence[float], most: float, unit: str, turning: float | None = None
+) -> tuple[float, ...]:
+    """Check six numbers of which no amount is above `most`; for the last three, `turning`."""
+    limits = [most] * 3 + [most if turning is None else turning] * 3
+    given = zip(numbers(name, values, 6), limits, strict=True)
+    return tuple(number(name, value, -limit, limit, unit) for value, limit in given)
+
+
 def pose(name: str, values: Sequence[float]) -> Pose:
     """Check a pose [m, rad]: positions within a kilometre, angles from -2π to 2π."""
     try:

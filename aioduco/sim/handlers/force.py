@@ -12,7 +12,7 @@ from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.force.conditions import Condition
 from aioduco.sim.force.control import AdmittanceLaw, ForceGuard
 from aioduco.sim.force.sensor import ForceAxes
-from aioduco.sim.handlers.arguments import choice, number, numbers
+from aioduco.sim.handlers.arguments import choice, number, numbers, six
 from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.planner.follower import StandingFollower
 from aioduco.sim.refusal import Rejected, illegal, mismatch
@@ -68,10 +68,10 @@ class ForceHandlers(HandlerSection):
                 raise mismatch(f"damp[{i}] is {damping[i]}, but must be above 0 where it is on")
         controller.force.control.law = AdmittanceLaw(
             on,
-            _within("ref_ft", ref_ft, _FORCE),
+            six("ref_ft", ref_ft, _FORCE, "N, N m"),
             damping,
-            tuple(map(abs, _within("max_vel", max_vel, _SPEED))),
-            tuple(map(abs, _within("number_list", number_list, _FORCE))),
+            tuple(map(abs, six("max_vel", max_vel, _SPEED, "m/s, rad/s"))),
+            tuple(map(abs, six("number_list", number_list, _FORCE, "N, N m"))),
             self._axes_of(tool, wobj, value),
         )
 
@@ -129,15 +129,13 @@ class ForceHandlers(HandlerSection):
         self, controller: Controller, middle: Sequence[float], **condition: Any
     ) -> None:
         """速度判断条件."""
-        speeds = numbers("middle", middle, 6)
-        for value, most in zip(speeds, (_SPEED,) * 3 + (_TURNING,) * 3, strict=True):
-            number("middle", value, -most, most, "m/s, rad/s")
+        speeds = six("middle", middle, _SPEED, "m/s, rad/s", _TURNING)
         _wait_for(controller, "vel", speeds, **condition)
 
     @task(block=False)
     def fc_wait_ft(self, controller: Controller, middle: Sequence[float], **condition: Any) -> None:
         """力判断条件."""
-        _wait_for(controller, "ft", _within("middle", middle, _FORCE), **condition)
+        _wait_for(controller, "ft", six("middle", middle, _FORCE, "N, N m"), **condition)
 
     @task(block=False)
     def fc_wait_logic(self, controller: Controller, value: Sequence[int]) -> int:
@@ -190,12 +188,6 @@ def _wait_for(
 def _directions(values: Sequence[bool]) -> tuple[bool, ...]:
     if len(values) != 6:
         raise mismatch(f"direction has {len(values)} flags, but must have 6")
-    return tuple(values)
-
-
-def _within(name: str, values: Sequence[float], most: float) -> tuple[float, ...]:
-    for value in numbers(name, values, 6):
-        number(name, value, -most, most, "")
     return tuple(values)
 
 

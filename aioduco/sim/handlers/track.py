@@ -161,11 +161,8 @@ class TrackHandlers(HandlerSection):
 
 
 def _point(values: Sequence[float]) -> tuple[float, ...]:
-    point = arguments.numbers("a point", values, 6)
     # The motion decides whether a point is joints or a pose; angles of both have this range.
-    return tuple(
-        arguments.number("a point", each, -2 * math.pi, 2 * math.pi, "m or rad") for each in point
-    )
+    return arguments.six("a point", values, 2 * math.pi, "m or rad")
 
 
 def _pool(points: Sequence[tuple[float, ...]]) -> TrackPool:

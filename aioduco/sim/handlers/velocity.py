@@ -47,7 +47,7 @@ class VelocityHandlers(HandlerSection):
         self, controller: Controller, joints_list: Sequence[float], a: float, time: int
     ) -> int:
         """Turn each joint at a velocity."""
-        speeds = _speeds("joints_list", joints_list, [_FASTEST_JOINT] * 6)
+        speeds = np.array(arguments.six("joints_list", joints_list, _FASTEST_JOINT, "rad/s"))
         change = min(arguments.number("a", a, *JOINT_ACCELERATION), _UNLIMITED_ACCELERATION)
         left = _time(time)
 
@@ -62,7 +62,9 @@ class VelocityHandlers(HandlerSection):
         self, controller: Controller, pose_list: Sequence[float], a: float, time: int
     ) -> int:
         """Move the tool at a velocity in its own frame (manual 4.3)."""
-        twist = _speeds("pose_list", pose_list, [_FASTEST_TOOL] * 3 + [_FASTEST_JOINT] * 3)
+        twist = np.array(
+            arguments.six("pose_list", pose_list, _FASTEST_TOOL, "m/s, rad/s", _FASTEST_JOINT)
+        )
         change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _UNLIMITED_ACCELERATION)
         left, tool = _time(time), self._frames.tool().matrix
 
@@ -219,13 +221,6 @@ def _check_jog(param: MoveJogTaskParam) -> None:
         if param.jog_type == _CARTESIAN:
             step = ("step_cartvalue", param.step_cartvalue)
         arguments.positive(*step, 2 * math.pi, "m or rad")
-
-
-def _speeds(name: str, values: Sequence[float], most: Sequence[float]) -> Array:
-    numbers = arguments.numbers(name, values, 6)
-    for value, limit in zip(numbers, most, strict=True):
-        arguments.number(name, value, -limit, limit, "rad/s or m/s")
-    return np.array(numbers)
 
 
 def _time(milliseconds: int) -> float:
