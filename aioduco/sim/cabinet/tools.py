@@ -14,14 +14,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
-__all__ = [
-    "DEFAULT",
-    "MAX_NAME",
-    "NO_LOAD",
-    "FrameTable",
-    "Tool",
-    "WorkObject",
-]
+__all__ = ["DEFAULT", "MAX_NAME", "NO_LOAD", "Frame", "FrameTable"]
 
 DEFAULT = "default"
 MAX_NAME = 32
@@ -30,49 +23,27 @@ _ORIGIN = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tool:
-    """A tool at the flange.
+class Frame:
+    """The frame of a tool at the flange, or of a work object at the base.
 
     Attributes:
         name: up to 32 bytes.
-        offset: its tip in the flange's frame.
+        pose: its place; that of a work object with the offset in use.
         matrix: the same as a matrix. Shape (4, 4).
-        inverse: the flange in the tip's frame. Shape (4, 4).
-        payload: its load [kg, m], with the centre in the flange's frame.
-    """
-
-    name: str
-    offset: Pose
-    matrix: Array
-    inverse: Array
-    payload: Load = NO_LOAD
-
-    @classmethod
-    def at(cls, offset: Pose, name: str = "", payload: Load = NO_LOAD) -> Tool:
-        """Make a tool with its tip at `offset`."""
-        return cls(name, offset, _frozen(offset.matrix), _frozen(offset.inverse().matrix), payload)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WorkObject:
-    """A work object in the base frame.
-
-    Attributes:
-        name: up to 32 bytes.
-        pose: its frame in the base frame, the offset in use included.
-        matrix: the same as a matrix. Shape (4, 4).
-        inverse: the base in its frame. Shape (4, 4).
+        inverse: the flange, or the base, in it. Shape (4, 4).
+        load: what a tool weighs, with its centre in the flange's frame.
     """
 
     name: str
     pose: Pose
     matrix: Array
     inverse: Array
+    load: Load = NO_LOAD
 
     @classmethod
-    def at(cls, pose: Pose, name: str = "") -> WorkObject:
-        """Make a work object at `pose`."""
-        return cls(name, pose, _frozen(pose.matrix), _frozen(pose.inverse().matrix))
+    def at(cls, pose: Pose, name: str = "", load: Load = NO_LOAD) -> Frame:
+        """Make a frame at a pose."""
+        return cls(name, pose, _frozen(pose.matrix), _frozen(pose.inverse().matrix), load)
 
 
 class FrameTable:
@@ -86,14 +57,14 @@ class FrameTable:
     """
 
     def __init__(self) -> None:
-        self._tools = {DEFAULT: Tool.at(_ORIGIN, DEFAULT)}
-        self._wobjs = {DEFAULT: WorkObject.at(_ORIGIN, DEFAULT)}
-        self.current_tool: Tool = self._tools[DEFAULT]
+        self._tools = {DEFAULT: Frame.at(_ORIGIN, DEFAULT)}
+        self._wobjs = self._tools.copy()
+        self.current_tool: Frame = self._tools[DEFAULT]
         self._wobj = self._wobjs[DEFAULT]
         self._offset: Pose | None = None
-        self.current_wobj: WorkObject = self._wobj
+        self.current_wobj: Frame = self._wobj
 
-    def tool(self, name: str = "") -> Tool:
+    def tool(self, name: str = "") -> Frame:
         """Find a tool by its name; an empty name means the tool in use.
 
         Raises:
@@ -105,7 +76,7 @@ class FrameTable:
             raise _unknown(f"there is no tool {name!r}", self._tools)
         return self._tools[name]
 
-    def wobj(self, name: str = "") -> WorkObject:
+    def wobj(self, name: str = "") -> Frame:
         """Find a work object by its name, with the offset in use; no name means the one in use.
 
         Raises:
@@ -115,13 +86,13 @@ class FrameTable:
             raise _unknown(f"there is no work object {name!r}", self._wobjs)
         return self._moved(self._wobjs[name]) if name else self.current_wobj
 
-    def set_tool(self, tool: Tool) -> None:
+    def set_tool(self, tool: Frame) -> None:
         """Define a tool, and use it."""
         self._tools[tool.name] = self.current_tool = tool
 
     def set_wobj(self, name: str, pose: Pose) -> None:
         """Define a work object, and use it."""
-        self._wobjs[name] = self._wobj = WorkObject.at(pose, name)
+        self._wobjs[name] = self._wobj = Frame.at(pose, name)
         self.current_wobj = self._moved(self._wobj)
 
     def set_wobj_offset(self, offset: Pose | None) -> None:
@@ -129,10 +100,10 @@ class FrameTable:
         self._offset = offset
         self.current_wobj = self._moved(self._wobj)
 
-    def _moved(self, wobj: WorkObject) -> WorkObject:
+    def _moved(self, wobj: Frame) -> Frame:
         if self._offset is None:
             return wobj
-        return WorkObject.at(wobj.pose @ self._offset, wobj.name)
+        return Frame.at(wobj.pose @ self._offset, wobj.name)
 
 
 def _unknown(message: str, known: Iterable[str]) -> Rejected:

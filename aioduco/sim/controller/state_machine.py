@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.cabinet.tools import Tool, WorkObject
+    from aioduco.sim.cabinet.tools import Frame
     from aioduco.sim.controller.motion_queue import Following, Plan, Planning
     from aioduco.sim.controller.programs import RunningProgram
     from aioduco.sim.controller.triggers import MotionTriggers
@@ -96,8 +96,8 @@ class ControllerState(NamedTuple):
     error: int
     errors: tuple[str, ...]
     speed: float
-    tool: Tool
-    wobj: WorkObject
+    tool: Frame
+    wobj: Frame
     force_control: bool
     sensor: ForceSensor
     standing: bool

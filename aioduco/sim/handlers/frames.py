@@ -8,7 +8,7 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import MAX_NAME, Tool, WorkObject
+from aioduco.sim.cabinet.tools import MAX_NAME, Frame
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
 from aioduco.sim.handlers.base import HandlerSection, task
@@ -33,7 +33,7 @@ class FrameHandlers(HandlerSection):
         inertia_tensor: Sequence[float],
     ) -> None:
         """Define a tool, and use it."""
-        tool = Tool.at(
+        tool = Frame.at(
             pose("tool_offset", tool_offset),
             name_of("name", name, MAX_NAME),
             load("payload", payload),
@@ -55,11 +55,11 @@ class FrameHandlers(HandlerSection):
 
     def get_tcp_offset(self) -> list[float]:
         """末端工具的偏移量 [m, rad]."""
-        return list(self._runtime.snapshot.view.tool.offset)
+        return list(self._runtime.snapshot.view.tool.pose)
 
     def get_tool_load(self) -> list[float]:
         """工具的负载质量及质心位置 [kg, m]."""
-        return list(self._runtime.snapshot.view.tool.payload)
+        return list(self._runtime.snapshot.view.tool.load)
 
     def get_wobj(self) -> list[float]:
         """工件坐标系相对于基坐标系的位移 [m, rad]."""
@@ -104,19 +104,19 @@ class FrameHandlers(HandlerSection):
             return list(near)
         return found
 
-    def _tool(self, offset: Sequence[float]) -> Tool:
+    def _tool(self, offset: Sequence[float]) -> Frame:
         """A tool with its tip at a pose; the one in use if none is given."""
-        return Tool.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
+        return Frame.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
 
-    def _wobj(self, frame: Sequence[float]) -> WorkObject:
+    def _wobj(self, frame: Sequence[float]) -> Frame:
         """A work object at a pose; the one in use if none is given."""
-        return WorkObject.at(pose("wobj", frame)) if frame else self._runtime.snapshot.view.wobj
+        return Frame.at(pose("wobj", frame)) if frame else self._runtime.snapshot.view.wobj
 
     @task()
     def set_load_data(self, controller: Controller, value: Sequence[float]) -> None:
         """抓取负载 [kg, m], centre of gravity in the tool's frame; the physics mount it, too."""
         held = load("value", value)
-        self._cabinet.held = held.in_flange(controller.frames.tool().offset)
+        self._cabinet.held = held.in_flange(controller.frames.tool().pose)
         self._carry(controller)
 
     def get_tcp_force(self) -> list[float]:
@@ -143,7 +143,7 @@ class FrameHandlers(HandlerSection):
         model of the arm has it already, with its own mass.
         """
         held = self._cabinet.held
-        both = controller.frames.tool().payload.with_load(held)
+        both = controller.frames.tool().load.with_load(held)
         controller.force.carry(both.mass, both[1:])
         mass, *centre = held if self._cabinet.tooled else both
         self._runtime.load(mass, centre)
